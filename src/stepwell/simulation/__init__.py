@@ -1,4 +1,4 @@
-"""Robots simulated: their MuJoCo model, their walks, their way through an arena."""
+"""Simulation of robots in MuJoCo: model, walks, runs in an arena, sweeps, videos."""
 
 from stepwell.simulation.comparison import (
     Convergence,

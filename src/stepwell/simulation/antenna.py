@@ -10,21 +10,21 @@ from stepwell.simulation.leg import in_body, places
 from stepwell.simulation.simulator import Settings
 
 ROD = 0.0015  # radius [m]
-LAYER = 0.006  # from the plane of one antenna to that of the next: crossed, they pass [m]
+LAYER = 0.006  # distance between the planes of two antennas, so that they can cross [m]
 ANCHOR = 0.002  # mass of the part that slides [kg]
 SLIDING = 0.2  # its damping [N s/m]
 LOOSE = 2e-3  # spring that holds a disconnected rod at rest [N m/rad]
 
 
 def add_anchor(robot: Robot, antenna: Antenna, body: Any, settings: Settings) -> Any:
-    """The sliding part that carries the anchor which an antenna moves; returns its body."""
+    """Add the sliding part with the anchor that an antenna displaces, and return its body."""
     leg = robot.leg(antenna.leg)
     cell = leg.cell_index(antenna.cell)
     if cell != 0:
         raise InputError(
             f"antenna {antenna.name!r} moves an anchor of {leg.chain.names[cell]}: the simulation "
-            f"moves those of the innermost cell only, whose anchor p is on the body; lead the "
-            f"antenna there."
+            f"supports antennas of the innermost cell only, whose anchor p is on the body; set "
+            f"cell = {leg.chain.names[0]!r}."
         )
     where = places(robot, leg)
     p = in_body(leg, leg.chain.levers[0].bands[0].p)
@@ -40,7 +40,7 @@ def add_anchor(robot: Robot, antenna: Antenna, body: Any, settings: Settings) ->
 
 
 def add_rod(spec: Any, robot: Robot, antenna: Antenna, body: Any, settings: Settings) -> None:
-    """The rod and its hinge, and the lever that couples it to the anchor."""
+    """Add the rod and its hinge, and the coupling to the anchor."""
     name, side = antenna.name, antenna.side
     # The height of its plane over the pivots of the legs [m].
     height = LAYER * (robot.antennas.index(antenna) - (len(robot.antennas) - 1) / 2)

@@ -1,4 +1,4 @@
-"""A walk against the predicted gait, and how far it depends on the time step."""
+"""Comparison of a walk with the predicted gait, and its convergence with the time step."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -15,13 +15,13 @@ from stepwell.statics import StaticsError
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GaitComparison(ByValue):
-    """The gait of every leg in the last cycle of a walk, against the predicted one.
+    """Comparison of the gait of every leg in the last cycle of a walk with the predicted gait.
 
     Attributes:
-        robot: which walked.
-        predicted: for each leg the predicted gait; empty where statics gives none.
+        robot: the robot of the walk.
+        predicted: for each leg the predicted gait; empty if statics gives none.
         same: whether all legs have their predicted gaits; None without a whole cycle or prediction.
-        text: one line: that they are the same, or which differ and why, as far as it is known.
+        text: one line: agreement, or the legs that differ and the likely reasons.
     """
 
     robot: Robot = field(repr=False)
@@ -31,9 +31,9 @@ class GaitComparison(ByValue):
 
     @property
     def depths(self) -> tuple[tuple[float, float] | None, ...]:
-        """For each leg the depths of the feet [m] between which it surely keeps its gait.
+        """For each leg the range of preload depths [m] in which it certainly keeps its gait.
 
-        None where statics cannot determine them. Computed when it is first asked for.
+        None if statics cannot determine it. Computed on first access.
         """
         return known_depths(self.robot)
 
@@ -60,7 +60,7 @@ def compare_gaits(walk: Walk) -> GaitComparison:
     if not off:
         return GaitComparison(robot, predicted, True, f"as predicted{f': {why}' if why else ''}")
     differ = ", ".join(
-        f"{robot.legs[i].name} goes {walked[i] or 'through no state'} and not {predicted[i]}"
+        f"{robot.legs[i].name} goes {walked[i] or 'through no state'} instead of {predicted[i]}"
         for i in off
     )
     prediction = robot.predict()
@@ -71,7 +71,7 @@ def compare_gaits(walk: Walk) -> GaitComparison:
 
 
 def _same_cycle(one: str, other: str) -> bool:
-    """Whether two gaits are one round of states, wherever it begins."""
+    """Whether two gaits are the same cycle of states, with any first state."""
     a, b = (gait.split(">") for gait in (one, other))
     a, b = (each[:-1] if len(each) > 1 and each[0] == each[-1] else each for each in (a, b))
     return len(a) == len(b) and any(a[k:] + a[:k] == b for k in range(len(a)))
@@ -81,9 +81,9 @@ def _reasons(walk: Walk, prediction: Prediction, index: int, walked: str) -> Ite
     robot, leg = walk.robot, prediction.legs[index]
     last = walk.time >= walk.starts[-2]
     if walk.cycles == 1 and leg.first_gait != leg.gait:
-        yield "it walked one cycle, and the predicted one comes after it"
+        yield "it walked one cycle, and the prediction is for later cycles"
     if walk.antenna.size and float(walk.antenna.max()) > 0.0 and walk.touch.max() > 0.0:
-        yield "antennas were pressed, and the prediction is of none pressed"
+        yield "antennas were pressed, and the prediction is without contact"
     if float(walk.foot_force[last, index].max()) < LOADED:
         yield f"the foot of {leg.name} carries nothing in the last cycle"
     least, most = walk.stroke[last].min(), walk.stroke[last].max()
@@ -91,16 +91,16 @@ def _reasons(walk: Walk, prediction: Prediction, index: int, walked: str) -> Ite
     near = 0.2 * min(robot.legs[index].chain.full_travels)
     if abs(least - low) > near or abs(most - high) > near:
         yield (
-            f"the carriage went from {to_unit(least, 'mm'):.1f} to {to_unit(most, 'mm'):.1f} mm "
-            f"where statics takes it from {to_unit(low, 'mm'):.1f} to {to_unit(high, 'mm'):.1f} mm"
+            f"the carriage moved from {to_unit(least, 'mm'):.1f} to {to_unit(most, 'mm'):.1f} mm, "
+            f"in statics from {to_unit(low, 'mm'):.1f} to {to_unit(high, 'mm'):.1f} mm"
         )
     others = {*leg.alternatives, *([leg.nearest] if leg.margin < leg.uncertainty else [])}
     if any(_same_cycle(walked, other) for other in others):
-        yield f"statics cannot tell the two apart for {leg.name}"
+        yield f"statics cannot separate the two gaits of {leg.name}"
     shallow, deep = prediction.depths[index]
     if not shallow < robot.foot.below < deep:
         yield (
-            f"feet stand {to_unit(robot.foot.below, 'mm'):.2f} mm deep, and statics is sure of "
+            f"the preload depth is {to_unit(robot.foot.below, 'mm'):.2f} mm; statics is certain of "
             f"{leg.name} from {to_unit(shallow, 'mm'):.2f} to {to_unit(deep, 'mm'):.2f} mm only"
         )
 
@@ -108,13 +108,14 @@ def _reasons(walk: Walk, prediction: Prediction, index: int, walked: str) -> Ite
 def _unknown(prediction: Prediction) -> str:
     least = min(prediction.legs, key=lambda leg: leg.margin - leg.uncertainty)
     return (
-        f"no reason found; of the {to_unit(least.margin, 'mN'):.3g} mN that change the predicted "
-        f"gait of {least.name}, statics does not know {to_unit(least.uncertainty, 'mN'):.3g} mN"
+        f"reason unknown; the predicted gait of {least.name} has a margin of "
+        f"{to_unit(least.margin, 'mN'):.3g} mN, the uncertainty of statics is "
+        f"{to_unit(least.uncertainty, 'mN'):.3g} mN"
     )
 
 
 STEPS = (1e-3, 5e-4, 2.5e-4)
-JUMP = 0.2  # a floor force that changes by more than this share in one step jumps
+JUMP = 0.2  # a ground reaction force that changes by more than this fraction in one step jumps
 
 
 class Resolution(NamedTuple):
@@ -124,10 +125,10 @@ class Resolution(NamedTuple):
         time_step: [s].
         advance: displacement forward a cycle over u_max [1], after the first cycle.
         turn: rotation to the left a cycle [rad], after the first cycle.
-        off: root mean square, over samples and contacts, of the difference of the floor's forces
-            from those at the finest time step, over the robot's weight [1].
-        jumps: share of the steps in which the force under a foot or support changes by more than a
-            fifth [1].
+        off: root mean square, over samples and contacts, of the deviation of the ground reaction
+            forces from those at the finest time step, over the robot's weight [1].
+        jumps: fraction of the steps in which a ground reaction force changes by more than a fifth
+            [1].
     """
 
     time_step: float
@@ -153,7 +154,7 @@ class Convergence(ByValue):
         advance = [row.advance for row in self.rows]
         return (
             f"Convergence(time steps {steps} ms: d/u_max {min(advance):.3f} to "
-            f"{max(advance):.3f}, floor forces off by up to {most * 100:.2f} % of the weight)"
+            f"{max(advance):.3f}, forces deviate by up to {most * 100:.2f} % of the weight)"
         )
 
 
@@ -165,7 +166,7 @@ def convergence(
     settings: Settings | None = None,
     progress: Callable[[float, float], None] | None = None,
 ) -> Convergence:
-    """Walk a robot at several time steps.
+    """Simulate a walk at several time steps.
 
     Args:
         time_steps: two or more [s]; the settings' sample is a multiple of each.
@@ -194,16 +195,16 @@ def convergence(
     walks: list[Walk] = []
     for i, step in enumerate(steps):
 
-        def tell(done: float, of: float, i: int = i) -> None:
+        def report(done: float, of: float, i: int = i) -> None:
             notify(progress, sum(costs[:i]) + done / of * costs[i], sum(costs))
 
         fine = replace(settings, time_step=step, sample=step)
-        one = walk(robot, cycles, settings=fine, progress=tell)
+        one = walk(robot, cycles, settings=fine, progress=report)
         if one.stopped:
-            text = f"time_steps: at {step:g} s it does not walk to the end. {one.stopped}"
+            text = f"time_steps: at {step:g} s the walk ended early. {one.stopped}"
             raise InputError(text)
         walks.append(one)
-    # Of the floor in every step (n, contacts), and over each sample (samples, contacts) [N].
+    # Ground reaction forces of each step (n, contacts), and means of samples (samples, contacts).
     forces = [np.concatenate([one.foot_force, one.support_force], axis=1) for one in walks]
     means: list[Floats] = []
     for force, step in zip(forces, steps, strict=True):

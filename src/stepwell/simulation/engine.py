@@ -1,4 +1,4 @@
-"""The stepping: a command in, samples out, and an early end where a run goes wrong."""
+"""Time stepping: a command in, samples out, and an early end if a run goes wrong."""
 
 import math
 from collections.abc import Iterator
@@ -13,20 +13,20 @@ from stepwell.simulation.simulator import Settings, mujoco, quietly, rollout
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 STRETCHED = 1e-3  # a rod that is off its length by this [m] has come apart
-FALLEN = math.radians(45.0)  # a body that leans by this will not get up
-CHUNK = 0.5  # time between two looks at a run [s]
+FALLEN = math.radians(45.0)  # a body that leans by this has fallen
+CHUNK = 0.5  # time between two checks of a run [s]
 
 
 @dataclass(frozen=True)
 class RunSamples:
-    """What came out of a run."""
+    """Samples of a run, and its state at the end."""
 
     time: Floats  # (n,) from the start of the first cycle [s]
-    data: Floats  # (n, sensors) readings, forces of what touches as means since the sample before
+    data: Floats  # (n, sensors) readings, contact forces as means since the previous sample
     positions: Floats  # (n, nq) joint positions, in MuJoCo's order
     where: dict[str, slice]  # the columns of each sensor
     stopped: str  # why it ended early, or ""
-    state: Floats  # (states,) MuJoCo's full state at the end, for going on from it
+    state: Floats  # (states,) MuJoCo's full state at the end, to continue from it
     steps: int  # taken since `begin`
     begin: float  # time at which steps were first counted [s]
     time_step: float  # [s]
@@ -41,7 +41,7 @@ class RunSamples:
 
 
 class SimulatedRun:
-    """A run in progress, a chunk at a time; its samples are kept, or only looked at."""
+    """A run in progress, stepped in chunks; its samples are recorded, or only checked."""
 
     def __init__(
         self,
@@ -54,7 +54,7 @@ class SimulatedRun:
     ):
         self.robot, self.arena, self.settings, self.record = robot, arena, settings, record
         self.model = spec(robot, arena, settings).compile()
-        # A run that diverges is stopped and told, not put back to its start.
+        # A run that diverges is stopped and reported, not reset to its start.
         self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         self.data = mujoco.MjData(self.model)
         self.where, self.touching = columns(self.model), contacts(self.model)
@@ -67,12 +67,12 @@ class SimulatedRun:
         else:
             if start.state.size != self.state.size:
                 raise InputError(
-                    "start: the robot that it ended with has other parts; go on with the same "
-                    "robot, or one whose numbers alone have changed."
+                    "start: it ended with a robot of other parts; continue with the same robot, or "
+                    "with one of other numbers only."
                 )
             mujoco.mj_setState(self.model, self.data, start.state, STATE)
             if (start.time_step, start.every) == (settings.time_step, self.every):
-                # Counting on from the same beginning keeps every number what it would have been.
+                # Counting steps from the same beginning reproduces the numbers of one long run.
                 self.begin, self.steps, self.pending = start.begin, start.steps, start.pending
             else:
                 self.begin = start.end
@@ -83,7 +83,7 @@ class SimulatedRun:
         self._data = [np.empty((0, self.model.nsensordata))]
         self._positions = [np.empty((0, self.model.nq))]
         self._warm = (self.data.qacc_warmstart if start is None else start.warm).copy()
-        # Of every rod the column of its length, and what it should be [m].
+        # For every rod the column of its length, and its nominal length [m].
         lengths = self.model.tendon_length0
         self.rods = {
             name: (self.where[f"{name}.length"].start, float(lengths[self.model.tendon(name).id]))
@@ -96,7 +96,7 @@ class SimulatedRun:
         return self.begin + self.steps * self.settings.time_step
 
     def require_affordable(self, end: float) -> None:
-        """Refuse to go on to this time [s] in more time steps, or readings, than the limits."""
+        """Raise ValueError if a run to this time [s] takes more steps or readings than allowed."""
         seconds, step = end - self.now, self.settings.time_step
         require("steps", round(seconds / step), f"{seconds:.6g} s in steps of {step:g} s are")
         width = self.model.nsensordata + self.model.nq
@@ -104,7 +104,7 @@ class SimulatedRun:
         require("readings", round(kept * width), f"{kept:.0f} samples of {width} numbers are")
 
     def chunks(self, end: float) -> Iterator[float]:
-        """Go on to this time [s], or to where it goes wrong; each time looked at is given."""
+        """Advance to this time [s], or to an error, and yield the time after each chunk."""
         for until in self.looks(end):
             self.advance(until)
             yield self.now
@@ -112,14 +112,14 @@ class SimulatedRun:
                 return
 
     def looks(self, end: float) -> list[float]:
-        """When a run that goes on to this time [s] is looked at [s]."""
+        """Times [s] at which a run to this time [s] is checked."""
         self.require_affordable(end)
         begin = self.now
         count = max(1, math.ceil((end - begin) / CHUNK - 1e-9))
         return [begin + (end - begin) * (i + 1) / count for i in range(count)]
 
     def advance(self, until: float) -> None:
-        """Step to this time [s], or to where the run goes wrong."""
+        """Step to this time [s], or until the run goes wrong."""
         steps = round((until - self.now) / self.settings.time_step)
         if steps <= 0 or self.stopped:
             return
@@ -130,14 +130,14 @@ class SimulatedRun:
         self.take(states[0], readings[0])
 
     def command(self, steps: int) -> Floats:
-        """(steps,) the stroke that is commanded in each of the next steps [m]."""
-        # The command of a step is the one that stands at its beginning.
+        """(steps,) commanded stroke of the next steps [m]."""
+        # The command of a step is the one at its beginning.
         return self.robot.drive.stroke(self._after(steps) - self.settings.time_step)
 
     def take(self, states: Floats, readings: Floats) -> None:
-        """Take what the next steps gave, up to where it goes wrong.
+        """Record the next steps, until the run goes wrong.
 
-        That is MuJoCo's full state after each (steps, states), and the readings (steps, sensors).
+        `states` are MuJoCo's full states (steps, states), `readings` are (steps, sensors).
         """
         if self.stopped:
             return
@@ -158,7 +158,7 @@ class SimulatedRun:
         self._positions.append(states[keep, 1 : 1 + self.model.nq][:sound])
 
     def samples(self) -> RunSamples:
-        """Everything so far."""
+        """All samples so far, and the present state."""
         return RunSamples(
             *map(np.concatenate, (self._times, self._data, self._positions)),
             where=self.where,
@@ -181,10 +181,10 @@ class SimulatedRun:
 def stopped_at(
     time: Floats, data: Floats, where: dict[str, slice], rods: dict[str, tuple[int, float]]
 ) -> tuple[int, str]:
-    """How many samples are sound, and what is wrong with the next one, "" without one.
+    """Number of valid samples, and the error in the next one, "" without an error.
 
-    Given are times (n,) [s], readings (n, sensors), the columns of each sensor, and of every rod
-    its column and its length [m].
+    Arguments: times (n,) [s], readings (n, sensors), the columns of each sensor, and the column and
+    length [m] of each rod.
     """
     wrong: list[tuple[int, str]] = []
 
@@ -202,6 +202,6 @@ def stopped_at(
     check(np.asarray(lean > FALLEN), "the robot fell over")
     if not wrong:
         return len(time), ""
-    # Of what is found in the same sample, the first check says most.
+    # Of several errors in the same sample, the first check is the most specific.
     first, why = min(wrong, key=lambda one: one[0])
     return first, f"Stopped at {time[first]:.3f} s: {why}."

@@ -1,6 +1,6 @@
-"""Levers and links as hinged bodies: the check on the legs of rods.
+"""Levers and links as hinged bodies, to validate the legs of rods.
 
-Two levers hinged on each block hold the next one parallel; no guide keeps it from turning.
+Two levers hinged on each block keep the next one parallel, without a guide.
 """
 
 import math
@@ -15,12 +15,12 @@ if TYPE_CHECKING:
     from stepwell.simulation.leg import LegModel
 
 APART = 0.012  # the two levers of a cell, along the chain [m]
-# Levers and links are light beside blocks and feet, of whose mass theirs is a part, so that the
-# robot weighs the same as one on rods: these shares of a block for a lever, of a foot for a link.
+# Mass of a lever as a fraction of a block, and of a link as a fraction of a foot. It is taken from
+# the block and the foot, so that the robot weighs the same as one on rods.
 LEVER = 0.05
 LINK = 0.075
-THICK = 0.001  # radius of what is drawn [m]
-# Light bodies make soft constraints, so these are set stiffer than the rods'.
+THICK = 0.001  # radius of the drawn rods [m]
+# Light bodies make constraints soft, so these are set stiffer than those of the rods.
 STIFF = (0.998, 0.999, 0.001, 0.5, 2.0)
 
 
@@ -39,7 +39,7 @@ def start(robot: Robot, leg: Leg) -> dict[str, float]:
 
 
 def add_levers(model: "LegModel", name: str, cell: Cell, inner: Place, outer: Place) -> None:
-    """Two parallel levers from block to block, whose hinges end at the stops."""
+    """Add two parallel levers from block to block, whose hinges have the stops."""
     tip = (0.0, model.leg.side * cell.lever, 0.0)
     for end, shift in (("front", APART / 2), ("back", -APART / 2)):
         label = f"{name}.lever.{end}"
@@ -56,7 +56,7 @@ def add_levers(model: "LegModel", name: str, cell: Cell, inner: Place, outer: Pl
 
 
 def add_link(model: "LegModel", end: str, pivot: Place, tip: Vec3) -> None:
-    """A link of the V, from a pivot down to the foot's tip."""
+    """Add a link of the V, from a pivot down to the foot's tip."""
     label, mass = f"{model.leg.name}.link.{end}", LINK * model.robot.foot.mass
     link = pivot[0].add_body(name=label, pos=pivot[1])
     parts.hinge(link, label, (0.0, 1.0, 0.0))
@@ -66,7 +66,7 @@ def add_link(model: "LegModel", end: str, pivot: Place, tip: Vec3) -> None:
 
 
 def _pin(model: "LegModel", name: str, site: str) -> None:
-    """Hold the tip of a lever or link at a point."""
+    """Connect the tip of a lever or link to a point."""
     model.spec.add_equality(
         type=parts.mujoco.mjtEq.mjEQ_CONNECT,
         objtype=parts.mujoco.mjtObj.mjOBJ_SITE,

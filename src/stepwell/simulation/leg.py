@@ -9,13 +9,13 @@ from stepwell.robot import Leg, Robot
 from stepwell.simulation import hinges, parts, simulator
 from stepwell.simulation.parts import TOP, Place, Vec3
 
-# The damping that keeps a lever's sideways swing quiet [N s/m]: small beside that of a travel.
+# Damping of a lever's sideways swing [N s/m]: small against the damping of a travel.
 SIDEWAYS = 0.02
 
 
 @dataclass(frozen=True)
 class Places:
-    """Where the parts of a leg are in the reference position, every lever at θ = 0."""
+    """Places of the parts of a leg in the reference position, every lever at θ = 0."""
 
     blocks: tuple[float, ...]  # (cells,) x of each moving block [m], inner first, at its pivot
     joints: tuple[float, ...]  # (cells,) x at which each cell's lever crosses between blocks [m]
@@ -25,7 +25,7 @@ class Places:
 
 @dataclass(frozen=True)
 class LegModel:
-    """A leg and what it is added to."""
+    """A leg, and the model and bodies to which it is added."""
 
     spec: Any  # the model, and two bodies of it
     body: Any
@@ -37,11 +37,11 @@ class LegModel:
 
     @property
     def hinged(self) -> bool:
-        """Whether levers and links are hinged bodies, and not lines of fixed length."""
+        """Whether levers and links are hinged bodies instead of lines of fixed length."""
         return self.settings.linkage is simulator.Linkage.HINGES
 
     def cell_name(self, number: int) -> str:
-        """What the model calls a cell, counted from inside."""
+        """The name of a cell in the model; the cell is counted from inside."""
         return f"{self.leg.name}.{self.leg.chain.names[number]}"
 
 
@@ -54,7 +54,7 @@ def places(robot: Robot, leg: Leg) -> Places:
     for travel in half[-2:0:-1]:
         blocks.append(blocks[-1] + robot.blocks.length + 2 * travel)
     blocks.reverse()
-    # A lever is drawn beside the block that it leaves; the body's first beside the first block.
+    # A lever is drawn next to its inner block; the first one next to the first block.
     joints = [blocks[0], *blocks[:-1]]
     sideways = accumulate((leg.side * cell.lever for cell in cells), initial=leg.at[1])
     width = robot.foot.span + half[-1]
@@ -68,7 +68,7 @@ def in_body(leg: Leg, anchor: tuple[float, float]) -> Vec3:
 
 
 def add_leg(model: LegModel) -> None:
-    """Add a leg on rods or on hinges, with the same names for what a recording reads."""
+    """Add a leg on rods or on hinges, with the same sensor names."""
     spec, robot, leg, soft = model.spec, model.robot, model.leg, parts.soft(model.settings)
     where, cells = places(robot, leg), leg.chain.levers
     previous, origin = model.body, (0.0, 0.0)
@@ -116,7 +116,7 @@ def add_leg(model: LegModel) -> None:
 
 
 def _slider(model: LegModel, number: int, x: float) -> Any:
-    """A box that slides along the chain with all cells up to this one, and meets walls."""
+    """Add a box that slides along the chain with the cells up to this one; walls stop it."""
     robot, leg, name = model.robot, model.leg, f"{model.cell_name(number)}.block"
     travel = sum(cell.full_travel for cell in leg.chain.cells[: number + 1])
     slider = model.body.add_body(name=name, pos=(x, leg.at[1], 0.0))
@@ -127,7 +127,7 @@ def _slider(model: LegModel, number: int, x: float) -> Any:
 
 
 def _add_line(model: LegModel, name: str, ends: tuple[str, str], rgba: parts.Colour) -> None:
-    """A lever or link on rods; on hinges a line whose length tells that the linkage holds."""
+    """Add a lever or link of rods; on hinges, a line whose length checks the linkage."""
     if model.hinged:
         parts.between(model.spec, name, ends, rgba=parts.HIDDEN)
     else:
@@ -136,7 +136,7 @@ def _add_line(model: LegModel, name: str, ends: tuple[str, str], rgba: parts.Col
 
 
 def _add_bands(model: LegModel, number: int, inner: Place, outer: Place) -> None:
-    """The bands of a cell, counted from inside, between the lever joints of its two blocks."""
+    """Add the bands of a cell, counted from inside, between the lever joints of its blocks."""
     leg, name, cell = model.leg, model.cell_name(number), model.leg.chain.levers[number]
     for j, band in enumerate(cell.bands):
         label = f"{name}.band" if len(cell.bands) == 1 else f"{name}.band{j + 1}"
@@ -153,10 +153,10 @@ def _add_bands(model: LegModel, number: int, inner: Place, outer: Place) -> None
 
 
 def _add_foot(model: LegModel, where: Places) -> None:
-    """The V and its foot, which is free in its leg's plane."""
+    """Add the V and its foot, which is free in the plane of the leg."""
     robot, leg, name = model.robot, model.leg, model.leg.name
     x, z = where.foot
-    # The V hangs from sliders, which share a block's travel and not its sideways swing.
+    # The V hangs from sliders, which have a block's travel but not its sideways swing.
     middle = model.spec.body(f"{model.cell_name(-2)}.block")
     tip = model.body.add_body(name=f"{name}.foot", pos=(x, leg.at[1], z))
     parts.slider(tip, f"{name}.foot.x", (1.0, 0.0, 0.0))

@@ -1,4 +1,4 @@
-"""A robot as a MuJoCo model, and what is read from it at every sample."""
+"""MuJoCo model of a robot, and its sensors."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -18,14 +18,14 @@ OBJECT = mujoco.mjtObj
 
 
 def rod_names(robot: Robot) -> Iterator[str]:
-    """Lines of fixed length: a stretched one is the first sign of a run that goes wrong."""
+    """Names of lines of fixed length; a stretched one is the first sign of an invalid run."""
     for leg in robot.legs:
         yield from (f"{leg.name}.{cell}.lever" for cell in leg.chain.names)
         yield from (f"{leg.name}.link.{end}" for end in ("in", "out"))
 
 
 def obstacle_names(arena: Arena) -> tuple[str, ...]:
-    """What the model calls the obstacles: walls first, numbered from 1."""
+    """Names of the obstacles in the model: walls first, numbered from 1."""
     walls = (f"wall {i + 1}" for i in range(len(arena.walls)))
     return (*walls, *(f"cylinder {i + 1}" for i in range(len(arena.cylinders))))
 
@@ -59,7 +59,7 @@ def add_sensors(spec: Any, robot: Robot, arena: Arena | None) -> None:
 
 
 def columns(model: Model) -> dict[str, slice]:
-    """Where each sensor's numbers stand among all of them."""
+    """The columns of each sensor among all readings."""
     return {
         model.sensor(i).name: slice(int(start), int(start + size))
         for i, (start, size) in enumerate(zip(model.sensor_adr, model.sensor_dim, strict=True))
@@ -67,23 +67,23 @@ def columns(model: Model) -> dict[str, slice]:
 
 
 def contacts(model: Model) -> Ints:
-    """(m,) columns that are forces of what touches."""
+    """(m,) columns with contact forces."""
     touches = np.flatnonzero(model.sensor_type == int(TYPE.mjSENS_TOUCH))
     return np.asarray(model.sensor_adr[touches], np.int64)
 
 
 def sampled(readings: Floats, pending: Floats, every: int, columns: Ints) -> tuple[Floats, Floats]:
-    """The readings of every so many steps, forces of what touches as means over these steps.
+    """The readings of every `every`-th step, with contact forces as means since the last sample.
 
-    Readings of each step (..., n, sensors) come after those pending since the last sample;
-    `columns` are these forces. The samples come with the steps that are pending then.
+    Readings of each step (..., n, sensors) follow those pending since the last sample; `columns`
+    are the contact forces. Returns the samples, and the readings that are pending then.
     """
     steps = np.concatenate([pending, readings], axis=-2)
     *some, n, width = steps.shape
     end = n - n % every
     windows = steps[..., :end, :].reshape(*some, n // every, every, width)
     samples = windows[..., -1, :].copy()
-    # What overflows is found by who looks at the samples.
+    # Overflows are detected later, in the samples.
     with np.errstate(over="ignore", invalid="ignore"):
         samples[..., columns] = windows[..., columns].mean(axis=-2)
     return samples, steps[..., end:, :].copy()
@@ -91,7 +91,7 @@ def sampled(readings: Floats, pending: Floats, every: int, columns: Ints) -> tup
 
 SUPPORT = 0.003  # radius of the balls under the T-foot [m]
 HUNG = 0.050  # height of the feet above the floor of a robot without gravity [m]
-HEIGHT = 0.10  # of walls [m]: above everything of the robot that meets them
+HEIGHT = 0.10  # of walls [m]: above all parts of the robot that collide with them
 GUIDE = 1.0  # damping of the actuator's guide [N s/m]
 
 
@@ -103,15 +103,15 @@ def spec(robot: Robot, arena: Arena | None = None, settings: Settings | None = N
         "start" stands on the floor with every cell at 0.
 
     Raises:
-        ValueError: a band, load or antenna that the simulator has no term for.
+        ValueError: a band, load or antenna that the simulator does not support.
     """
     settings = settings or Settings()
     for leg in robot.legs:
         for name, cell in zip(leg.chain.names, leg.chain.levers, strict=True):
             if cell.load is not None:
                 raise InputError(
-                    f"leg {leg.name!r}, cell {name!r} has a load: a simulated robot takes its "
-                    f"loads from weight and floor; leave it out."
+                    f"leg {leg.name!r}, cell {name!r} has a load: in the simulation weight "
+                    f"and floor load the robot; remove the load."
                 )
     model = mujoco.MjSpec()
     model.modelname = robot.title or "robot"
@@ -159,7 +159,7 @@ def _options(model: Any, robot: Robot, settings: Settings) -> None:
     option.gravity = (0.0, 0.0, -robot.floor.gravity)
     # The pyramidal cone lets feet creep, which changes the gait.
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    # A foot that holds creeps, and by less the larger this is: 7 µm a second at 97 % of its hold.
+    # A sticking foot creeps, less for a larger value: 7 µm a second at 97 % of its friction limit.
     option.impratio = 100.0
 
 
@@ -199,7 +199,7 @@ def _scenery(model: Any) -> None:
 def _body(model: Any, robot: Robot, settings: Settings) -> Any:
     body = model.worldbody.add_body(name="body", pos=(0.0, 0.0, robot.pivot_height))
     body.add_freejoint(name="body")
-    # A plate of the outline's size; its weight sits where the body's centre of mass is.
+    # A plate of the outline's size; its mass is at the body's centre of mass.
     size = (robot.body.length, robot.body.width, 0.020)
     weight = {"mass": robot.body.mass, "rgba": parts.HIDDEN, "group": 4, **parts.SEEN}
     parts.box(body, size, robot.body.centre, **weight)
@@ -240,7 +240,7 @@ def _carriage(model: Any, robot: Robot, body: Any) -> Any:
 
 
 def _add_arena(model: Any, arena: Arena) -> None:
-    """Add every obstacle, each a body of its own, so that what touches it is known."""
+    """Add every obstacle as a separate body, so that its contact force is known."""
     names = iter(obstacle_names(arena))
 
     def add(at: Sequence[float], shape: Any, size: Sequence[float], angle: float = 0.0) -> None:
@@ -250,7 +250,7 @@ def _add_arena(model: Any, arena: Arena) -> None:
             quat=(math.cos(angle / 2), 0, 0, math.sin(angle / 2)),
         )
         body.add_geom(type=shape, size=size, rgba=parts.WALL, **parts.OBSTACLE)
-        # What feels the touch reaches a little further.
+        # The touch sensor extends beyond the surface.
         felt = [length + 0.01 if length else 0.0 for length in size]
         body.add_site(name=body.name, type=shape, size=felt, rgba=parts.HIDDEN)
 
@@ -266,7 +266,7 @@ def _add_arena(model: Any, arena: Arena) -> None:
 def _start_position(
     model: Model, robot: Robot, arena: Arena | None, settings: Settings
 ) -> np.ndarray:
-    """Joint positions (nq,) of the robot standing with every cell at 0, at the arena's start."""
+    """Joint positions (nq,) of the robot at the arena's start, with every cell at 0."""
     joints = {"stroke": 0.0}
     for leg in robot.legs:
         sideways = 0.0

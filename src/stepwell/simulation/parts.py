@@ -1,4 +1,4 @@
-"""What a robot's model is made of: shapes that are seen, shapes that touch, rods, bands."""
+"""Parts of a robot's model: visible shapes, colliding shapes, rods, bands."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -12,16 +12,16 @@ Vec3 = tuple[float, float, float]
 Colour = tuple[float, float, float, float]
 Place = tuple[Any, Vec3]  # a body, and a point of it [m]
 
-TOP = 0.007  # levers and bands lie on top of the blocks, where they are seen [m]
+TOP = 0.007  # levers and bands lie on top of the blocks, where they are visible [m]
 
-# As figures draw them, which a test compares: red, green, blue, opacity.
+# The colours of the figures, which a test compares: red, green, blue, opacity.
 BODY = (0.45, 0.47, 0.50, 0.55)
 BLOCK = (0.66, 0.66, 0.66, 1.0)
 LEVER = (0.13, 0.13, 0.13, 1.0)
 LINK = FOOT = (0.00, 0.45, 0.70, 1.0)
 SUPPORT = (0.84, 0.37, 0.00, 1.0)
 ANTENNA = (0.90, 0.62, 0.00, 1.0)
-# Of the bands of each cell, inner first; past six they repeat.
+# Colours of the bands of each cell, inner first; after six they repeat.
 BANDS: tuple[Colour, ...] = (
     (0.00, 0.62, 0.45, 1.0),
     (0.80, 0.47, 0.65, 1.0),
@@ -33,8 +33,8 @@ BANDS: tuple[Colour, ...] = (
 WALL = (0.35, 0.38, 0.45, 1.0)
 HIDDEN = (0.0, 0.0, 0.0, 0.0)
 
-# Who meets whom. The floor meets supports and feet, and walls meet all of the robot but these.
-# Antennas meet each other and what moves of a leg, but neither body nor carriage.
+# Collision groups. The floor collides with supports and feet, walls with all other parts of the
+# robot, antennas with each other and with moving parts of a leg, not with body or carriage.
 STANDS: dict[str, Any] = {"contype": 1, "conaffinity": 1}
 FEET: dict[str, Any] = {"contype": 1 | 8, "conaffinity": 1}
 OUTLINE: dict[str, Any] = {"contype": 2, "conaffinity": 4}
@@ -43,13 +43,13 @@ ANTENNAS: dict[str, Any] = {"contype": 2 | 8, "conaffinity": 4 | 8}
 OBSTACLE: dict[str, Any] = {"contype": 4, "conaffinity": 2}
 SEEN: dict[str, Any] = {"contype": 0, "conaffinity": 0}
 
-# What touches carries nothing at first and its full share three hundredths of a millimetre in. With
-# MuJoCo's own values a contact carries nine tenths from the first on: a foot at rest comes off and
-# on again at every step, and what the floor carries under it does not converge. A softer contact
-# converges faster still, but then the foot stands in by so much that gaits change elsewhere.
+# A contact carries nothing at first, and its full force at a penetration of 0.03 mm. With MuJoCo's
+# own values it carries nine tenths from the first on: a foot at rest detaches and returns at every
+# step, and its ground reaction force does not converge. A softer contact converges faster, but the
+# foot then penetrates so far that gaits change at another anchor.
 TOUCHING = (0.0, 0.95, 3e-5, 0.5, 2.0)
 
-# Rods give way by next to nothing: hundredths of a millimetre under a leg's forces.
+# Rods stretch by hundredths of a millimetre under a leg's forces.
 STIFF = (0.98, 0.99, 0.001, 0.5, 2.0)
 
 
@@ -72,7 +72,7 @@ def rod(body: Any, start: Vec3, end: Vec3, radius: float, **more: Any) -> Any:
 
 
 def hull(robot: Robot, body: Any, size: Vec3, at: Vec3 = (0, 0, 0), **more: Any) -> None:
-    """A box of the body or of a block, which meets walls."""
+    """A box of the body or of a block, which collides with walls."""
     friction = (robot.body.wall_friction, 0.0, 0.0)
     box(body, size, at, priority=2, condim=3, friction=friction, **more)
 
@@ -80,14 +80,14 @@ def hull(robot: Robot, body: Any, size: Vec3, at: Vec3 = (0, 0, 0), **more: Any)
 def stand(
     body: Any, names: tuple[str, str], radius: float, at: Vec3, settings: Settings, **more: Any
 ) -> None:
-    """A ball that meets the floor, and a site round it that feels how hard; the names of both."""
+    """A ball that collides with the floor, and a touch sensor around it; `names` of both."""
     touch = {"priority": 1, "condim": 3, "solref": soft(settings), "solimp": TOUCHING}
     ball(body, radius, at, name=names[0], **touch, **more)
     body.add_site(name=names[1], pos=at, size=(1.1 * radius,) * 3, rgba=HIDDEN)
 
 
 def soft(settings: Settings, times: float = 1.0) -> tuple[float, float]:
-    """How fast a contact or a stop pushes back, critically damped, as MuJoCo's solref."""
+    """Time constant and damping ratio of a contact or a stop, as MuJoCo's solref."""
     return times * settings.contact_time, 1.0
 
 
@@ -123,7 +123,7 @@ def combined(spec: Any, name: str, joints: dict[str, float], **more: Any) -> Any
 
 
 def fixed_length(spec: Any, tendon: str, settings: Settings) -> None:
-    """Hold a line or a sum at the length that it has in the model's reference position."""
+    """Keep a line or a sum at its length in the model's reference position."""
     equality = spec.add_equality(
         type=mujoco.mjtEq.mjEQ_TENDON,
         objtype=mujoco.mjtObj.mjOBJ_TENDON,
@@ -136,12 +136,12 @@ def fixed_length(spec: Any, tendon: str, settings: Settings) -> None:
 
 
 def stretch(band: Band) -> dict[str, Any]:
-    """Stiffness and rest length of a band as a line between its anchors has them."""
+    """Stiffness and rest length of the line between the anchors of a band."""
     law = band.law
     if not isinstance(law, Linear | Cubic):
         raise InputError(
-            f"law = {type(law).__name__}: the simulation takes linear and cubic bands; fit a cubic "
-            "to it (quadratic_per_mm, cubic_per_mm2)."
+            f"law = {type(law).__name__}: the simulation supports linear and cubic bands; fit a "
+            "cubic law (quadratic_per_mm, cubic_per_mm2)."
         )
     a2, a3 = (law.a2, law.a3) if isinstance(law, Cubic) else (0.0, 0.0)
     stiffness = (band.stiffness, band.stiffness * a2, band.stiffness * a3)

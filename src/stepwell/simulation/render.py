@@ -1,8 +1,8 @@
-"""Frames of a run, drawn off screen by a process of its own and written to its output.
+"""Frames of a run, drawn off screen by a separate process and written to its output.
 
 The graphics system is chosen by an environment variable that is read once, when MuJoCo is
-imported. A process of its own can try one after the other, and a driver that crashes takes
-nothing with it.
+imported. Separate processes can try several systems, and a driver that crashes ends only its own
+process.
 """
 
 import json
@@ -20,9 +20,9 @@ GOAL = (0.0, 0.62, 0.45, 0.35)
 
 def main(model_file: str, run_file: str) -> None:
     """Draw every frame as height x width x 3 bytes."""
-    # As it is: here the graphics system is needed.
+    # Directly, without `simulator`: here the graphics system is needed.
     mujoco: Any = import_module("mujoco")
-    # What a driver prints must not end up between the frames.
+    # Output of a driver must not end up between the frames.
     frames = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     run = np.load(run_file)

@@ -1,4 +1,4 @@
-"""The simulator, or one line that says how to get it, and how it steps."""
+"""Import of MuJoCo, or one line on its installation; settings of the simulation."""
 
 import os
 from collections.abc import Iterator
@@ -22,7 +22,7 @@ class Integrator(StrEnum):
 
 
 class Linkage(StrEnum):
-    """How levers and links are modelled."""
+    """Model of levers and links."""
 
     RODS = "rods"
     HINGES = "hinges"
@@ -30,13 +30,13 @@ class Linkage(StrEnum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Settings(ByValue):
-    """Numbers of the simulation, none of the robot; a `ValueError` refuses values out of range.
+    """Numerical parameters of the simulation; a `ValueError` refuses values out of range.
 
     Args:
         time_step: [s], > 0.
         integrator: one of MuJoCo's.
         contact_time: time constant of contacts, stops and rods [s]; at least twice the time step.
-        sample: time between the samples that are kept [s]; at least the time step.
+        sample: time between recorded samples [s]; at least the time step.
         settle: time to come to rest before the first cycle [s], >= 0.
         linkage: rods of fixed length between points (fast), or every lever and link a hinged
             body (slower; the check on the former).
@@ -64,13 +64,13 @@ class Settings(ByValue):
             )
 
 
-# What type checkers can see of MuJoCo's compiled modules is not enough to check against.
+# MuJoCo's compiled modules have too few types to check against.
 Model: TypeAlias = Any  # mujoco.MjModel
 Spec: TypeAlias = Any  # mujoco.MjSpec
 
 
 def _simulator() -> Any:
-    """MuJoCo, which brings what draws along: nothing here draws, so that may be broken."""
+    """Import MuJoCo, also if its graphics system is broken, since nothing here draws."""
     try:
         return import_module("mujoco")
     except Exception:
@@ -90,13 +90,13 @@ rollout: Any = import_module("mujoco.rollout")
 
 
 _lock = Lock()
-_quiet: list[Any] = []  # what stood before, once for every run in progress
+_quiet: list[Any] = []  # the previous handler, once for every run in progress
 
 
 @contextmanager
 def quietly() -> Iterator[None]:
-    """Keep MuJoCo's warnings out of a log file in the user's folder: a run tells them itself."""
-    # There is one place for all threads, so the last run to end puts back what was there.
+    """Keep MuJoCo's warnings out of a log file in the user's folder: runs report them."""
+    # All threads share one handler, so the last run to end restores it.
     with _lock:
         _quiet.append(_quiet[0] if _quiet else mujoco.get_mju_user_warning())
         mujoco.set_mju_user_warning(lambda _: None)

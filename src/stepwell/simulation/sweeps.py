@@ -1,4 +1,4 @@
-"""Many robots walked at once, on all cores."""
+"""Walks of many robots, in parallel on all cores."""
 
 import hashlib
 import json
@@ -28,14 +28,14 @@ CHUNK = 500  # steps at a time
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Trial(base.ByValue):
-    """What one robot of a sweep did.
+    """Result of one robot of a sweep.
 
     Attributes:
         advance, sideways: mean displacement per cycle over u_max [1], after the first cycle.
         turn: mean rotation to the left per cycle [rad], after the first cycle.
-        gaits: for each leg the states of the last cycle, "" if there was none.
+        gaits: for each leg the states of the last cycle, "" without a cycle.
         work: of the actuator per cycle [J].
-        stopped: why it ended early, "" if it did not.
+        stopped: reason of an early end, "" without one.
     """
 
     advance: float
@@ -47,7 +47,7 @@ class Trial(base.ByValue):
 
     @classmethod
     def of(cls, walk: Walk) -> "Trial":
-        """Sum up a walk."""
+        """The trial of a walk."""
         late, nothing = slice(min(1, walk.cycles - 1), None), float("nan")
         each = (walk.advance, walk.sideways, walk.turn)
         return cls(
@@ -60,13 +60,13 @@ class Trial(base.ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sweep(base.ByValue, base.Drawn):
-    """What many robots did: `values` (n,) by the parameter's name, and (n,) `trials`."""
+    """Results of many robots: `values` (n,) by the parameter's name, and (n,) `trials`."""
 
     values: Mapping[str, Sequence[float]] = field(repr=False)
     trials: tuple[Trial, ...] = field(repr=False)
 
     def to_xarray(self) -> "xr.Dataset":
-        """One row a trial, with units."""
+        """A data set with one row per trial, with units."""
         base.need("tables")
         import xarray as xr
 
@@ -82,7 +82,7 @@ class Sweep(base.ByValue, base.Drawn):
         return xr.Dataset(columns)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write one line a trial, units in the headings; an `OSError` where that fails."""
+        """Write one line per trial, with units in the headings; raises `OSError` on failure."""
         *numbers, gaits, stopped = TRIAL
         legs = enumerate(zip(*self._all(gaits), strict=True), 1)
         given = self.values.items()
@@ -114,20 +114,20 @@ def sweep(
     keep: str | os.PathLike[str] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Sweep:
-    """Walk many robots on a bare floor, on all cores.
+    """Simulate walks of many robots on a bare floor, in parallel on all cores.
 
     Args:
         robots: (n,) robots.
-        values: what differs between them, by name, (n,) numbers each; only carried along.
+        values: varied parameters by name, (n,) numbers each; only stored in the result.
         cycles: of each walk, >= 1.
         settings: of the simulation.
-        threads: how many run at once; all cores by default.
-        keep: folder in which finished robots are kept, so that a sweep that was interrupted goes on
-            where it stopped when it is called again with the same robots.
+        threads: number of parallel runs; all cores by default.
+        keep: folder for finished robots; to resume an interrupted sweep, call it again with the
+            same robots.
         progress: called with (done, total) robots.
 
     Returns:
-        What each robot did, in the order given; the same whatever the number of threads.
+        Results of the robots, in the order given; they do not depend on the number of threads.
 
     Raises:
         ValueError: no cycles, values of other lengths, or a folder that holds another sweep.
@@ -141,7 +141,7 @@ def sweep(
     for name, numbers in values.items():
         if len(numbers) != len(robots):
             raise base.InputError(
-                f"values[{name!r}] has {len(numbers)} numbers: must have {len(robots)}, one a "
+                f"values[{name!r}] has {len(numbers)} numbers: must have {len(robots)}, one per "
                 f"robot."
             )
     base.require("robots", len(robots), "these are")
@@ -163,9 +163,9 @@ def sweep(
 def walked(
     runs: Sequence[SimulatedRun], cycles: int, step: Callable[[Sequence[SimulatedRun], float], None]
 ) -> list[Walk]:
-    """The walk of every run on a bare floor, stepped together where models have one size.
+    """The walk of every run on a bare floor; models of one size are stepped together.
 
-    `step` takes runs from their start to a time [s].
+    `step` advances runs from their start to a time [s].
     """
     alike: dict[tuple[int, ...], list[SimulatedRun]] = {}
     for run in runs:
@@ -179,7 +179,7 @@ def walked(
 
 
 def _step_together(runs: Sequence[SimulatedRun], end: float, threads: int) -> None:
-    """Step runs whose models have the same size to this time [s], on all threads."""
+    """Step runs with models of one size to this time [s], on all threads."""
     models = [run.model for run in runs]
     data = [mujoco.MjData(models[0]) for _ in range(min(threads, len(runs)))]
     state = np.stack([run.state for run in runs])
@@ -195,7 +195,7 @@ def _step_together(runs: Sequence[SimulatedRun], end: float, threads: int) -> No
 
 
 class _Kept:
-    """Trials that are done, in a folder, a file for every batch."""
+    """Finished trials in a folder, one file for every batch."""
 
     def __init__(
         self, folder: str | os.PathLike[str], robots: Sequence[Robot], cycles: int, given: Settings
@@ -209,7 +209,7 @@ class _Kept:
             base.write_atomic(note, json.dumps({"request": request, "robots": len(robots)}) + "\n")
         elif json.loads(note.read_text("utf-8")).get("request") != request:
             raise base.InputError(
-                f"{self.folder} holds another sweep (other robots, cycles or settings); name "
+                f"{self.folder} holds another sweep (other robots, cycles or settings); use "
                 f"another folder, or remove this one."
             )
 
@@ -226,7 +226,7 @@ class _Kept:
 
 
 def _fingerprint(robot: Robot) -> str:
-    """Everything of a robot that its walk depends on, as text."""
+    """All inputs of a robot's walk, as text."""
     parts = (robot.legs, robot.body, robot.foot, robot.blocks, robot.floor, robot.drive)
     cells = [
         [(cell.bands, cell.lever, cell.limit, cell.friction) for cell in leg.chain.levers]

@@ -1,4 +1,4 @@
-"""Videos of a walk or a way through an arena."""
+"""Videos of walks and of runs in an arena."""
 
 import io
 import json
@@ -31,14 +31,14 @@ Frame = NDArray[np.uint8]
 SYSTEMS = ("egl", "osmesa") if sys.platform == "linux" else ("",)
 TRAIL = (0.84, 0.37, 0.0, 1.0)
 PATIENCE = 60.0  # how long a graphics system may take to start [s]
-# What stands out past the body's origin: the antennas [m].
+# Reach of the antennas beyond the body's origin [m].
 EDGE = 0.25
 GIF_WIDTH = 480
 GIF_COLOURS = 192
 
 
 class VideoError(StepwellError, RuntimeError):
-    """No frames can be drawn here, or no file written; the text says what to do."""
+    """Frames cannot be drawn, or a file cannot be written; the text has an action."""
 
 
 def video(
@@ -50,33 +50,33 @@ def video(
     speed: float | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Path, ...]:
-    """Write a run as video, drawn off screen.
+    """Write a run as a video, drawn off screen.
 
     Args:
-        result: a walk, seen from the side and above and followed; or a way through an arena, all of
-            which is seen, with the path left behind.
-        files: where to; .mp4 or .gif each, written whole or not at all.
+        result: a walk, followed by the camera; or a run in an arena, with the whole arena in view
+            and the path drawn.
+        files: output files, .mp4 or .gif, each written atomically.
         width, height: of the picture [pixels], even numbers.
         fps: frames a second.
-        speed: times real time; by default real time for a walk, and what makes an arena's video
-            last 20 s.
+        speed: multiple of real time; by default 1 for a walk; in an arena, the one for a video of
+            20 s.
         progress: called with (done, total) frames.
 
     Raises:
-        ValueError: a file that is neither .mp4 nor .gif, an odd size or a speed of nothing.
+        ValueError: a file that is neither .mp4 nor .gif, an odd size, or a speed that is not > 0.
         ExtraError: PyAV for MP4, or Pillow for GIF, is not installed.
-        VideoError: neither EGL nor OSMesa works here, or more frames than the limit.
+        VideoError: neither EGL nor OSMesa works, or more frames than the limit.
     """
     targets = tuple(Path(file) for file in files)
     _require_usable(targets, width, height, speed)
     walk = result.walk if isinstance(result, Maze) else result
     if len(walk.time) < 2:
-        raise InputError("the run has no samples to show.")
+        raise InputError("the run has no samples: it ended before the first one.")
     if speed is None:
         speed = max(1.0, walk.time[-1] / 20.0) if isinstance(result, Maze) else 1.0
     count = (walk.time[-1] - max(walk.time[0], 0.0)) * fps / speed
     if count > most("frames"):
-        raise VideoError(f"{problem('frames', count, 'These are')} Or a higher speed makes fewer.")
+        raise VideoError(f"{problem('frames', count, 'These are')} Or use a higher speed.")
     begin = max(walk.time[0], 0.0) if walk.time[-1] > 0 else walk.time[0]
     times = np.arange(begin, walk.time[-1], speed / fps)
     # The samples that become frames.
@@ -106,7 +106,7 @@ def _require_usable(targets: Iterable[Path], width: int, height: int, speed: flo
 def _drawn(
     walk: Walk, result: Walk | Maze, chosen: NDArray[np.intp], width: int, height: int
 ) -> Iterator[Iterator[Frame]]:
-    """The frames, from whichever graphics system works."""
+    """The frames, from the first graphics system that works."""
     with tempfile.TemporaryDirectory(prefix="stepwell-") as folder:
         model, run = Path(folder, "model.mjb"), Path(folder, "run.npz")
         mujoco.mj_saveModel(spec(walk.robot, walk.arena, walk.settings).compile(), str(model))
@@ -132,15 +132,15 @@ def _drawn(
                 process.kill()
                 process.communicate()
         raise VideoError(
-            "No video: frames cannot be drawn off screen here. "
+            "No video: frames cannot be drawn off screen. "
             + " ".join(f"({one})" for one in tried)
-            + " On Debian and Ubuntu, installing libegl1 and libgl1-mesa-dri helps; the figures "
-            "need none of it."
+            + " On Debian and Ubuntu, install libegl1 and libgl1-mesa-dri; figures do not need "
+            "them."
         )
 
 
 def drawing_system() -> str | None:
-    """By what frames are drawn off screen here, tried in the order of videos; None by nothing."""
+    """The graphics system for frames off screen, in the order of videos; None without one."""
     for system in SYSTEMS:
         try:
             tried = subprocess.run(
@@ -164,7 +164,7 @@ def _environment(system: str) -> dict[str, str]:
 def _last_line(process: subprocess.Popen[bytes]) -> str:
     _, errors = process.communicate(timeout=PATIENCE)
     lines = [line for line in errors.decode(errors="replace").splitlines() if line.strip()]
-    return lines[-1].strip() if lines else "it ended without a word"
+    return lines[-1].strip() if lines else "it ended without a message"
 
 
 def _frames(
@@ -175,7 +175,7 @@ def _frames(
     for _ in range(count):
         data = process.stdout.read(size)
         if len(data) < size:
-            raise VideoError(f"No video: drawing stopped early ({_last_line(process)}).")
+            raise VideoError(f"No video: the drawing process ended early ({_last_line(process)}).")
         yield np.frombuffer(data, np.uint8).reshape(height, width, 3)
 
 
@@ -187,14 +187,14 @@ def _view(walk: Walk, whole: bool, width: int, height: int) -> dict[str, object]
     arena = walk.arena or Arena()
     if arena.goal is not None:
         view["goal"] = (*arena.goal.at, arena.goal.radius)
-    # Everything that is to be seen [m].
+    # All points in view [m].
     points = [*zip(walk.x, walk.y, strict=True)]
     points += [end for wall in arena.walls for end in (wall.start, wall.end)]
     for disc in (*arena.cylinders, *filter(None, [arena.goal])):
         points += [np.add(disc.at, disc.radius), np.subtract(disc.at, disc.radius)]
     low, high = np.min(points, axis=0) - EDGE, np.max(points, axis=0) + EDGE
     middle, size = (low + high) / 2, high - low
-    # MuJoCo's free camera sees 45° upwards and downwards together; a little is left at the edge.
+    # MuJoCo's free camera has a vertical field of view of 45°; 10 % more leaves an edge.
     across = max(size[1], size[0] * height / width) * 1.10
     return view | {
         "camera": (across / 2 / np.tan(np.radians(22.5)), 90.0, -75.0),
@@ -206,7 +206,7 @@ def _view(walk: Walk, whole: bool, width: int, height: int) -> dict[str, object]
 
 
 class _Mp4:
-    """Frames as H.264, encoded as they come."""
+    """MP4 with H.264, encoded frame by frame."""
 
     def __init__(self, width: int, height: int, fps: int):
         need("video")
@@ -231,15 +231,15 @@ class _Mp4:
 
 
 class _Gif:
-    """Fewer and smaller frames in one palette."""
+    """GIF with fewer and smaller frames, in one palette."""
 
     def __init__(self, width: int, height: int, fps: int):
         need("figures")
         from PIL import Image
 
         self._image = Image
-        # A GIF tells times in hundredths of a second, and viewers slow down what is shorter
-        # than two of them.
+        # A GIF stores times in hundredths of a second, and viewers slow down frames shorter than
+        # two of them.
         self._every = max(1, round(fps / 12.5))
         self._duration = round(100 * self._every / fps) * 10
         self._size = (min(GIF_WIDTH, width), round(height * min(GIF_WIDTH, width) / width))
@@ -252,7 +252,7 @@ class _Gif:
         self._seen += 1
 
     def finish(self) -> bytes:
-        # What a later frame alone shows, a path left behind, must be in the palette too.
+        # Colours of later frames only, such as the path, must be in the palette too.
         first, *_, last = self._pictures * 2
         both = self._image.new("RGB", (self._size[0], 2 * self._size[1]))
         both.paste(first, (0, 0))

@@ -1,4 +1,4 @@
-"""A walk: what the robot did, sample by sample and cycle by cycle."""
+"""A simulated walk: samples, and results per cycle."""
 
 import os
 from collections.abc import Callable
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from stepwell.simulation.comparison import GaitComparison
 
 
-LOADED = 0.02  # a foot that carries more than this [N] stands
-_MEAN = "mean since the sample before"
-_CARRIED = f"that the floor carries, {_MEAN}"
+LOADED = 0.02  # a foot with a larger ground reaction force [N] is in stance
+_MEAN = "mean since the previous sample"
+_CARRIED = f"ground reaction force, {_MEAN}"
 SAMPLES: base.Schema = (
     base.Quantity("x", "mm", doc="body's origin, along the start's x axis"),
     base.Quantity("y", "mm", doc="body's origin, to the left"),
@@ -29,42 +29,42 @@ SAMPLES: base.Schema = (
     base.Quantity("yaw", "deg", doc="heading"),
     base.Quantity("pitch", "deg", doc="nose down"),
     base.Quantity("roll", "deg", doc="right side down"),
-    base.Quantity("command", "mm", doc="stroke wanted"),
-    base.Quantity("stroke", "mm", doc="stroke reached"),
-    base.Quantity("actuator_force", "N", doc="that pushes the outermost blocks out"),
+    base.Quantity("command", "mm", doc="commanded stroke"),
+    base.Quantity("stroke", "mm", doc="actual stroke"),
+    base.Quantity("actuator_force", "N", doc="on the outermost blocks, positive outwards"),
     base.Quantity("travel", "mm", doc="of each cell", dims=("leg", "cell")),
     base.Quantity("foot_height", "mm", doc="lowest point above the floor", dims=("leg",)),
     base.Quantity("foot_force", "N", doc=_CARRIED, dims=("leg",)),
     base.Quantity("foot_speed", "mm_s", doc="along the floor", dims=("leg",)),
     base.Quantity("support_force", "N", doc=_CARRIED, dims=("support",)),
     base.Quantity("antenna", "deg", doc="rotation from rest", dims=("antennas",)),
-    base.Quantity("touch", "N", doc=f"of what touches the antenna, {_MEAN}", dims=("antennas",)),
+    base.Quantity("touch", "N", doc=f"contact force on the antenna, {_MEAN}", dims=("antennas",)),
     base.Quantity("obstacle_force", "N", doc=f"on each obstacle, {_MEAN}", dims=("obstacle",)),
 )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Walk(base.ByValue, base.Drawn):
-    """What a robot did while its actuator went out and back.
+    """A simulated walk of a robot.
 
-    Forces of what touches are means over the time since the sample before, for they pass within a
-    sample; all else is as it is at the sample.
+    Contact forces are means since the previous sample, since they change within a sample; all other
+    values are those at the sample.
 
     Attributes:
-        robot, settings, arena: which walked (as it was at the end), how, and where if anywhere.
+        robot, settings, arena: the robot (at the end), the simulation, and the arena if any.
         time: (n,) from the start of the first cycle [s].
         x, y, z: (n,) of the body's origin [m].
-        yaw, pitch, roll: (n,) of the body [rad]; yaw counts on past a full turn.
-        command, stroke: (n,) the actuator's, wanted and reached [m].
+        yaw, pitch, roll: (n,) of the body [rad]; yaw continues beyond a full turn.
+        command, stroke: (n,) of the actuator, commanded and actual [m].
         travel: (n, legs, cells) of every cell [m].
         foot_height: (n, legs) of the lowest point of each foot above the floor [m].
-        foot_force: (n, legs) that the floor carries under each foot [N].
+        foot_force: (n, legs) ground reaction force of each foot [N].
         foot_speed: (n, legs) of each foot along the floor [m/s].
-        support_force: (n, supports) that the floor carries under each support [N].
-        actuator_force: (n,) that pushes the outermost blocks out [N].
-        antenna, touch: (n, antennas) rotation from rest [rad], and force of what touches each [N].
+        support_force: (n, supports) ground reaction force of each support [N].
+        actuator_force: (n,) on the outermost blocks, positive outwards [N].
+        antenna, touch: (n, antennas) rotation from rest [rad], and contact force on each [N].
         obstacle_force: (n, obstacles) on each wall, then each cylinder of the arena [N].
-        stopped: why the run ended early, "" if it did not.
+        stopped: reason of an early end, "" without one.
     """
 
     robot: Robot
@@ -90,7 +90,7 @@ class Walk(base.ByValue, base.Drawn):
     obstacle_force: base.Floats
     stopped: str
     _samples: RunSamples = field(repr=False)
-    # What is computed when it is first asked for.
+    # Computed on first access.
     _kept: "list[GaitComparison]" = field(
         default_factory=list, init=False, repr=False, compare=False
     )
@@ -102,30 +102,30 @@ class Walk(base.ByValue, base.Drawn):
 
     @property
     def duration(self) -> float:
-        """From the start of the first cycle to the last sample [s]."""
+        """Time from the start of the first cycle to the last sample [s]."""
         return max(0.0, float(self.time[-1])) if len(self.time) else 0.0
 
     @property
     def cycles(self) -> int:
-        """How many whole cycles it lasted."""
+        """Number of whole cycles."""
         if len(self.time) == 0:
             return 0
-        # A whole number of steps ends up to half a step early.
+        # A whole number of steps may end up to half a step early.
         last = (self._end + 0.51 * self.settings.time_step) / self.robot.drive.period
         return max(0, int(last) - self._first)
 
     @property
     def starts(self) -> base.Floats:
-        """(cycles + 1,) when each whole cycle begins and the last ends [s]; empty without one."""
+        """(cycles + 1,) start of each whole cycle, and end of the last [s]; empty without one."""
         if not self.cycles:
             return np.empty(0)
         return self.robot.drive.period * (self._first + np.arange(self.cycles + 1.0))
 
     @property
     def gaits(self) -> dict[str, tuple[str, ...]]:
-        """For each leg the states that follow each other, a string a cycle.
+        """For each leg the sequence of states of each cycle.
 
-        A cell within a fifth of its travel from a stop counts as being there.
+        A cell within a fifth of its travel from a stop counts as at the stop.
         """
         return {
             leg.name: tuple(self.gait(leg.name, cycle) for cycle in range(self.cycles))
@@ -133,7 +133,7 @@ class Walk(base.ByValue, base.Drawn):
         }
 
     def gait(self, leg: str, cycle: int) -> str:
-        """The states of one leg in one cycle, as "00>10>11>01>00"; or a `ValueError`."""
+        """The states of one leg in a cycle, as "00>10>11>01>00"; `ValueError` for no such cycle."""
         if not 0 <= cycle < self.cycles:
             raise base.InputError(f"cycle = {cycle}: must be from 0 to {self.cycles - 1}.")
         begin, end = np.searchsorted(self.time, self.starts[cycle : cycle + 2] - 1e-9)
@@ -142,7 +142,7 @@ class Walk(base.ByValue, base.Drawn):
     def state(self, leg: str, time: float) -> str | None:
         """State of one leg at a time [s], as "01"; None while a cell is in transit.
 
-        A `ValueError` refuses a leg that it has not, and a walk that was over before it began.
+        A `ValueError` refuses an unknown leg, and a walk without samples.
         """
         if len(self.time) == 0:
             raise base.InputError(f"time = {time:g} s: the walk has no samples. {self.stopped}")
@@ -174,27 +174,27 @@ class Walk(base.ByValue, base.Drawn):
 
     @property
     def distance(self) -> float:
-        """From start to end in a straight line [m]."""
+        """Straight distance from start to end [m]."""
         return float(np.hypot(self.x[-1:] - self.x[:1], self.y[-1:] - self.y[:1]).sum())
 
     @property
     def cost_of_transport(self) -> float:
-        """Work over weight and distance [1]; infinite where it got nowhere."""
+        """Cost of transport: work over weight and distance [1]; infinite without advance."""
         carried = self.robot.weight * self.distance
         return self.work / carried if carried > 0 else float("inf")
 
     @property
     def slip(self) -> base.Floats:
-        """(legs,) how far each foot slid while it carried weight, per cycle [m]."""
+        """(legs,) sliding distance of each foot in stance, per cycle [m]."""
         loaded = self.foot_force > LOADED
         slid = np.trapezoid(np.where(loaded, self.foot_speed, 0.0), self.time, axis=0)
         return slid / max(self.cycles, 1)
 
     @property
     def comparison(self) -> "GaitComparison":
-        """The last cycle against the gait that statics predicts, see `compare_gaits`.
+        """Comparison of the last cycle with the predicted gait, see `compare_gaits`.
 
-        Computed when it is first asked for, in about as long as a prediction takes.
+        Computed on first access, in about the time of a prediction.
         """
         from stepwell.simulation.comparison import compare_gaits
 
@@ -203,11 +203,11 @@ class Walk(base.ByValue, base.Drawn):
         return self._kept[0]
 
     def to_xarray(self) -> "xr.Dataset":
-        """The samples with their units, for xarray, NetCDF or Zarr."""
+        """The samples as an xarray data set, with units."""
         base.need("tables")
         import xarray as xr
 
-        about = {"units": "s", "long_name": "from the first cycle's start"}
+        about = {"units": "s", "long_name": "time from the start of the first cycle"}
         coordinates = {
             "time": ("time", self.time, about),
             "leg": [leg.name for leg in self.robot.legs],
@@ -225,10 +225,10 @@ class Walk(base.ByValue, base.Drawn):
         return xr.Dataset(base.variables(SAMPLES, self, "time"), coordinates, attributes)
 
     def to_netcdf(self, path: str | os.PathLike[str]) -> None:
-        """Write the samples as NetCDF; the file appears whole, or not at all with an `OSError`."""
+        """Write the samples as NetCDF, atomically; raises `OSError` on failure."""
         data = self.to_xarray()
-        # Readers of NetCDF 3 take a dimension of length 0, of antennas or obstacles that are
-        # none, for an unlimited one and stumble.
+        # Readers of NetCDF 3 fail on a dimension of length 0, which they take for an unlimited
+        # one: a robot without antennas, an arena without obstacles.
         empty = [name for name, size in data.sizes.items() if not size and name != "time"]
         base.write_netcdf(path, data.drop_dims(empty))
 
@@ -240,17 +240,17 @@ class Walk(base.ByValue, base.Drawn):
 
     @property
     def _first(self) -> int:
-        """Number of the first whole cycle; a walk that goes on from another begins late."""
+        """Number of the first whole cycle; a walk that continues another one begins late."""
         late = self.time[0] - self.settings.sample
         return max(0, int(np.ceil(late / self.robot.drive.period - 1e-9)))
 
     @property
     def _end(self) -> float:
-        """When the run ended [s]; the last sample may be a little earlier."""
+        """Time at the end of the run [s]; the last sample may be earlier."""
         return float(self.time[-1]) if self.stopped else self._samples.end
 
     def _at_starts(self, values: base.Floats) -> base.Floats:
-        """(cycles + 1,) of some (n,) values, where every cycle starts and the last one ends."""
+        """Values (cycles + 1,) at the start of every cycle and the end of the last, from (n,)."""
         return np.interp(self.starts, self.time, values) if self.cycles else np.empty(0)
 
     def _displacement(self) -> tuple[base.Floats, base.Floats]:
@@ -283,15 +283,15 @@ def walk(
     progress: Callable[[float, float], None] | None = None,
     look: Callable[[Callable[[], Walk]], None] | None = None,
 ) -> Walk:
-    """Drive a robot's actuator out and back and let physics do the rest.
+    """Simulate a walk, driven by loading and unloading of the actuator.
 
-    `look` is called after every half second of the run with a function that gives the walk so far.
-    All else as for `Robot.walk`.
+    `look` is called after every half second of the run with a function that returns the walk so
+    far. Other arguments as for `Robot.walk`.
     """
     if not cycles > 0:
         raise base.InputError(f"cycles = {cycles}: must be > 0.")
     if start is not None and start.stopped:
-        raise base.InputError(f"start: must not have ended early. {start.stopped}")
+        raise base.InputError(f"start: the earlier walk ended early. {start.stopped}")
     samples = None if start is None else start._samples
     run = SimulatedRun(robot, arena, settings or Settings(), start=samples)
     begin, end = run.now, max(run.now, 0.0) + cycles * robot.drive.period
@@ -303,7 +303,7 @@ def walk(
 
 
 def recorded(run: SimulatedRun) -> Walk:
-    """The readings of a run by their names."""
+    """The walk of a run, from its readings."""
     robot, arena, samples = run.robot, run.arena, run.samples()
     data, where = samples.data, samples.where
 

@@ -1,7 +1,7 @@
-"""Robots stepped together on MuJoCo Warp, in single precision: one design a world.
+"""Parallel stepping of robots on MuJoCo Warp, in single precision: one design per world.
 
-What they are comes from the models that MuJoCo compiles, and what is read of them goes to their
-runs, so that nothing of a robot or of a verdict is told twice. Only the stepping is another.
+The models are those compiled by MuJoCo, and the readings go to the usual runs, so that models and
+verdicts are defined once. Only the time stepping differs.
 """
 
 from collections.abc import Callable, Hashable, Iterator, Sequence
@@ -23,33 +23,33 @@ from stepwell.simulation.sweeps import Trial, walked
 
 T = TypeVar("T")
 
-STEPS = 100  # that are read from the device at once
-CONTACTS = 48  # room for contacts in a world; a robot among walls has some twenty
-UNTOLD = "there are more contacts than it has room for"
-# What stands still is placed once, so each world is told where everything is at its start.
+STEPS = 100  # read from the device at once
+CONTACTS = 48  # capacity for contacts in a world; a robot among walls has some twenty
+FULL = "there are more contacts than the capacity"
+# Fixed bodies are placed once, so each world gets all places at its start.
 PLACED = ("xpos", "xquat", "xmat", "geom_xpos", "geom_xmat", "site_xpos", "site_xmat")
-# Of what Warp shares between worlds, what may differ: how far sites reach only decides which
-# forces are read, and where robots start is told anyway.
+# Fields shared by all worlds of Warp that may differ: the size of a site only decides which forces
+# are read, and the start of a robot is set separately.
 SHARED = {"site_size", "key_qpos"}
 
 
 def screen_walks(
     robots: Sequence[Robot], *, cycles: int = 4, settings: Settings | None = None
 ) -> tuple[Trial | None, ...]:
-    """Walk many robots at once on MuJoCo Warp, on a bare floor: to choose from, not to report.
+    """Simulate walks of many robots on MuJoCo Warp, on a bare floor, as a prefilter.
 
     Args:
-        robots: (n,) robots; those whose models differ in numbers alone are stepped together.
+        robots: (n,) robots; those whose models differ in numbers only are stepped together.
         cycles: of each walk, >= 1.
         settings: of the simulation.
 
     Returns:
-        (n,) what each did, in single precision and not always the same to the last digits; None
-        where nothing can be told: the robot has no model, or Warp ran out of room.
+        (n,) results in single precision, which may differ in the last digits between runs; None
+        without a result: the robot has no model, or the capacity of Warp was exceeded.
 
     Raises:
         ValueError: no cycles.
-        ExtraError: the extra gpu is not installed, or not in the release of MuJoCo.
+        ExtraError: the extra gpu is missing, or of another release than MuJoCo.
     """
     if cycles < 1:
         raise InputError(f"cycles = {cycles}: must be >= 1.")
@@ -61,7 +61,9 @@ def screen_walks(
     opened()
     runs = _begun([(robot, None) for robot in robots], settings, record=True)
     able = [run for run in runs if run]
-    return _told(runs, dict(zip(able, map(Trial.of, walked(able, cycles, step)), strict=True)))
+    return _certain_results(
+        runs, dict(zip(able, map(Trial.of, walked(able, cycles, step)), strict=True))
+    )
 
 
 def screen_mazes(
@@ -70,15 +72,15 @@ def screen_mazes(
     limit: float = 600.0,
     settings: Settings | None = None,
 ) -> tuple[Outcome | None, ...]:
-    """Let many robots walk in many arenas at once on MuJoCo Warp: to choose from, not to report.
+    """Simulate many robots in many arenas on MuJoCo Warp, as a prefilter.
 
     Args:
-        entries: (n,) robot and arena; those that differ in numbers alone are stepped together.
-        limit: time that each is given [s], > 0.
+        entries: (n,) robot and arena; those that differ in numbers only are stepped together.
+        limit: simulated time of each [s], > 0.
         settings: of the simulation.
 
     Returns:
-        (n,) how each way ended, with the doubts and errors of `screen_walks`.
+        (n,) outcomes, with the uncertainty and errors of `screen_walks`.
     """
     if not limit > 0:
         raise InputError(f"limit = {limit} s: must be > 0.")
@@ -89,13 +91,15 @@ def screen_mazes(
     }
     for group in alike(list(judges)):
         _judged(group, judges, limit)
-    return _told(runs, {run: one.outcome or Outcome.TIMED_OUT for run, one in judges.items()})
+    return _certain_results(
+        runs, {run: one.outcome or Outcome.TIMED_OUT for run, one in judges.items()}
+    )
 
 
 def _begun(
     entries: Sequence[tuple[Robot, Arena | None]], settings: Settings | None, *, record: bool
 ) -> list[SimulatedRun | None]:
-    """Runs at their start; None of a robot that has no model, of which its own run says why."""
+    """Runs at their start; None for a robot without a model, whose own run gives the reason."""
     runs: list[SimulatedRun | None] = []
     for robot, arena in entries:
         try:
@@ -105,9 +109,11 @@ def _begun(
     return runs
 
 
-def _told(runs: Sequence[SimulatedRun | None], of: dict[SimulatedRun, T]) -> tuple[T | None, ...]:
-    """What was found of each run; None where there is none, or nothing is sure."""
-    return tuple(None if run is None or UNTOLD in run.stopped else of[run] for run in runs)
+def _certain_results(
+    runs: Sequence[SimulatedRun | None], of: dict[SimulatedRun, T]
+) -> tuple[T | None, ...]:
+    """The result of each run; None without a run, or if its contacts exceeded the capacity."""
+    return tuple(None if run is None or FULL in run.stopped else of[run] for run in runs)
 
 
 def _judged(group: Sequence[SimulatedRun], judges: dict[SimulatedRun, Judge], limit: float) -> None:
@@ -118,25 +124,25 @@ def _judged(group: Sequence[SimulatedRun], judges: dict[SimulatedRun, Judge], li
         going = [run for run in going if judges[run].look(run) is None]
         if not going:
             return
-        # Who has ended is stepped on for nothing, until it is worth while to leave them behind.
+        # Ended runs are still stepped, until removing them is worth the cost.
         if len(going) <= len(worlds.runs) / 2:
             worlds = Worlds(going)
 
 
 def alike(runs: Sequence[SimulatedRun]) -> list[list[SimulatedRun]]:
-    """Runs in groups that differ in numbers which Warp keeps for every world."""
+    """Runs grouped by structure: within a group only numbers kept per world differ."""
     return list(grouped((_structure(run.model), run) for run in runs).values())
 
 
 class Worlds:
-    """Runs of one structure, as `alike` groups them, on a device, each in a world of its own."""
+    """Runs of one structure, as grouped by `alike`, on a device, one world each."""
 
     def __init__(self, runs: Sequence[SimulatedRun]):
         self.runs = list(runs)
         self._now, self._time_step = runs[0].now, runs[0].settings.time_step
         self._warp, self._mjw = opened()
         first, n = copy(runs[0].model), len(runs)
-        # Runs stop themselves where a number overflows, and Warp knows no other way.
+        # Runs detect overflows themselves; Warp supports only automatic reset.
         first.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
         first.site_size[:] = np.max([run.model.site_size for run in runs], axis=0)
         each = {name: [getattr(run.model, name) for run in runs] for name in _batched()}
@@ -149,7 +155,7 @@ class Worlds:
             self._model = self._mjw.put_model(first, batch_sizes=dict.fromkeys(differ, n))
             for name, values in differ.items():
                 _fill(getattr(self._model, name), values)
-            self._model.opt.warn_overflow = 0  # told below
+            self._model.opt.warn_overflow = 0  # reported below
             rows = 3 * first.neq + first.nv + first.njnt + 2 * first.ntendon + 3 * CONTACTS
             self._data = self._mjw.put_data(
                 first, runs[0].data, nworld=n, nconmax=CONTACTS, njmax=rows
@@ -163,7 +169,7 @@ class Worlds:
             self._step = self._stepping()
 
     def advance(self, until: float, going: Sequence[SimulatedRun] | None = None) -> None:
-        """Step to this time [s]; what is read goes to all runs, or to those that are `going`."""
+        """Step to this time [s]; the readings go to all runs, or to those in `going`."""
         takes = set(self.runs if going is None else going)
         total = round((until - self._now) / self._time_step)
         self._now += total * self._time_step
@@ -188,13 +194,13 @@ class Worlds:
             if run not in takes:
                 continue
             if full[world] and not run.stopped:
-                run.stopped = f"Stopped at {run.now:.3f} s: {UNTOLD}."
+                run.stopped = f"Stopped at {run.now:.3f} s: {FULL}."
             states = np.zeros((steps, run.state.size))
             states[:, 1:] = np.hstack([positions[:, world], speeds[:, world]])
             run.take(states, readings[:, world])
 
     def _stepping(self) -> Callable[[], None]:
-        """One step: on a GPU what it launches is recorded once, or Python would be the slowest."""
+        """Function for one step; on a GPU a captured graph, since Python would be slower."""
         warp, step = self._warp, self._mjw.step
         if not warp.get_device().is_cuda:
             return lambda: step(self._model, self._data)
@@ -204,14 +210,14 @@ class Worlds:
 
     @property
     def _harmless(self) -> int:
-        """What Warp reports of a world that loses nothing: a search that was ended early."""
+        """Flags of Warp without loss of contacts: a solver that reached its iteration limit."""
         kind = self._mjw.OverflowType
         return int(kind.ITERATIONS | kind.LS_ITERATIONS)
 
 
 @cache
 def opened() -> tuple[Any, Any]:
-    """Warp and MuJoCo Warp; an `ExtraError` if not there, or of another release than MuJoCo."""
+    """Warp and MuJoCo Warp; `ExtraError` if missing, or of another release than MuJoCo."""
     need("gpu")
     warp = import_module("warp")
     with _silent(warp):
@@ -219,16 +225,15 @@ def opened() -> tuple[Any, Any]:
         mjw = import_module("mujoco_warp")
     if mujoco.__version__.split(".")[:2] != mjw.__version__.split(".")[:2]:
         raise ExtraError(
-            f"MuJoCo Warp is of release {mjw.__version__}, and MuJoCo of {mujoco.__version__}: "
-            f"what the one simulates need not be what the other does. Install both of one release: "
-            f"pip install -U mujoco mujoco-warp",
+            f"MuJoCo Warp {mjw.__version__} and MuJoCo {mujoco.__version__} may give different "
+            f"results. Install the same release of both: pip install -U mujoco mujoco-warp",
             name="mujoco_warp",
         )
     return warp, mjw
 
 
 def device() -> tuple[str, bool]:
-    """Where worlds are stepped: its name, and whether it is a GPU."""
+    """The device that steps worlds: its name, and whether it is a GPU."""
     warp, _ = opened()
     with _silent(warp):
         default = warp.get_device()
@@ -237,7 +242,7 @@ def device() -> tuple[str, bool]:
 
 @contextmanager
 def _silent(warp: Any) -> Iterator[None]:
-    """Keep off the screen what Warp tells of its kernels."""
+    """Suppress Warp's messages about its kernels."""
     before = warp.config.log_level
     warp.config.log_level = warp.LOG_ERROR
     try:
@@ -248,19 +253,19 @@ def _silent(warp: Any) -> Iterator[None]:
 
 @cache
 def _batched() -> tuple[str, ...]:
-    """What of a model Warp can keep for every world."""
+    """Fields of a model that Warp keeps per world."""
     shapes = {field.name: getattr(field.type, "shape", ()) for field in fields(opened()[1].Model)}
     return tuple(name for name, shape in shapes.items() if shape[:1] == ("*",))
 
 
 def _structure(model: Model) -> Hashable:
-    """All of a model that worlds share, and which of their numbers are there at all."""
+    """Key of a model: all shared fields, and which of the fields per world are in use."""
     batched = set(_batched())
     parts: list[Hashable] = [model.opt.gravity.tobytes()]
     for field in fields(opened()[1].Model):
         value: Any = getattr(model, field.name, None)
         if field.name in batched:
-            # What is nowhere in the first of them may be left out for all.
+            # A field that is zero in the first model may be left out for all.
             parts.append((value.shape, bool(value.any())))
         elif isinstance(value, np.ndarray) and field.name not in SHARED:
             parts.append(value.tobytes())
@@ -270,5 +275,5 @@ def _structure(model: Model) -> Hashable:
 
 
 def _fill(array: Any, values: Sequence[np.ndarray] | np.ndarray) -> None:
-    """Put what each world has into an array of the device."""
+    """Copy the values of all worlds into an array of the device."""
     array.assign(np.asarray(values).reshape(array.numpy().shape))
