@@ -31,6 +31,7 @@ def test_a_wall_on_the_left_presses_the_left_antenna_and_the_robot_turns_right(m
     assert met.contacts[0].antenna == "left"
     turned = np.degrees(met.walk.yaw[-1])
     assert turned < -20.0
+    assert "away from wall 1" in met.ending and "to the right" in met.ending
 
 
 @pytest.mark.slow
@@ -91,6 +92,7 @@ def test_a_start_and_a_heading_are_where_the_robot_begins():
     assert (walk.x[0], walk.y[0]) == pytest.approx((0.3, -0.2), abs=1e-3)
     assert np.degrees(walk.yaw[0]) == pytest.approx(120.0, abs=0.5)
     assert walk.advance[1] == pytest.approx(0.71, abs=0.08)
+    assert begun.ending == "walked for 4 s, no goal in the arena"
     assert np.degrees(np.arctan2(walk.y[-1] + 0.2, walk.x[-1] - 0.3)) == pytest.approx(120, abs=2)
 
 

@@ -229,7 +229,7 @@ def maze_account(maze: Maze, about: About) -> Account:
         "Gait changes": RecordTable(_CHANGE, "changes", changes, more="changes", level=CARD),
         **_input_sections(walk),
     }
-    answer = f"{maze.outcome} after {amount(maze.duration, 's')}"
+    answer = maze.ending
     origin, warned = _simulated_in(maze.arena), _stopped_early("The simulation", walk.stopped)
     seeds = {name: about.seeds.get(name) for name in ("start_seed", "layout_seed")}
     options = {**_SIMULATED, "given": seeds}

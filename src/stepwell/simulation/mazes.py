@@ -1,4 +1,4 @@
-"""A way through an arena: the walk, what it touched, and what the touches changed."""
+"""Runs in an arena: the walk, contacts with obstacles, and changes of gait."""
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
@@ -19,9 +19,9 @@ from stepwell.simulation.simulator import Settings
 from stepwell.simulation.walks import Walk, recorded
 
 TOUCHED = 1e-3  # an obstacle that carries more than this [N] has been touched
-PRESSED = 0.05  # an antenna turned by more than this share of its swing is pressed
-APART = 1.0  # presses that follow within this time [s] are one
-FREE_FOR = 10  # cycles at the end of a run that tell whether it walks on ...
+PRESSED = 0.05  # an antenna turned by more than this fraction of its swing is pressed
+APART = 1.0  # presses within this time [s] count as one
+FREE_FOR = 10  # cycles at the end of a run that decide whether it walks on ...
 STEADY = np.radians(5.0)  # ... with a heading that varies by no more than this [rad] ...
 ADVANCING = 0.4  # ... and this much of u_max or more a cycle [1]
 STUCK_FOR = 120.0  # a robot that stays this long [s] ...
@@ -29,11 +29,11 @@ STUCK_WITHIN = 0.060  # ... within this distance [m] is trapped
 
 
 class Outcome(Enum):
-    """How a way through an arena ended."""
+    """Outcome of a run in an arena."""
 
     REACHED = "reached the goal"
     TIMED_OUT = "ran out of time"
-    TRAPPED = "went on moving without getting anywhere"
+    TRAPPED = "kept moving without advance"
     STOPPED = "stopped early"
 
     def __str__(self):
@@ -41,13 +41,13 @@ class Outcome(Enum):
 
 
 class Contact(NamedTuple):
-    """An antenna pressed back.
+    """A contact that presses an antenna.
 
     Attributes:
-        antenna: which.
-        begin, end: from when to when [s].
-        swing, moved: how far at most [rad], and by how much it then had moved its anchor [m]; 0
-            with its lever off.
+        antenna: its name.
+        begin, end: start and end of the contact [s].
+        swing, moved: largest rotation [rad], and displacement of the anchor there [m]; 0 if the
+            antenna is disconnected.
     """
 
     antenna: str
@@ -61,7 +61,7 @@ class Contact(NamedTuple):
 
 
 class GaitChange(NamedTuple):
-    """A leg that changed its gait: when [s], which, from what to what."""
+    """A change of gait of a leg: time [s], leg, gait before and after."""
 
     time: float
     leg: str
@@ -74,7 +74,7 @@ class GaitChange(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Maze(ByValue, Drawn):
-    """A robot's way through an arena: all samples, how it ended, and the time it was given [s]."""
+    """A run of a robot in an arena: all samples, the outcome, and the time limit [s]."""
 
     walk: Walk
     arena: Arena
@@ -83,7 +83,7 @@ class Maze(ByValue, Drawn):
 
     @property
     def touched(self) -> dict[str, float | None]:
-        """When each obstacle was first touched [s], None if never; walls first."""
+        """Time of the first contact with each obstacle [s], None without one; walls first."""
         forces = self.walk.obstacle_force > TOUCHED
         return {
             name: float(self.walk.time[forces[:, i].argmax()]) if forces[:, i].any() else None
@@ -92,7 +92,7 @@ class Maze(ByValue, Drawn):
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
-        """Every time an antenna was pressed back, in the order of their beginnings."""
+        """All contacts of the antennas, by start."""
         contacts: list[Contact] = []
         for i, antenna in enumerate(self.walk.robot.antennas):
             swing = self.walk.antenna[:, i]
@@ -105,7 +105,7 @@ class Maze(ByValue, Drawn):
 
     @property
     def changes(self) -> tuple[GaitChange, ...]:
-        """Every change of a leg's gait from one cycle to the next, dated by the later one."""
+        """All changes of a leg's gait from one cycle to the next, at the start of the later one."""
         period = self.walk.robot.drive.period
         changes = (
             GaitChange(i * period, leg, before, after)
@@ -117,10 +117,10 @@ class Maze(ByValue, Drawn):
 
     @property
     def walks_on(self) -> bool:
-        """Whether it ended free: antennas at rest, heading steady and still advancing.
+        """Whether it ended free: antennas at rest, steady heading, and advance.
 
         That is, over the last ten cycles no antenna was turned by more than a twentieth of its
-        swing, the heading stayed within 5° and the way covered was 2/5 of u_max a cycle or more.
+        swing, the heading stayed within 5°, and the advance was at least 2/5 of u_max per cycle.
         """
         walk = self.walk
         if walk.stopped or walk.cycles < FREE_FOR:
@@ -134,25 +134,45 @@ class Maze(ByValue, Drawn):
 
     @property
     def duration(self) -> float:
-        """How long it took [s]."""
+        """Duration [s]."""
         return self.walk.duration
 
     @property
     def end(self) -> tuple[float, float] | None:
-        """Where it was at the end [m]; None of a run that was over before its first sample."""
+        """Position at the end [m]; None for a run that ended before its first sample."""
         walk = self.walk
         return (float(walk.x[-1]), float(walk.y[-1])) if len(walk.time) else None
+
+    @property
+    def ending(self) -> str:
+        """How and when it ended; without a goal, the turn at the last obstacle, if any."""
+        after = f"{self.duration:.0f} s"
+        if self.outcome is not Outcome.TIMED_OUT or self.arena.goal is not None:
+            return f"{self.outcome} after {after}"
+        walk, loaded = self.walk, self.walk.obstacle_force > TOUCHED
+        if self.contacts and loaded.any():
+            last = int(np.argwhere(loaded)[-1, 1])
+            turned = float(walk.yaw[-1] - walk.yaw[loaded[:, last].argmax()])
+            if abs(turned) > STEADY:
+                obstacle, side = obstacle_names(self.arena)[last], "left" if turned > 0 else "right"
+                free = max(contact.end for contact in self.contacts)
+                text = f"away from {obstacle} ({abs(np.degrees(turned)):.0f}° to the {side})"
+                ended = free < walk.time[-1] - APART
+                return (
+                    f"turned {text} at {free:.0f} s" if ended else f"turning {text} after {after}"
+                )
+        return f"walked for {after}, no goal in the arena"
 
     def __repr__(self):
         touched = sum(time is not None for time in self.touched.values())
         return (
-            f"Maze({self.arena.title or 'arena'}: {self.outcome} after {self.duration:.0f} s, "
+            f"Maze({self.arena.title or 'arena'}: {self.ending}, "
             f"{touched} of {len(self.touched)} obstacles touched)"
         )
 
 
 class Judge:
-    """Says of a run in progress how it has ended: an outcome, None as long as it goes on."""
+    """Decides the outcome of a run in progress; None until it ends."""
 
     def __init__(self, arena: Arena):
         self.outcome: Outcome | None = None
@@ -160,7 +180,7 @@ class Judge:
         self._places: list[tuple[float, float, float]] = []
 
     def look(self, run: SimulatedRun) -> Outcome | None:
-        """Look at a run as it is now: its outcome if it has ended."""
+        """Check a run at its present state: its outcome, None if it has not ended."""
         # The full state begins with the time and the body's place.
         x, y = float(run.state[1]), float(run.state[2])
         self._places.append((run.now, x, y))
@@ -189,9 +209,9 @@ def maze(
     progress: Callable[[float, float], None] | None = None,
     look: Callable[[Callable[[], Walk]], None] | None = None,
 ) -> Maze:
-    """Simulate a robot in an arena until it reaches the goal, is trapped or runs out of time.
+    """Simulate a robot in an arena until it reaches the goal, is trapped or the time is over.
 
-    `look` is as for `walk`. All else as for `Robot.maze`.
+    `look` is as for `walk`. Other arguments as for `Robot.maze`.
     """
     if not limit > 0:
         raise InputError(f"limit = {limit} s: must be > 0.")
@@ -214,28 +234,28 @@ def mazes(
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Maze, ...]:
-    """Let many robots walk in many arenas, on all cores.
+    """Simulate many robots in many arenas, in parallel on all cores.
 
     Args:
         entries: (n,) robot and arena.
-        limit: time that each is given [s], > 0.
+        limit: simulated time of each [s], > 0.
         settings: of the simulation.
-        threads: how many run at once; all cores by default.
+        threads: number of parallel runs; all cores by default.
         progress: called with (done, total) entries.
 
     Returns:
-        (n,) their ways, each what `maze` gives and with its errors.
+        (n,) results and errors as those of `maze`.
     """
-    # The stepping runs outside Python's lock, so threads are enough.
+    # The time stepping releases Python's lock, so threads are enough.
     stop = Event()
 
-    def heed(_now: float, _limit: float) -> None:
+    def stop_if_asked(_now: float, _limit: float) -> None:
         if stop.is_set():
             raise KeyboardInterrupt
 
     with ThreadPoolExecutor(threads or cores()) as pool:
         ways = [
-            pool.submit(maze, robot, arena, limit=limit, settings=settings, progress=heed)
+            pool.submit(maze, robot, arena, limit=limit, settings=settings, progress=stop_if_asked)
             for robot, arena in entries
         ]
         waiting = set(ways)

@@ -53,7 +53,7 @@ def maze(maze: Maze) -> Figure:
     scale = min(_LARGEST, (page - 4.0) / (box[1] - box[0]), _TALLEST / (box[3] - box[2]))
     wide, high = (box[1] - box[0]) * scale, (box[3] - box[2]) * scale
     title = f"{arena.title}: " if arena.title else ""
-    says = wrap(f"{title}{maze.outcome} after {maze.duration:.0f} s", int(page / _LETTER))
+    says = wrap(f"{title}{maze.ending}", int(page / _LETTER))
     handles = _key(maze)
     columns, rows = legends.laid(len(handles), page, _ENTRY, 5)
     key = _KEY + _ROW * (rows - 1)
