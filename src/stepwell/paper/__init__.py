@@ -1,4 +1,4 @@
-"""Claims of the paper and of others as data, each with a function that computes ours."""
+"""Claims of the paper and of others as data, each with a function that computes our value."""
 
 from stepwell.paper.cells import PAIRS, monostable_pair, outer_anchor, pair_cycle, six_cells
 from stepwell.paper.claims import Claim, ClaimVerdict, Finding, Judgement, Verdicts, markdown

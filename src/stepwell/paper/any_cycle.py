@@ -1,8 +1,8 @@
-"""`python -m stepwell.paper.any_cycle FILE [PAGE.md …]`: how surely chains make any cycle.
+"""`python -m stepwell.paper.any_cycle FILE [PAGE.md …]`: yields of chains for any cycle.
 
-The counts of cells in the claims are those of one cycle, the one that goes back the way it came.
-Here chains of the same lengths are designed for all cycles, or for a sample of too many.
-It takes a second a cycle, so what FILE holds already is kept, and what is missing is added.
+The counts of cells in the claims are for one cycle, with unloading in the reverse of the loading
+order. Here chains of the same lengths are designed for all cycles, or for a sample of them. A cycle
+takes a second, so results in FILE are kept, and only missing ones are computed.
 """
 
 import json
@@ -22,20 +22,20 @@ from stepwell.sequences import Sequence
 
 BEGIN = "<!-- any cycle: written by `python -m stepwell.paper.any_cycle`, not by hand -->"
 END = "<!-- end of any cycle -->"
-# Tolerance of the anchors [m], and the cells that make the cycle that goes back the way it came.
+# Tolerance of the anchors [m], and the cells for the cycle with reversed unloading order.
 LENGTHS = ((0.001, 6), (0.0003, 10), (0.0001, 12))
-SAMPLE = 1000  # cycles, where there are more
-MADE = 20_000  # mechanisms of each design
-_SAVED = 20  # cycles between two writings
+SAMPLE = 1000  # largest number of cycles
+MADE = 20_000  # Monte Carlo samples of each design
+_SAVED = 20  # cycles between two writes
 
 
 def cycles(cells: int) -> int:
-    """How many cycles are looked at; which cell is called which makes no other one."""
+    """Number of cycles evaluated; cycles that differ by the names of cells count once."""
     return min(math.factorial(cells), SAMPLE)
 
 
 def cycle_of(cells: int, number: int) -> str:
-    """One of them: each of few, or one at random."""
+    """Cycle `number`: one of all cycles, or of a random sample."""
     loading = range(cells)
     if cycles(cells) == math.factorial(cells):
         unloading = next(islice(permutations(loading), number, None))
@@ -45,13 +45,13 @@ def cycle_of(cells: int, number: int) -> str:
 
 
 def share(anchor: float, cells: int, number: int) -> float:
-    """The share that works of the chain that `design` finds for that cycle."""
+    """Yield of the chain that `design` returns for a cycle."""
     tolerances = Tolerances(anchor=anchor, stiffness=SPREAD)
     return design(cycle_of(cells, number), tolerances=tolerances, samples=MADE).yield_.share
 
 
 def table(rows: list[dict[str, Any]]) -> str:
-    """The shares as a table in Markdown."""
+    """The yields as a table in Markdown."""
     lines = [
         "| anchors | cells | cycles | best | median | worst | make it in 99 % |",
         "|---|---|---|---|---|---|---|",
@@ -59,17 +59,17 @@ def table(rows: list[dict[str, Any]]) -> str:
     for row in (row for row in rows if row["shares"]):
         shares, cells = np.array(row["shares"]), row["cells"]
         whole = len(shares) == math.factorial(cells)
-        looked = f"all {len(shares)}" if whole else f"a sample of {len(shares)}"
+        count = f"all {len(shares)}" if whole else f"a sample of {len(shares)}"
         yields = [f"{100 * x:.1f} %" for x in (shares.max(), np.median(shares), shares.min())]
-        many = f"{int(np.sum(shares >= WANTED))} of {len(shares)}"
+        works = f"{int(np.sum(shares >= WANTED))} of {len(shares)}"
         lines.append(
-            f"| ±{row['anchor_mm']:g} mm | {cells} | {looked} | {' | '.join(yields)} | {many} |"
+            f"| ±{row['anchor_mm']:g} mm | {cells} | {count} | {' | '.join(yields)} | {works} |"
         )
     return "\n".join(lines)
 
 
 def main(file: Path, pages: list[Path]) -> None:
-    """Add what is missing to the file, and write its table into the pages."""
+    """Add missing yields to the file, and write its table into the pages."""
     known = json.loads(file.read_text("utf-8")) if file.exists() else []
     rows = [
         next(

@@ -1,4 +1,4 @@
-"""Claims about unit cells (Figs. 1D and 1E), the paper's designs, and what is misprinted."""
+"""Claims about unit cells (Figs. 1D and 1E), the paper's designs, and misprints."""
 
 import math
 from functools import cache, partial
@@ -48,12 +48,12 @@ def outer_anchor(pathway: Pathway) -> tuple[float, float]:
 
 @cache
 def monostable_pair() -> Cycle:
-    """The inner cell of all pairs with the one monostable unit cell outside of it."""
+    """The cycle of the inner cell of all pairs with the monostable unit cell as outer cell."""
     inner = pair_cycle(Pathway.CLOCKWISE).chain.cells[0]
     return Chain((inner, six_cells()["(0, -15)"]), title="Outer cell monostable").cycle()
 
 
-# F0/(k r) and F1/(k r) that the paper's equations and parameters give, by q [mm].
+# F0/(k r) and F1/(k r) from the paper's equations and parameters, by q [mm].
 _FORCES = {
     "(10, 0)": (0.967, -0.967),
     "(20, 0)": (1.607, -1.607),
@@ -93,7 +93,7 @@ def curves() -> Finding:
 
 
 def _distance_from_equations(cell: Cell) -> float:
-    """Farthest that E and F are from Eqs. 1 and 2 written out, in units of k r² and k r."""
+    """Largest deviation of E and F from Eqs. 1 and 2, in units of k r² and k r."""
     band, r = cell.bands[0], cell.lever
     k, rest, (dx, dy) = band.stiffness, band.rest_length, band.d
 
@@ -141,13 +141,13 @@ def theta_max() -> Finding:
 
 
 def _eq_3(cell: Cell) -> float:
-    """θmax by Eq. 3, brought to the nearer stop where it lies past one."""
+    """θmax by Eq. 3, limited to the stops."""
     dx, dy = cell.bands[0].d
     return min(max(math.atan2(dy, dx), -cell.limit), cell.limit)
 
 
 def _highest(cell: Cell) -> float:
-    """θ where the energy itself is highest: the place where the force changes sign."""
+    """θ of the largest energy: the angle at which the force changes sign."""
     if cell.force_0 <= 0:
         return -cell.limit
     if cell.force_1 >= 0:

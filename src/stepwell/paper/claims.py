@@ -1,4 +1,4 @@
-"""A claim of the paper, what became of it, and the verdicts as a table of a page."""
+"""A claim of the paper, its verdict, and the verdicts as a table in Markdown."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -8,7 +8,7 @@ from stepwell.base import ByValue, InputError, Shown, described
 
 
 class Judgement(StrEnum):
-    """How a claim and our computation compare."""
+    """Comparison of a claim with our computation."""
 
     AGREES = "agrees"
     DIFFERS = "differs"
@@ -19,15 +19,15 @@ class Judgement(StrEnum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Finding(ByValue):
-    """What we compute for a claim.
+    """Our result for a claim.
 
     Attributes:
         ours: our value, in words short enough for a table.
-        verdict: how it compares.
-        reason: why it differs or what is missing; how far it holds, where it agrees.
+        verdict: the comparison.
+        reason: of a difference or of missing data; limits of an agreement.
 
     Raises:
-        ValueError: a difference, or a want of data, without a reason.
+        ValueError: a difference, or missing data, without a reason.
     """
 
     ours: str
@@ -41,13 +41,13 @@ class Finding(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Claim(ByValue):
-    """Something the paper says.
+    """A statement of the paper.
 
     Attributes:
-        id: a short name that stays.
-        claim, where: what is said, in our words, and where the paper says it.
+        id: a short permanent name.
+        claim, where: the statement in our words, and its place in the paper.
         paper_value: the paper's value.
-        tolerance: how far ours may be from it and still agree.
+        tolerance: largest deviation of ours that counts as agreement.
         find: computes ours.
     """
 
@@ -59,7 +59,7 @@ class Claim(ByValue):
     find: Callable[..., Finding] = field(repr=False)
 
     def judge(self) -> "ClaimVerdict":
-        """Compute ours and compare; without the simulator say so, if that takes it."""
+        """Compute ours and compare; if it needs MuJoCo and it is missing, report that."""
         try:
             finding = self.find()
         except ModuleNotFoundError as error:
@@ -71,7 +71,7 @@ class Claim(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClaimVerdict(ByValue):
-    """What became of a claim: our value, how it compares, and why, "" where both simply agree."""
+    """Verdict on a claim: our value, the comparison, and a reason, "" for plain agreement."""
 
     claim: Claim
     ours: str
@@ -92,7 +92,7 @@ class Verdicts(tuple[ClaimVerdict, ...], Shown):
 
     @property
     def agreed(self) -> int:
-        """How many agree."""
+        """Number of claims that agree."""
         return sum(one.verdict is Judgement.AGREES for one in self)
 
     def __repr__(self):
@@ -102,20 +102,20 @@ class Verdicts(tuple[ClaimVerdict, ...], Shown):
 def claim(
     where: str, paper_value: str, tolerance: str
 ) -> Callable[[Callable[..., Finding]], Claim]:
-    """Make a claim of the function that computes ours; arguments as for `Claim`.
+    """Decorator: make a claim from the function that computes ours; arguments as for `Claim`.
 
-    The function's name is the claim's, with dashes, and its docstring is what is said.
+    The claim's id is the function's name with dashes, its statement is the docstring.
     """
 
     def made(find: Callable[..., Finding]) -> Claim:
-        name, said = find.__name__.replace("_", "-"), described(find)
-        return Claim(name, said, where, paper_value, tolerance, find)
+        name, statement = find.__name__.replace("_", "-"), described(find)
+        return Claim(name, statement, where, paper_value, tolerance, find)
 
     return made
 
 
 def judged(agrees: bool, ours: str, *, note: str = "", otherwise: str = "") -> Finding:
-    """Agreement with a note on how far it goes, or a difference with its reason or the note."""
+    """Agreement with a note on its limits, or a difference with its reason or the note."""
     if agrees:
         return Finding(ours, Judgement.AGREES, note)
     return Finding(ours, Judgement.DIFFERS, otherwise or note or "Outside the tolerance.")
@@ -140,11 +140,11 @@ def markdown(verdicts: Iterable[ClaimVerdict]) -> str:
 
 
 def replaced(page: str, text: str, begin: str = BEGIN, end: str = END, what: str = "claims") -> str:
-    """A page with the text between its two markers replaced; `what` it is, for who forgot them."""
+    """A page with the text between two markers replaced; `what` names the text in an error."""
     before, first, rest = page.partition(begin)
     _, last, after = rest.partition(end)
     if not (first and last):
-        raise InputError(f"the page has no place for the {what}: put in {begin} and {end}.")
+        raise InputError(f"the page has no place for the {what}: add {begin} and {end}.")
     return f"{before}{begin}\n\n{text}\n\n{end}{after}"
 
 

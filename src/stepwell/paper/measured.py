@@ -1,4 +1,4 @@
-"""Claims that recordings decide; the recordings are not part of Stepwell."""
+"""Claims decided by recordings, which are not part of Stepwell."""
 
 import math
 import os
@@ -15,26 +15,26 @@ MISSING = (
     "`stepwell paper --data PATH`."
 )
 _K, _K_ROBOT = 28.5, 47.0
-# Half a unit of the last digit that the paper prints.
+# Half a unit of the last digit printed in the paper.
 _ROUNDING, _ROUNDING_ROBOT = 0.05, 0.5
-# A seventh of F0 of the paper's cell of reference, which is 0.967 k r.
+# A seventh of F0 of the paper's reference cell, 0.967 k r.
 _CLOSE = 0.15
 
 
 class Recorded:
-    """The authors' recordings, read when a claim first asks for them."""
+    """The authors' recordings, read on first access."""
 
     def __init__(self, folder: str | os.PathLike[str]):
         self.folder = Path(folder)
 
     @cached_property
     def comparison(self) -> lab.Comparison:
-        """Unit cells and pairs against the paper's model."""
+        """Comparison of unit cells and pairs with the paper's model."""
         pairs = "2unit_00_11", "2unit_2_00_11", "2unit_11_00"
         return lab.compare(self.read("1unit", "1unit_2", *pairs))
 
     def read(self, *folders: str) -> list[lab.Recording]:
-        """All recordings of some of its folders, one or more."""
+        """All recordings in these subfolders; raises LabError if there is none."""
         paths = [self.folder / name for name in folders if (self.folder / name).is_dir()]
         batch = lab.read_all(paths)
         if not batch.recordings:
@@ -167,7 +167,7 @@ IDS = tuple(one.id for one in CLAIMS)
 
 
 def claims(data: str | os.PathLike[str] | None = None) -> tuple[Claim, ...]:
-    """The claims; with the folder of the recordings they can be judged."""
+    """The claims; without the folder of the recordings they need data."""
     if data is None:
         missing = Finding("", Judgement.NEEDS_DATA, MISSING)
         return tuple(replace(one, find=lambda: missing) for one in CLAIMS)

@@ -45,9 +45,9 @@ def order_many_cells() -> Finding:
     cycles = [chain.cycle() for chain in _chains(_COUNT, 3, 8, _SEED + 1)]
     right = sum(map(_sorted, cycles))
     snaps = [(cycle, snap) for cycle in cycles for snap in cycle.snaps]
-    let_go = [(cycle, snap, _least_held(snap, cycle)) for cycle, snap in snaps]
-    at_its_force = sum(_lets_go(snap, cycle, cell) for cycle, snap, cell in let_go)
-    others = sum(_left_between(snap, cycle) not in (cell, None) for cycle, snap, cell in let_go)
+    released = [(cycle, snap, _weakest_held(snap, cycle)) for cycle, snap in snaps]
+    at_its_force = sum(_is_released(snap, cycle, cell) for cycle, snap, cell in released)
+    others = sum(_cell_between(snap, cycle) not in (cell, None) for cycle, snap, cell in released)
     return judged(
         right == len(cycles) and at_its_force == len(snaps),
         f"{right} of {len(cycles)} chains of 3 to 8",
@@ -89,8 +89,8 @@ def _is_directed(cycle: Cycle) -> bool:
     return (inner.force_0 < outer.force_0) == (inner.force_1 > outer.force_1)
 
 
-def _left_between(snap: Event, cycle: Cycle) -> int | None:
-    """The cell between its stops after a snap; None if there is none."""
+def _cell_between(snap: Event, cycle: Cycle) -> int | None:
+    """The cell between its stops after a snap; None without one."""
     return next(_between(snap, cycle, snap.after), None)
 
 
@@ -102,8 +102,8 @@ def _between(snap: Event, cycle: Cycle, travels: Iterable[float]) -> Iterator[in
             yield cell
 
 
-def _least_held(snap: Event, cycle: Cycle) -> int:
-    """Of the cells that have moved already, the one whose stop holds it least."""
+def _weakest_held(snap: Event, cycle: Cycle) -> int:
+    """The cell that has moved already with the weakest force at its stop."""
     cells = cycle.chain.levers
     order = cycle.loading_order if snap.direction > 0 else cycle.unloading_order
     mover = next(_between(snap, cycle, snap.before), snap.cells[0])
@@ -113,8 +113,8 @@ def _least_held(snap: Event, cycle: Cycle) -> int:
     return min(moved, key=lambda cell: cells[cell].force_0)
 
 
-def _lets_go(snap: Event, cycle: Cycle, cell: int) -> bool:
-    """Whether the snap happens just where the force meets what holds this cell at its stop."""
+def _is_released(snap: Event, cycle: Cycle, cell: int) -> bool:
+    """Whether the snap happens exactly at the critical force of this cell at its stop."""
     held = cycle.chain.levers[cell]
     limit = held.force_1 if snap.direction > 0 else held.force_0
     return abs(snap.force_before - limit) <= _SAME * abs(cycle.peak_force)
@@ -126,23 +126,23 @@ ORDER_CLAIMS = (order_two_cells, order_many_cells)
 ANCHORS = (0.0001, 0.0003, 0.001)  # tolerances [m]
 SPREAD = 0.05  # of the bands' stiffness
 WANTED = 0.99
-# Of the paper's claim, more cells than it built.
+# Number of cells that the paper built.
 BUILT = 2
 _MOST = 32
 _TRIED, _MADE = 20_000, 1_000_000
 
 
 def sequenced(cells: int, tolerances: Tolerances, n: int) -> Design:
-    """Anchors for the cycle that goes back the way it came: last in, first out."""
+    """Design for the cycle with reversed unloading order: last in, first out."""
     cycle = Sequence.full_cycle(range(cells), reversed(range(cells)))
     return design(str(cycle), tolerances=tolerances, samples=n)
 
 
 def programmable(cells: int, tolerances: Tolerances, n: int) -> Design:
-    """Anchors for a chain that its turning points bring to every state.
+    """Design of a chain in which stroke programs reach every state.
 
-    Proved where of every two cells the one that loads first unloads first, which this cycle says;
-    so what makes it counts (theory page, "Stroke programs").
+    Proved if of every two cells the one that loads first unloads first, as in this cycle (theory
+    page, "Stroke programs").
     """
     cycle = Sequence.full_cycle(range(cells), range(cells))
     return design(str(cycle), tolerances=tolerances, samples=n)
@@ -150,14 +150,14 @@ def programmable(cells: int, tolerances: Tolerances, n: int) -> Design:
 
 @cache
 def most_cells(make: Callable[[int, Tolerances, int], Design], anchor: float) -> Design:
-    """The longest chain of which 99 % work, surely: the lower end of the 95 % interval says so.
+    """The longest chain with a yield of 99 %, as the lower end of the 95 % interval.
 
-    Longer chains have smaller gaps, so the answer is bracketed by doubling and bisection.
+    Longer chains have smaller gaps, so the length is bracketed by doubling and bisection.
     """
     tolerances = Tolerances(anchor=anchor, stiffness=SPREAD)
 
     def works(cells: int) -> Design | None:
-        # A first look with few mechanisms; only a close call is worth a million.
+        # First with few samples; a million only if the yield is near the limit.
         trial = make(cells, tolerances, _TRIED)
         if abs(trial.yield_.share - WANTED) < 0.005:
             trial = make(cells, tolerances, _MADE)

@@ -16,7 +16,7 @@ from stepwell.paper.cells import PAIRS, falls, monostable_pair, outer_anchor, pa
 from stepwell.paper.claims import Claim, Finding, claim, judged
 from stepwell.sequences import Cycle, Pathway
 
-# Shares of area that the paper's equations and parameters give, with q_out over x 0 to 20 and
+# Fractions of area from the paper's equations and parameters, with q_out over x 0 to 20 and
 # y -15 to 15 mm.
 _SHARES = {
     Pathway.COUNTERCLOCKWISE: 0.261,
@@ -31,7 +31,7 @@ _BAND = 0.005  # m
 
 @dataclass(frozen=True)
 class PaperMap:
-    """The paper's map at the middles of equal rectangles, so that a mean is a share of area."""
+    """The paper's map at the centres of equal rectangles: a mean is a fraction of area."""
 
     x: Floats  # (n,) anchor q of the outer cell [m]
     y: Floats
@@ -46,12 +46,12 @@ class PaperMap:
 
     @property
     def directed(self) -> Bools:
-        """(n, n) whether a design takes different ways up and down."""
+        """(n, n) whether loading and unloading take different pathways."""
         return self.takes(Pathway.CLOCKWISE, Pathway.COUNTERCLOCKWISE)
 
     @property
     def undirected(self) -> Bools:
-        """(n, n) whether a design takes the same way up and down."""
+        """(n, n) whether loading and unloading take the same pathway."""
         return self.takes(Pathway.VIA_01, Pathway.VIA_10)
 
 
@@ -114,7 +114,7 @@ def large_qx_directed() -> Finding:
 
 
 def _by_band(along: Floats, share: Floats) -> Floats:
-    """Means of (n,) shares over bands of (n,) places [m]."""
+    """Means of (n,) fractions over bands of (n,) places [m]."""
     number = np.floor(along / _BAND).astype(int)
     return np.array([float(np.mean(share[number == k])) for k in range(number.max() + 1)])
 
@@ -166,7 +166,7 @@ def sequential() -> Finding:
 
 
 def _in_transit(cycle: Cycle) -> np.ndarray:
-    """(n,) how many cells are between their stops."""
+    """(n,) number of cells between their stops."""
     full = np.array(cycle.chain.full_travels)
     travel = cycle.path.travel
     return np.sum((travel > _STILL * full) & (travel < (1 - _STILL) * full), axis=1)
@@ -270,8 +270,8 @@ def wells() -> Finding:
 def stable_states(chain: Chain) -> list[str]:
     """Corners of the square of travels that are local minima of the total energy, strictly.
 
-    The energy is a sum over the cells, so it is lowest where each cell's is; and cells whose force
-    falls have no minimum between their stops. A `ValueError` refuses a cell without that proof.
+    The energy is a sum over the cells, so its minima are minima of each cell; and cells with
+    falling force have no minimum between their stops. A `ValueError` refuses other cells.
     """
     return ["".join(state) for state in product(*map(_held, chain.levers))]
 

@@ -1,4 +1,4 @@
-"""Every claim, of the paper in its order and of others, judged."""
+"""Lists of all claims, of the paper and of others, and their verdicts."""
 
 import os
 from collections.abc import Callable
@@ -14,11 +14,11 @@ Progress = Callable[[int, int], None]
 def claims(
     data: str | os.PathLike[str] | None = None, *, everything: bool = False
 ) -> tuple[Claim, ...]:
-    """The claims about unit cells, two-cell mechanisms and the robot; nothing is computed yet.
+    """The claims about unit cells, two-cell mechanisms and the robot, without verdicts.
 
     Args:
-        data: folder of the recordings published with the paper, for the claims they decide.
-        everything: also those that take many simulated runs, minutes of them.
+        data: folder of the recordings published with the paper, for the claims that need them.
+        everything: also the claims that need many simulated runs, which takes minutes.
 
     Source: Kamp et al. 2024.
     """
@@ -40,7 +40,7 @@ def claims(
 
 
 def others() -> tuple[Claim, ...]:
-    """The claims of others about chains of bistable elements; nothing is computed yet.
+    """The claims of others about chains of bistable elements, without verdicts.
 
     Source: Puglisi and Truskinovsky 2000, J. Mech. Phys. Solids 48, 1; Muhaxheri and Santangelo
     2024, arXiv 2403.10721; Teunisse and van Hecke 2025, R. Soc. Open Sci. 12, 250753; Bhovad,
@@ -56,7 +56,7 @@ def others() -> tuple[Claim, ...]:
 
 
 def validate(progress: Progress | None = None) -> Verdicts:
-    """Compute every claim of others; `progress` is called with (done, total) claims."""
+    """Compute all claims of others; `progress` is called with (done, total) claims."""
     return _judged(others(), progress)
 
 
@@ -66,21 +66,21 @@ def run(
     everything: bool = False,
     data: str | os.PathLike[str] | None = None,
 ) -> Verdicts:
-    """Compute every claim; `reports.write` draws the paper's figures into a folder.
+    """Compute all claims of the paper; `reports.write` draws the paper's figures.
 
     Args:
         progress: called with (done, total) claims.
-        everything: also the claims that take many simulated runs, minutes of them.
-        data: folder of the recordings published with the paper; without it the claims that they
-            decide say that they need data.
+        everything: also the claims that need many simulated runs, which takes minutes.
+        data: folder of the recordings published with the paper; without it, claims on recordings
+            have the verdict "needs data".
 
     Raises:
-        LabError: a folder of data without a recording.
+        LabError: the folder has no recording.
         ExtraError: xarray is not installed.
 
     Source: Kamp et al. 2024.
     """
-    # The claims about the map take a labelled table.
+    # The claims about the map need xarray.
     need("tables")
     return _judged(claims(data, everything=everything), progress)
 

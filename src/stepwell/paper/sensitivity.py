@@ -1,4 +1,4 @@
-"""How the results about the robot depend on every number that is assumed."""
+"""Sensitivity of the results about the robot to every assumed number."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -21,12 +21,12 @@ CYCLES = 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Effect(base.ByValue):
-    """What a result becomes when one parameter alone is changed.
+    """Change of a result with one parameter.
 
     Args:
         parameter: its name and unit, as "foot friction" or "period [s]".
-        low, high: the two values it is given, in that unit.
-        at_low, at_high: the result with each; NaN where there is none.
+        low, high: its two values, in that unit.
+        at_low, at_high: the result with each; NaN without a result.
     """
 
     parameter: str
@@ -37,20 +37,20 @@ class Effect(base.ByValue):
 
     @property
     def span(self) -> float:
-        """Difference between the two results, infinite where either is missing."""
+        """Difference between the two results, infinite if one is missing."""
         span = abs(self.at_high - self.at_low)
         return span if math.isfinite(span) else math.inf
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sensitivity(base.ByValue):
-    """A result, and what each parameter does to it.
+    """A result, and its change with each parameter.
 
     Args:
         result: its name and unit, as "forward: d/u_max"; mathematics between dollar signs.
-        nominal: with every parameter as it is.
+        nominal: the result with all parameters unchanged.
         effects: in any order.
-        target: lower and upper bound of what the result should be, None if there is none.
+        target: lower and upper bound of the target, None without one.
     """
 
     result: str
@@ -60,9 +60,9 @@ class Sensitivity(base.ByValue):
 
 
 class Variation(NamedTuple):
-    """An assumed number: what it is called, its keys, and the values it is given.
+    """An assumed number: its label, its keys, and its two values.
 
-    A key with a minus sign before it gets the value's negative: the other side of the robot.
+    A key with a minus sign gets the negative value, for the other side of the robot.
     """
 
     label: str
@@ -71,7 +71,7 @@ class Variation(NamedTuple):
     high: float
 
 
-# By a fifth where nothing better is known, by a few millimetres where things can be seen.
+# By a fifth by default, by a few millimetres for visible dimensions.
 VARIATIONS = (
     Variation("mass of the body [g]", ("body.mass_g",), 208, 312),
     Variation("centre of mass, forward [mm]", ("body.centre_mm[0]",), 20, 28),
@@ -105,7 +105,7 @@ def _turn(trial: "Trial") -> float:
 
 
 class Result(NamedTuple):
-    """A robot, what is read from its walk, its name on an axis, and where it should lie."""
+    """A robot, the result read from its walk, its label on an axis, and its target."""
 
     robot: str
     read: "Callable[[Trial], float]"
@@ -129,7 +129,7 @@ def _changed(design: Robot, variation: Variation, value: float) -> Robot:
 
 @cache
 def sensitivities() -> tuple[Sensitivity, ...]:
-    """Each result with every assumed number, and every number of the simulation, changed alone."""
+    """Each result with each assumed number, and each number of the simulation, changed alone."""
     from stepwell.simulation import Integrator, Settings, sweep
 
     coarse = Settings(time_step=2e-3, contact_time=4e-3)

@@ -1,4 +1,4 @@
-"""Claims about antennas, walls and mazes, by statics and by many simulated runs."""
+"""Claims about antennas, walls and mazes, from statics and many simulated runs."""
 
 import math
 from collections.abc import Iterable
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
     from stepwell.simulation import Maze
 
 
-PRESSED = -0.011  # where a contact is said to push p_in [m] ...
-ABOUT = 0.0005  # ... and how near to it that is [m]
+PRESSED = -0.011  # x of p_in during contact in the paper [m] ...
+ABOUT = 0.0005  # ... and the tolerance on it [m]
 INWARDS = (-1.0, 0.0)
 BACKWARD = sequences.Pathway.COUNTERCLOCKWISE.value
 
 # Stiffness of the inner cell's bands over that of one band. The paper gives no number of bands, and
-# its tests used one and two. The factor is in a notebook of the authors, on the inner force; that
-# notebook also has a pressed anchor at -13 mm, so it need not be of the robot as built.
+# its tests used one and two. The factor 5/4 on the inner force is in a notebook of the authors; the
+# notebook also has a pressed anchor at -13 mm, so it may be of another robot.
 BANDS = {"one band": 1.0, "one band times 5/4": 1.25, "two bands": 2.0}
-NOT_SAID = (
+NO_COUNT = (
     "The paper does not say how many bands the inner cell has, and its tests used one and two; a "
     "notebook of the authors, which also has a pressed anchor at -13 mm, puts 5/4 on the inner "
     "force."
@@ -36,10 +36,10 @@ NOT_SAID = (
 
 
 def pair(q_out: float, bands: float = 2.0, *, pressed: bool = False) -> mechanism.Chain:
-    """Inner and outer cell of a leg of the robot with antennas, feet and weight left out.
+    """Inner and outer cell of a leg of the robot with antennas, without feet and weight.
 
     `q_out` is x of the outer cell's outer anchor [m], `bands` the stiffness of the inner cell's
-    bands over the outer one's; pressed, p_in is where the paper has it under a contact.
+    bands over the outer one's; `pressed` moves p_in to its place during contact in the paper.
     """
     inner, outer = robot("antennas").legs[0].chain.levers
     stiffness = bands * outer.bands[0].stiffness
@@ -50,18 +50,18 @@ def pair(q_out: float, bands: float = 2.0, *, pressed: bool = False) -> mechanis
 
 
 def turning(q_out: float, bands: float = 2.0) -> Reprogramming:
-    """How far p_in has to be pushed inwards for the pair to run counterclockwise."""
+    """Least displacement of p_in inwards for the pair to run counterclockwise."""
     return reprogram(pair(q_out, bands), BACKWARD, "inner.p", along=INWARDS, one_way=True)
 
 
 def largest_outer(bands: float = 2.0) -> float:
-    """Largest q_out [m] at which p_in = -11 mm turns the pair round, from 20 mm inwards."""
+    """Largest q_out [m] below 20 mm at which p_in = -11 mm makes the pair run counterclockwise."""
     chain = pair(0.020, bands, pressed=True)
     return reprogram(chain, BACKWARD, "outer.q", along=INWARDS, one_way=True).anchor_at[0]
 
 
 def decided(holds: list[bool], ours: str, reason: str) -> Finding:
-    """Agreement or difference where every number of bands gives the same, else undetermined."""
+    """Agreement or difference if all numbers of bands give the same, else undetermined."""
     if any(holds) and not all(holds):
         return Finding(ours, Judgement.UNDETERMINED, reason)
     return judged(all(holds), ours, otherwise=reason)
@@ -76,7 +76,7 @@ def _turned_round(q_out: float) -> Finding:
         "turned round from "
         + ", ".join(f"{to_unit(place, 'mm'):.1f} mm ({label})" for label, place in places.items())
         + " on",
-        f"By the order of the end forces ({needed['two bands'].method}). {NOT_SAID} With p_in at "
+        f"By the order of the end forces ({needed['two bands'].method}). {NO_COUNT} With p_in at "
         f"{to_unit(PRESSED, 'mm'):g} mm the pair is turned round for q_out up to "
         f"{to_unit(largest_outer(1.25), 'mm'):.2f} mm with 5/4 and "
         f"{to_unit(largest_outer(), 'mm'):.2f} mm with two bands. On the way two bands pull at the "
@@ -103,7 +103,7 @@ ANTENNA_CLAIMS = (
 )
 
 
-# Declared before any of these runs.
+# Fixed before any of these runs.
 STARTS = tuple(range(100, 110))
 LAYOUTS = tuple(range(200, 210))
 FIELDS = tuple(range(500, 512))
@@ -115,7 +115,7 @@ OFFSETS_MM = (-100, -75, -50, -25, -10, 15, 40, 65, 90)
 OTHER_OFFSETS_MM = (-90, -65, -40, -15, 10, 25, 50, 75, 100)
 HEAD_ON_DEG = (88, 88.5, 89, 89.5, 90, 90.5, 91, 91.5, 92)
 
-MOVED = 0.004  # that a contact moves an anchor in the paper: from -7 to -11 mm [m]
+MOVED = 0.004  # displacement of an anchor by a contact in the paper: from -7 to -11 mm [m]
 FORWARD = "00>10>11>01>00"
 
 
@@ -139,13 +139,13 @@ def cylinder_ahead(offset: float) -> Arena:
 
 
 def _pressed(design: Robot, moved: float) -> Robot:
-    """A robot whose left antenna has moved its anchor, of the right leg, by so much [m]."""
+    """A robot whose left antenna has displaced its anchor, of the right leg, by `moved` [m]."""
     antenna = design.antennas[0]
     return design.pressed({antenna.name: moved / antenna.gear})
 
 
 def _with_bands(design: Robot, bands: float) -> Robot:
-    """A robot with so many times the stiffness of one band on its inner cells."""
+    """A robot with `bands` times the stiffness of one band on its inner cells."""
     one = design.legs[0].chain.levers[1].bands[0].stiffness
     return files.vary(design, {"chain.cell.inner.band.stiffness_N_per_m": bands * one})
 
@@ -174,7 +174,7 @@ def antennas_paper_numbers() -> Finding:
     return decided(
         [flips[ratio] for ratio in BANDS.values()],
         f"right leg pressed: {held}",
-        f"{NOT_SAID} All else is the paper's and the assumed numbers that every robot shares. With "
+        f"{NO_COUNT} All else is the paper's and the assumed numbers that every robot shares. With "
         f"two inner bands it walks {free.advance:.2f} u_max forward and, pressed, turns "
         f"{abs(math.degrees(pressed.turn)):.0f}° a cycle, from "
         f"{to_unit(_least_move(base), 'mm'):g} mm of anchor displacement on; it takes an inner "
@@ -222,7 +222,7 @@ def antennas_turn_away() -> Finding:
 
 
 def _ways(design: Robot, arenas: Iterable[Arena], limit: float) -> "tuple[Maze, ...]":
-    """What a robot does in each of some arenas, for so long at most [s]."""
+    """Runs of a robot in each arena, of at most `limit` [s]."""
     from stepwell.simulation import mazes
 
     return mazes([(design, arena) for arena in arenas], limit=limit)
@@ -273,7 +273,7 @@ def antennas_head_on() -> Finding:
 
 
 def _crossed(design: Robot, arenas: Iterable[Arena]) -> int:
-    """In how many arenas it reached the goal in 700 s having touched the first three walls."""
+    """Number of arenas in which it reached the goal in 700 s after touching three walls."""
     from stepwell.simulation import Outcome
 
     ways = (way for way in _ways(design, arenas, 700.0) if way.outcome is Outcome.REACHED)
@@ -281,7 +281,7 @@ def _crossed(design: Robot, arenas: Iterable[Arena]) -> int:
 
 
 def _from_starts(design: Robot, name: str) -> int:
-    """How many of the starts in an arena that comes with the package lead to the goal."""
+    """Number of random starts in a shipped arena that lead to the goal."""
     arena = files.load_arena(name)
     return _crossed(design, (other_start(arena, seed) for seed in STARTS))
 
@@ -340,7 +340,7 @@ def three_walls_layouts() -> Finding:
 
 
 def field(seed: int) -> Arena:
-    """Five walls at random before the robot, with gaps of 0.35 m or more between them."""
+    """Five random walls in front of the robot, with gaps of at least 0.35 m between them."""
     rng = np.random.default_rng(seed)
     walls: list[Wall] = []
     points = [np.zeros((1, 2))]
@@ -364,16 +364,16 @@ def antennas_fields() -> Finding:
     # Far outside the rectangle in which the walls stand.
     left = [way.walks_on and math.hypot(way.walk.x[-1] - 1.2, way.walk.y[-1]) > 1.8 for way in ways]
     touched = sum(any(time is not None for time in way.touched.values()) for way in ways)
-    kept = ", ".join(str(seed) for seed, out in zip(FIELDS, left, strict=True) if not out)
+    remaining = ", ".join(str(seed) for seed, out in zip(FIELDS, left, strict=True) if not out)
     return judged(
         sum(left) >= len(left) - 1,
         f"{sum(left)} of {len(left)} left behind",
         note=f"Five walls each, gaps of {GAP} m or more, seeds {_through(FIELDS)}, drawn "
         f"before any run; in {touched} of them it met a wall."
-        + (f" Not left within {CROSSING:g} s: {kept}." if kept else "")
+        + (f" Not left within {CROSSING:g} s: {remaining}." if remaining else "")
         + " The time is that of the way out, once 600 s for a robot with feet 0.3 mm deep, which "
         "goes a third faster.",
-        otherwise=f"Not left within {CROSSING:g} s: seeds {kept}.",
+        otherwise=f"Not left within {CROSSING:g} s: seeds {remaining}.",
     )
 
 

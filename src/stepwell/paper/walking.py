@@ -1,4 +1,4 @@
-"""Claims about the walking robot, each found by simulating it, and where its step loses."""
+"""Claims about the walking robot, from simulation, and the losses of its step."""
 
 from dataclasses import replace
 from functools import cache
@@ -29,20 +29,20 @@ ASSUMED = (
 
 
 def robot(name: str) -> Robot:
-    """A robot that comes with the package."""
+    """A shipped robot."""
     return files.load(f"preset:robot-{name}").robot
 
 
 @cache
 def walk_of(name: str) -> "Walk":
-    """Eight cycles of a robot that comes with the package."""
+    """A walk of eight cycles of a shipped robot."""
     from stepwell.simulation import walk
 
     return walk(robot(name), CYCLES)
 
 
 def _late(values: np.ndarray) -> float:
-    """The mean over a walk, the first cycle left out: it starts from rest."""
+    """The mean over a walk without its first cycle, which starts from rest."""
     return float(np.mean(values[1:]))
 
 
@@ -138,24 +138,24 @@ WALKING_CLAIMS = (
 )
 
 
-SHUT = 0.02  # a cell that has opened by less than this share of its travel is shut
-NEAR = 0.005  # of the end of the stroke: near 11 [m], as in the claim about the snaps
+SHUT = 0.02  # a cell open by less than this fraction of its travel counts as shut
+NEAR = 0.005  # distance to the end of the stroke near 11 [m], as in the claim about the snaps
 
 
 class Loss(NamedTuple):
-    """What one forward step of the left leg loses, in shares of the largest step."""
+    """Losses of one forward step of the left leg, as fractions of the largest step."""
 
-    whole: float  # the step less what the body advances in the cycle
+    whole: float  # the step less the advance of the body in the cycle
     start: float  # lost until the last cell, which opens as the actuator sets out, is shut again
-    snap: float  # lost in the last 5 mm of the way out, in which the snap near 11 is
-    opened: float  # how far the last cell opens at the start, over its travel
+    snap: float  # lost in the last 5 mm of loading, which contain the snap near 11
+    opened: float  # largest opening of the last cell at the start, over its travel
     carried: float  # least force on the foot while it is open [N]
     stood: float  # force on the foot while that cell is shut and the leg steps, median [N]
     airborne: float  # largest force on the foot in those last 5 mm [N]
 
 
 def forward_loss() -> Loss:
-    """Where the last cycle of the forward robot loses."""
+    """Losses in the last cycle of the forward robot."""
     walk = walk_of("forward")
     drive, leg = walk.robot.drive, walk.robot.legs[0]
     begin = walk.starts[-2]
@@ -164,7 +164,7 @@ def forward_loss() -> Loss:
     lift = walk.travel[out, 0, 1] / leg.chain.cells[-1].full_travel
     body = (walk.x[out] - walk.x[out][0]) / leg.stroke
     force = walk.foot_force[out, 0]
-    # Of the foot's motion under the body, what the body does not make is lost.
+    # Motion of the foot under the body that does not move the body is lost.
     lost = step - body
     setting_out = step < 0.5
     widest = int(np.argmax(np.where(setting_out, lift, 0.0)))

@@ -1,6 +1,6 @@
-"""`python -m stepwell.paper.others FILE [PAGE.md …]`: which pairs in series make which graphs.
+"""`python -m stepwell.paper.others FILE [PAGE.md …]`: transition graphs of pairs in series.
 
-FILE holds a design for every graph of two hysterons that one was found for, and a page the table.
+Writes the known designs for graphs of two hysterons into FILE, and their table into the pages.
 """
 
 import json
@@ -20,7 +20,7 @@ _DIGITS = 4
 
 
 def rows() -> list[dict[str, Any]]:
-    """What became of every graph: how it is made, and by which curves."""
+    """One row for every graph: how it is made, and by which curves."""
     alone = {pairs.canonical(pairs.graph_of(chain, "force")) for chain in pairs.pairs().values()}
     rows: list[dict[str, Any]] = []
     for graph in pairs.graphs():
@@ -53,10 +53,10 @@ def table(rows: list[dict[str, Any]]) -> str:
     lines = ["| graph | states reached | under force | under length or behind a spring |"]
     lines += ["|---|---|---|---|"]
     for row in rows:
-        ways = " ".join(f"**{way}**" if len(way) > 4 else way for way in row["graph"].split())
+        arrows = " ".join(f"**{way}**" if len(way) > 4 else way for way in row["graph"].split())
         states = len({way[:2] for way in row["reached"].split()})
         alone = "made" if row["under_force"] else "impossible"
-        lines.append(f"| {ways} | {states} | {alone} | {row['under_length']} |")
+        lines.append(f"| {arrows} | {states} | {alone} | {row['under_length']} |")
     return "\n".join(lines)
 
 

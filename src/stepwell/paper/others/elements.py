@@ -21,11 +21,11 @@ LAW = (
     "Mooney-Rivlin spheres of 150 kPa and 10 to 20 kPa; the law and sizes of the paper were out "
     "of our reach."
 )
-# Stiffness of air between which an arrow's change is looked for [Pa/m³], and how closely.
+# Range of the stiffness of air for the change of an arrow [Pa/m³], and the relative tolerance.
 _SOFTEST, _STIFFEST, _CLOSE = 1e2, 1e11, 0.01
 _ATMOSPHERE = 101325.0  # Pa
 
-# Of every state and sense of the drive, the next state.
+# The next state of every state and direction of the drive.
 _Arrows = dict[tuple[str, int], str]
 
 
@@ -35,7 +35,7 @@ def line(balloons: tuple[tuple[float, float, float], ...]) -> Chain:
 
 
 def arrows(graph: TransitionGraph) -> _Arrows:
-    """Where each state leads, states in transit left out."""
+    """Next states by state and direction, without states in transit."""
     ways = product(graph.vertices, (+1, -1))
     targets = {way: next_state(graph, *way) for way in ways}
     return {way: target for way, target in targets.items() if target != "nowhere"}
@@ -50,10 +50,10 @@ def balloons_under_pressure() -> Finding:
         graph = chain.graph("force")
         fields = [cell.fields[0] for cell in chain.elements]
         ways = product(graph.vertices, (+1, -1))
-        wanted = {way: to for way in ways if (to := _relay(*way, fields)) is not None}
+        expected = {way: to for way in ways if (to := _relay(*way, fields)) is not None}
         memory = graph.reading.return_point_memory.holds
-        right &= arrows(graph) == wanted and memory
-        counts.append(f"{len(wanted)} arrows of {len(balloons)} balloons")
+        right &= arrows(graph) == expected and memory
+        counts.append(f"{len(expected)} arrows of {len(balloons)} balloons")
     return judged(
         right,
         f"{' and '.join(counts)}, one balloon each; return points are remembered",
@@ -103,7 +103,7 @@ def balloons_with_air() -> Finding:
 
 
 def _relay(state: str, direction: int, fields: list[tuple[float, float]]) -> str | None:
-    """Where a set of independent hysterons goes."""
+    """Next state of independent hysterons; None if all cells have switched."""
     phase, first = ("0", min) if direction > 0 else ("1", max)
     cells = [i for i, digit in enumerate(state) if digit == phase]
     if not cells:
@@ -117,7 +117,7 @@ def _changed(before: _Arrows, after: _Arrows) -> list[tuple[tuple[str, int], str
 
 
 def _change(chain: Chain, way: tuple[str, int], soft: str, stiff: str) -> float | None:
-    """The stiffness above which an arrow leads elsewhere; None where it does not change once."""
+    """The stiffness above which an arrow leads elsewhere; None unless it changes exactly once."""
     low, high = _SOFTEST, _STIFFEST
     while high / low > 1.0 + _CLOSE:
         middle = math.sqrt(low * high)
@@ -132,7 +132,7 @@ def _change(chain: Chain, way: tuple[str, int], soft: str, stiff: str) -> float 
 
 
 def _arrow(way: tuple[str, int]) -> str:
-    """Such as 01-: from 01 on a falling drive."""
+    """Text for an arrow, such as 01-: from 01 on a falling drive."""
     return f"{way[0]}{'+' if way[1] > 0 else chr(0x2212)} to "
 
 
@@ -194,7 +194,7 @@ def countersnaps_in_parallel() -> Finding:
 
 
 def _flips(elements: list[Element]) -> list[int]:
-    """How many elements change their phase in each snap while a chain is pulled out."""
+    """Number of elements that change phase in each snap while a chain is loaded."""
     snaps = _snaps(Chain(elements), (0.0, 1e-3 * 14.0 * len(elements)))
     return [count for snap in snaps if (count := len(snap.arrivals))]
 
@@ -206,8 +206,8 @@ def _snaps(chain: Chain, drives: tuple[float, float]) -> list[Event]:
 COUNTERSNAPPING_CLAIMS = (countersnap, countersnaps_in_series, countersnaps_in_parallel)
 
 
-# Height at rest deployed [m] of the weak and of the strong fold; the paper's folds were not to be
-# had in numbers.
+# Height at rest deployed [m] of the weak and of the strong fold; numbers of the paper's folds were
+# not available.
 WEAK, STRONG = 0.040, 0.045
 
 

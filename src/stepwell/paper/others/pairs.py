@@ -1,4 +1,4 @@
-"""Claims about pairs of hysterons: which graphs there are, and which of them chains make."""
+"""Claims about pairs of hysterons: possible transition graphs, and those made by chains."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
@@ -11,9 +11,9 @@ from stepwell.mechanism import Chain, Element
 from stepwell.paper.claims import Finding, claim, judged
 from stepwell.sequences import TransitionGraph
 
-# A graph as a sorted tuple of ways, such as "01+12": from 01 a rising drive flips cell 1, then 2.
+# A graph as a sorted tuple of arrows, such as "01+12": from 01 a rising drive flips cell 1, then 2.
 Graph = tuple[str, ...]
-# Where which field is: row of a state, place of a cell.
+# Rank of each switching field: by state, then by cell.
 _Fields = dict[str, tuple[int, int]]
 
 _STATES = ("00", "01", "10", "11")
@@ -27,11 +27,11 @@ _WAYS = tuple(
 
 @cache
 def graphs() -> tuple[Graph, ...]:
-    """Every graph of two hysterons, of those that differ by the numbers of the cells one.
+    """All graphs of two hysterons, up to the numbering of the cells.
 
-    Only the order of the eight fields counts, so all orders are tried in which each of the four
-    states stands at some drive. An avalanche that comes back to a state where it was, or in which
-    two hysterons are past their fields at once, has no graph.
+    Only the order of the eight fields matters, so all orders are tried in which each of the four
+    states is stable at some drive. An avalanche that returns to an earlier state, or in which two
+    hysterons are beyond their fields at once, has no graph.
 
     Source: the model is that of van Hecke 2021, Phys. Rev. E 104, 054608, and of Teunisse and van
     Hecke 2025, R. Soc. Open Sci. 12, 250753; the enumeration is ours.
@@ -41,7 +41,7 @@ def graphs() -> tuple[Graph, ...]:
 
 
 def canonical(graph: Graph) -> Graph:
-    """The one of a graph and the same with its cells renumbered that comes first."""
+    """The first, in sorting order, of a graph and its copy with cells renumbered."""
     return min(graph, _renumbered(graph))
 
 
@@ -62,9 +62,9 @@ def stations(way: str) -> tuple[str, ...]:
 
 
 def way_to(state: str, sign: str, first: int, end: str) -> str:
-    """The way from one state to another on which this cell flips first; 0 is the inner one.
+    """The arrow from one state to another on which this cell flips first; 0 is the inner one.
 
-    Two cells take turns, so where an avalanche ends tells how often they did.
+    Two cells flip in turns, so the end state determines the number of flips.
     """
     way, cell = f"{state}{sign}", first
     for _ in range(3):
@@ -76,7 +76,7 @@ def way_to(state: str, sign: str, first: int, end: str) -> str:
 
 
 def _orders() -> Iterator[_Fields]:
-    """Fields in every order in which each state stands at some drive."""
+    """All orders of the fields in which each state is stable at some drive."""
     for order in permutations(range(8)):
         fields = {state: (order[2 * k], order[2 * k + 1]) for k, state in enumerate(_STATES)}
         # Only 01 and 10 have both an up and a down field.
@@ -92,7 +92,7 @@ def _graph(fields: _Fields) -> Graph | None:
 
 
 def _avalanche(fields: _Fields, state: str, sign: str) -> str | None:
-    """The cells that flip when a state ends, in their order; None where the model is silent."""
+    """The cells that flip when a state ends, in order; None if the model does not decide it."""
     row = fields[state]
     leaving = [cell for cell in (0, 1) if state[cell] == ("0" if sign == "+" else "1")]
     cell = (min if sign == "+" else max)(leaving, key=row.__getitem__)
@@ -120,11 +120,11 @@ def _renumbered(graph: Graph) -> Graph:
     return tuple(sorted(way[1::-1] + way[2] + way[3:].translate(swap) for way in graph))
 
 
-# A sum of unknown numbers: which, and how often.
+# A linear combination of unknowns: factor by index.
 _Sum = dict[int, float]
 Points = tuple[tuple[float, float], ...]
 
-# Numbers of all: how much room the inequalities leave [mm], and the least compliance [mm/N].
+# Indices of two unknowns: slack of the inequalities [mm], and least compliance [mm/N].
 _ROOM, _COMPLIANCE = 0, 1
 _REACH = 10.0  # largest travel [mm]
 # Points on a straight piece: a curve that folds back is smooth through its points.
@@ -141,22 +141,22 @@ def straight(corners: Sequence[tuple[float, float]], scale: float = 1.0) -> Elem
     return Element.from_curve((1e-3 * travel).tolist(), (scale * force).tolist())
 
 
-# Beyond the outermost forces at which phases end, curves go straight on [N], soft [mm/N].
+# Curves are straight beyond the outermost phase ends: up to a force [N], with a compliance [mm/N].
 _LAST, _SOFT = 3.0, 8.0
-# Room of other inequalities as a part of that between lengths.
+# Slack of other inequalities as a fraction of that between lengths.
 _FOLD, _TURN, _LOSS = 0.5, 0.1, 0.3
 
 
 class Inequalities:
-    """Between the travels [mm] of two elements in both phases at a grid of forces [N]."""
+    """Inequalities between travels [mm] of two elements in both phases at a grid of forces [N]."""
 
     def __init__(
         self, graph: Graph, forces: Floats, ends: tuple[int, int, int, int], *, spring: bool
     ):
-        """What a graph says of the order of valleys and peaks and of lengths.
+        """Inequalities of a graph: order of valleys and peaks, and of lengths.
 
-        The lower and the higher valley and peak are at the places `ends` of the rising forces (n,).
-        Behind a spring lengths are those of the drive, with whatever the spring gives.
+        The lower and the higher valley and peak are at the indices `ends` of the rising forces
+        (n,). Behind a spring, lengths are those of the drive, including the spring's.
         """
         self.forces = forces
         up, down = (_first(graph, way) for way in ("00+", "11-"))
@@ -172,7 +172,7 @@ class Inequalities:
                 (1, range(self.ends[1][cell], len(forces))),
             )
         }
-        # Travel rises with force in every phase, and so does what the spring gives.
+        # Travel rises with force in every phase, and so does the spring's length.
         for there in self.travel.values():
             for (a, x), (b, y) in pairwise(there.items()):
                 step = float(forces[b] - forces[a])
@@ -184,19 +184,19 @@ class Inequalities:
             self._make(way)
 
     def numbers(self, count: int) -> range:
-        """So many more unknown numbers."""
+        """Indices of `count` new unknowns."""
         self.size += count
         return range(self.size - count, self.size)
 
     def below(self, small: _Sum, large: _Sum, room: float = 1.0) -> None:
-        """Require of two sums: small + so much of the room <= large."""
+        """Add the inequality small + room · slack <= large."""
         self.rows.append(_sum(_sum(small, large, -1.0), {_ROOM: room}))
 
     def fall(self, cell: int, *, alone: bool) -> None:
         """The second phase begins beyond the end of the first, with a straight fall between them.
 
-        `alone`, nothing in series holds the element in its fall: in both of its phases the other
-        one gives way faster, from where the fall begins at either end.
+        If `alone`, the element in series does not stabilise the fall: in both of its phases the
+        other one is more compliant than the fall, from either end of the fall.
         """
         (p, up), (q, down) = self._end(cell, 0), self._end(cell, 1)
         self.below({p: 1.0}, {q: 1.0}, _FOLD if alone else 0.0)
@@ -214,9 +214,9 @@ class Inequalities:
     def fold(self, cell: int) -> None:
         """The curve folds back, by a straight unstable stretch between its phases.
 
-        Next to it both phases are less steep than it is, and at either fold less energy is on the
-        other phase. E_k(s) = max over λ of G_k(λ) + λ s, with G' = -travel; the stretch tells by
-        how much G differs.
+        Next to it both phases are less steep than the stretch, and at either fold the other phase
+        has less energy. E_k(s) = max over λ of G_k(λ) + λ s, with G' = -travel; the stretch gives
+        the difference in G.
         """
         (p, up), (q, down) = self._end(cell, 0), self._end(cell, 1)
         self.below({q: 1.0}, {p: 1.0}, _FOLD)
@@ -233,14 +233,14 @@ class Inequalities:
             self.below(_sum({q: force - down - half, p: -half}, area, -1.0), {}, _LOSS)
 
     def _make(self, way: str) -> None:
-        """The lengths at which states end are in the order that a way wants."""
+        """Require the order of the lengths at which states end, for an arrow."""
         states, cells = stations(way), [int(cell) - 1 for cell in way[3:]]
         length = self._length(states[0], way[2])[1]
         for state, cell in zip(states[1:], cells[1:], strict=False):
             sign = "+" if state[cell] == "0" else "-"
             leaving, end = self._length(state, sign)
             if leaving != cell:
-                # The other one leaves its phase first at any length.
+                # The other cell leaves its phase first at any length: no solution.
                 self.below({}, {})
             self.below(*((end, length) if sign == "+" else (length, end)))
         for sign, leaves in (("+", "0"), ("-", "1")):
@@ -249,11 +249,11 @@ class Inequalities:
                 self.below(*((length, end) if sign == "+" else (end, length)))
 
     def hold(self) -> bool:
-        """Whether there are travels for which all hold."""
+        """Whether the inequalities have a solution."""
         return self._solved(_ROOM, (0.0, 1.0), (0.0, 0.0)) is not None
 
     def solution(self, room: float) -> Floats | None:
-        """Travels for which all hold with some room [mm], in phases as compliant as can be."""
+        """A solution with some slack [mm], with the most compliant phases."""
         return self._solved(_COMPLIANCE, (room, room), (0.0, None))
 
     def _solved(
@@ -270,7 +270,7 @@ class Inequalities:
         return optimum.x if optimum.status == 0 and optimum.x[goal] > _LEAST else None
 
     def points(self, cell: int, solution: Floats) -> Points:
-        """The curve of an element of a solution, straight between points by arc [mm, N]."""
+        """The curve of an element in a solution, as corners along the arc [mm, N]."""
         phases = [
             [(float(solution[number]), float(self.forces[k])) for k, number in there.items()]
             for there in (self.travel[cell, 0], self.travel[cell, 1])
@@ -281,12 +281,12 @@ class Inequalities:
         return tuple(_corners([begin, *phases[0], *phases[1], end]))
 
     def _end(self, cell: int, phase: int) -> tuple[int, float]:
-        """The travel where a phase ends, and the force."""
+        """The unknown travel and the force at the end of a phase."""
         place = self.ends[phase][cell]
         return self.travel[cell, phase][place], float(self.forces[place])
 
     def _length(self, state: str, sign: str) -> tuple[int, _Sum]:
-        """Which cell leaves its phase first in a state, and the length at which it does."""
+        """The cell that leaves its phase first in a state, and the length at which it does."""
         phase, first = (0, min) if sign == "+" else (1, max)
         cells = [cell for cell in (0, 1) if state[cell] == str(phase)]
         leaving = first(cells, key=self.ends[phase].__getitem__)
@@ -295,12 +295,12 @@ class Inequalities:
         return leaving, {self.travel[i, int(state[i])][place]: 1.0 for i in (0, 1)} | given
 
 
-# What is below this is none: of rooms [mm], and of compliances [mm/N].
+# Smaller slacks [mm] and compliances [mm/N] count as none.
 _LEAST = 1e-6
 
 
 def _first(graph: Graph, begin: str) -> int:
-    """The cell that flips first on the way that begins like this."""
+    """The cell that flips first on the arrow with this beginning."""
     return next(int(way[3]) - 1 for way in graph if way.startswith(begin))
 
 
@@ -323,10 +323,10 @@ def _sum(one: _Sum, other: _Sum, times: float = 1.0) -> _Sum:
 
 
 def _corners(points: list[tuple[float, float]]) -> Iterator[tuple[float, float]]:
-    """Points without those in the middle of a straight piece."""
+    """Points without those inside a straight piece."""
     yield points[0]
     for (s, f), (t, g), (u, h) in zip(points, points[1:], points[2:], strict=False):
-        # Where travel or force turns there is a corner too.
+        # A reversal of travel or force is a corner too.
         flat = abs((t - s) * (h - g) - (u - t) * (g - f)) <= 1e-6
         if not (flat and (t - s) * (u - t) > 0.0):
             yield t, g
@@ -335,55 +335,55 @@ def _corners(points: list[tuple[float, float]]) -> Iterator[tuple[float, float]]
 
 WHERE = "Teunisse and van Hecke 2025"
 OURS = f"ours, of the graphs of {WHERE}"
-# Where the phases of a designed pair end [N]: at two valleys and two peaks.
+# Forces at the ends of the phases of a designed pair [N]: two valleys and two peaks.
 ENDS = (-1.0, -0.8, 0.8, 1.0)
-# Of its curves: straight pieces between two of them, how far they are designed beyond the outermost
-# [N], and the room between lengths [mm].
+# Its curves: straight pieces between two of them, forces beyond the outermost ones [N], and slack
+# between lengths [mm].
 _STEPS, _BEYOND, _SHARE_OF_ROOM = 4, (0.25, 0.5, 0.75), 0.5
-# A spring behind which pairs are driven [N/m].
+# Stiffness of the spring between drive and pair [N/m].
 SPRING = 10e3
 
 
 def possible(graph: Graph, *, plain: bool) -> bool:
     """Whether any pair makes a graph, under a prescribed length or behind a spring.
 
-    Only the order of the four forces at which phases end counts, and the graph tells it. Travels
-    are any that rise with the force, and so is what the spring gives. Of `plain` elements force is
-    a function of travel, so that the second phase begins beyond the end of the first.
+    Only the order of the four forces at which phases end matters, and the graph determines it.
+    Travels, and the spring's length, are any that rise with the force. The force of `plain`
+    elements is a function of travel, so that the second phase begins beyond the end of the first.
     """
-    asked = Inequalities(graph, np.arange(4.0), (0, 1, 2, 3), spring=True)
+    inequalities = Inequalities(graph, np.arange(4.0), (0, 1, 2, 3), spring=True)
     if plain:
         for cell in (0, 1):
-            asked.fall(cell, alone=False)
-    return asked.hold()
+            inequalities.fall(cell, alone=False)
+    return inequalities.hold()
 
 
 @cache
 def design(graph: Graph) -> tuple[Points, Points] | None:
     """Curves of two elements that make a graph under a prescribed length, by corners [mm, N].
 
-    As few of them fold back as can be; None where no design was found.
+    As few curves as possible fold back; None without a design.
     """
     inner = [np.linspace(a, b, _STEPS + 1)[:-1] for a, b in pairwise(ENDS)]
     below, above = ENDS[0] - np.array(_BEYOND[::-1]), ENDS[-1] + np.array((0.0, *_BEYOND))
     forces = np.concatenate([below, *inner, above])
     low, valley, peak, high = (len(_BEYOND) + k * _STEPS for k in range(4))
     for folded in sorted(product((False, True), repeat=2), key=sum):
-        asked = Inequalities(graph, forces, (low, valley, peak, high), spring=False)
+        inequalities = Inequalities(graph, forces, (low, valley, peak, high), spring=False)
         for cell in (0, 1):
             if folded[cell]:
-                asked.fold(cell)
+                inequalities.fold(cell)
             else:
-                asked.fall(cell, alone=True)
-        solution = asked.solution(_SHARE_OF_ROOM)
+                inequalities.fall(cell, alone=True)
+        solution = inequalities.solution(_SHARE_OF_ROOM)
         if solution is not None:
-            return asked.points(0, solution), asked.points(1, solution)
+            return inequalities.points(0, solution), inequalities.points(1, solution)
     return None
 
 
 @cache
 def pairs() -> dict[Graph, Chain]:
-    """The pair of every graph for which a design was found."""
+    """The pair of every graph with a known design."""
     designs = ((graph, design(graph)) for graph in graphs())
     return {graph: Chain([straight(one) for one in curves]) for graph, curves in designs if curves}
 
@@ -391,8 +391,8 @@ def pairs() -> dict[Graph, Chain]:
 def graph_of(chain: Chain, drive: str | float | None = None) -> Graph:
     """The graph of a pair of elements with two phases, as the engine follows it.
 
-    Where a way leads tells the transition graph; which cell goes first tell the forces at which
-    phases end, since both feel one force.
+    The transition graph gives the end of an arrow. The forces at which phases end give the first
+    cell, since both cells have the same force.
     """
     graph = chain.graph(drive)
     fields = [cell.fields[0] for cell in chain.elements]
@@ -407,7 +407,7 @@ def graph_of(chain: Chain, drive: str | float | None = None) -> Graph:
 
 
 def next_state(graph: TransitionGraph, state: str, direction: int) -> str:
-    """The next state with all cells in a phase, where the drive leads from one."""
+    """The next state with all cells in a phase, by the drive in one direction."""
     while (way := graph.transition(state, direction)) is not None:
         state = way[0]
         if "-" not in state:
@@ -430,8 +430,12 @@ def two_hysterons() -> Finding:
 @claim(WHERE, "13", "exact")
 def two_hysterons_reached() -> Finding:
     """Without their Gardens of Eden they are 13."""
-    count = _seen(graphs())
-    return judged(count == 13, str(count), note="States that no drive leads to from 00 left out.")
+    count_reached = _count_reached(graphs())
+    return judged(
+        count_reached == 13,
+        str(count_reached),
+        note="States that no drive leads to from 00 left out.",
+    )
 
 
 @claim(OURS, "not asked", "each design followed, the others excluded")
@@ -464,21 +468,21 @@ def pairs_that_fold() -> Finding:
     """With curves that fold back, pairs make all of the 13, under a length and behind a spring."""
     designs = pairs().items()
     made = {g for g, chain in designs if all(_makes(chain, g, drive) for drive in (None, SPRING))}
-    never = [graph for graph in graphs() if not possible(graph, plain=False)]
-    undecided = len(graphs()) - len(made) - len(never)
+    excluded = [graph for graph in graphs() if not possible(graph, plain=False)]
+    undecided = len(graphs()) - len(made) - len(excluded)
     folded = [folding(pairs()[graph]) for graph in made]
     return judged(
-        _seen(made) == 13,
+        _count_reached(made) == 13,
         _share(made),
         note=f"{folded.count(0)} with no curve that folds back, {folded.count(1)} with one, "
-        f"{folded.count(2)} with two. {len(never)} of the 35 are impossible: what they want of "
+        f"{folded.count(2)} with two. {len(excluded)} of the 35 are impossible: what they want of "
         f"elements that jump from phase to phase contradicts itself. {undecided} are undecided: in "
         f"each an element flips to and fro in one avalanche, and no design was found.",
     )
 
 
 def _whether_made(drive: float | None) -> Finding:
-    """Whether plain elements make just those graphs that are not excluded."""
+    """Whether plain elements make exactly the graphs that are not excluded."""
     plain = ((graph, chain) for graph, chain in pairs().items() if not folding(chain))
     made = {graph for graph, chain in plain if _makes(chain, graph, drive)}
     others = {graph for graph in graphs() if possible(graph, plain=True)}
@@ -492,7 +496,7 @@ def _whether_made(drive: float | None) -> Finding:
 
 
 def folding(chain: Chain) -> int:
-    """How many curves of a chain fold back."""
+    """Number of curves of a chain that fold back."""
     return sum(len(cell.laws) > 1 for cell in chain.elements)
 
 
@@ -500,13 +504,13 @@ def _makes(chain: Chain, graph: Graph, drive: float | None) -> bool:
     return canonical(graph_of(chain, drive)) == graph
 
 
-def _seen(graphs: Iterable[Graph]) -> int:
-    """How many graphs are left without Gardens of Eden."""
+def _count_reached(graphs: Iterable[Graph]) -> int:
+    """Number of different graphs without their Gardens of Eden."""
     return len({canonical(reached(graph)) for graph in graphs})
 
 
 def _share(made: set[Graph]) -> str:
-    return f"{len(made)} of {len(graphs())}, {_seen(made)} of {_seen(graphs())}"
+    return f"{len(made)} of {len(graphs())}, {_count_reached(made)} of {_count_reached(graphs())}"
 
 
 PAIR_CLAIMS = (

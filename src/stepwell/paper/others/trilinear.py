@@ -8,11 +8,11 @@ from stepwell.paper.claims import Finding, claim, judged
 from stepwell.statics import Event, EventKind
 
 WHERE = "Puglisi and Truskinovsky 2000 (formula: our derivation)"
-# Of a spring: travel [m] and force [N] of its peak and valley, stiffness of both phases [N/m].
+# A spring: travel [m] and force [N] of its peak and valley, stiffness of both phases [N/m].
 PEAK, VALLEY = (0.001, 1.0), (0.002, -1.0)
 STIFFNESS = 1000.0
 LENGTHS = (2, 5, 20, 100)
-# A valley so far away that a few springs together are stiffer than the fall between the phases.
+# A distant valley: a few springs together are stiffer than the fall between the phases.
 GENTLE = (0.006, -1.0)
 _SAME = 1e-9
 _CYCLED = 20
@@ -26,7 +26,7 @@ def spring(valley: tuple[float, float] = VALLEY) -> Element:
 
 
 def transformation(valley: tuple[float, float] = VALLEY) -> float:
-    """Δ [m]: how much longer a spring is in its second phase than in its first, at one force."""
+    """Δ [m]: difference in length between the second and the first phase, at one force."""
     (p, up), (q, down) = PEAK, valley
     return q - p + (up - down) / STIFFNESS
 
@@ -43,9 +43,9 @@ def length(force: float, n: int, cells: int, valley: tuple[float, float] = VALLE
 def hysteresis(cells: int, valley: tuple[float, float] = VALLEY) -> float:
     """Energy lost in a cycle of the total length [J]: N Δ (F+ - F- - k Δ/N), or none below zero.
 
-    A spring that goes over at the force F+ lets the force fall by k Δ/N, since the chain keeps
-    its length, and one that comes back at F- lets it rise by as much. Both branches are straight
-    and of stiffness k/N, so what the two jumps release adds up to Δ (F+ - F- - k Δ/N).
+    A spring that switches at the force F+ reduces the force by k Δ/N, since the chain keeps its
+    length, and one that switches back at F- raises it by the same. Both branches are straight with
+    stiffness k/N, so the two jumps together release Δ (F+ - F- - k Δ/N).
     """
     size = transformation(valley)
     return max(0.0, cells * size * (PEAK[1] - valley[1] - STIFFNESS * size / cells))
@@ -54,7 +54,7 @@ def hysteresis(cells: int, valley: tuple[float, float] = VALLEY) -> float:
 def fewest(valley: tuple[float, float] = VALLEY) -> float:
     """1 + k/κ: chains of more springs than this snap, κ being the stiffness of the fall.
 
-    With fewer the others are too stiff together for the one that falls to run away.
+    In shorter chains the other springs are stiff enough to stabilise the one that falls.
     """
     (p, up), (q, down) = PEAK, valley
     return 1.0 + STIFFNESS * (q - p) / (up - down)
@@ -67,11 +67,11 @@ def fewest(valley: tuple[float, float] = VALLEY) -> float:
 )
 def trilinear_branches() -> Finding:
     """In a hard device each number n of N springs in the second phase has a branch of its own."""
-    worst, looked = 0.0, 0
+    worst, branches = 0.0, 0
     for cells in LENGTHS:
         chain = Chain((spring(),) * cells)
         for n in sorted({0, 1, cells // 2, cells - 1, cells}):
-            looked += 1
+            branches += 1
             for direction, force in ((+1, PEAK[1]), (-1, VALLEY[1])):
                 if 0 <= n + direction <= cells:
                     snap = _snap(chain, n, direction)
@@ -83,7 +83,7 @@ def trilinear_branches() -> Finding:
                     )
     return judged(
         worst <= _SAME,
-        f"{looked} branches, N = {_listed(LENGTHS)}: ends and forces the same",
+        f"{branches} branches, N = {_listed(LENGTHS)}: ends and forces the same",
         note=f"N C n ways to choose the springs of a branch all have the same. Peak {PEAK[1]:g} N, "
         f"valley {VALLEY[1]:g} N, k = {STIFFNESS:g} N/m, Δ = {to_unit(transformation(), 'mm'):g} "
         "mm.",
@@ -122,11 +122,11 @@ def trilinear_soft_device() -> Finding:
     worst = 0.0
     for cells in LENGTHS:
         cycle = Chain((spring(),) * cells, actuator_stiffness=0.0).cycle()
-        wanted = cells * transformation() * (PEAK[1] - VALLEY[1])
+        expected = cells * transformation() * (PEAK[1] - VALLEY[1])
         forces = {snap.direction: snap.drive for snap in cycle.snaps}
         worst = max(
             worst,
-            abs(cycle.dissipated - wanted) / wanted,
+            abs(cycle.dissipated - expected) / expected,
             *(abs(snap.drive - forces[snap.direction]) for snap in cycle.snaps),
             abs(forces[+1] - PEAK[1]),
             abs(forces[-1] - VALLEY[1]),
