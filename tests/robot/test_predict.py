@@ -311,4 +311,4 @@ def test_the_depths_of_unlike_legs_are_told_for_each():
     said = robot(0.005, 0.020).predict()
     backward, forward = said.depths
     assert backward[1] > 2 * forward[1]
-    assert f"preload depth 0.00 to {forward[1] * 1e3:.2f} mm" in repr(said)
+    assert f"preload 0.00 to {forward[1] * 1e3:.2f} mm" in repr(said)

@@ -108,9 +108,7 @@ def as_many(
     """`values` as floats, if their number is that of `beside`; raises ValueError otherwise."""
     numbers = tuple(finite(f"{name}[{i}]", value, unit) for i, value in enumerate(values))
     if len(numbers) != count:
-        raise InputError(
-            f"{name} has {len(numbers)} values, {beside} {count}: the numbers must be equal."
-        )
+        raise InputError(f"{name} has {len(numbers)} values, {beside} {count}: must be equal.")
     return numbers
 
 

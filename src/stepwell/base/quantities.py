@@ -291,9 +291,7 @@ def write_csv(
     file: str | os.PathLike[str], columns: Iterable[tuple[Quantity, Any]], digits: int = 12
 ) -> None:
     """Write columns of values in SI as CSV, atomically, with the unit in every heading."""
-    head, values = zip(
-        *((q.key, _texts(q, values_si, digits)) for q, values_si in columns), strict=True
-    )
+    head, values = zip(*((q.key, _texts(q, given, digits)) for q, given in columns), strict=True)
     write_atomic(file, csv_text(head, zip(*values, strict=True)))
 
 

@@ -131,8 +131,7 @@ def to_unit(value: Number, unit: str) -> Number:
 def from_unit(value: Number, unit: str) -> Number:
     """A value in a unit of the table, or an array of them, in SI: 10 "mm" is 0.01 m.
 
-    A division, since 1e3 is exact as a float and 1e-3 is not: the result is the float nearest to
-    the decimal.
+    A division, since 1e3 is exact as a float and 1e-3 is not: the result is the nearest float.
     """
     return value / UNITS[unit].per_si
 

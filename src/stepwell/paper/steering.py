@@ -160,17 +160,15 @@ def antennas_paper_numbers() -> Finding:
     robots = [_with_bands(base, ratio) for ratio in ratios]
     trials = sweep([*robots, *(_pressed(one, MOVED) for one in robots)], cycles=3).trials
     n = len(ratios)
-    trials_by_ratio = dict(zip(ratios, zip(trials[:n], trials[n:], strict=True), strict=True))
+    runs_at = dict(zip(ratios, zip(trials[:n], trials[n:], strict=True), strict=True))
     flips = {
         ratio: free.gaits == (FORWARD, FORWARD) and held.gaits == (FORWARD, BACKWARD)
-        for ratio, (free, held) in trials_by_ratio.items()
+        for ratio, (free, held) in runs_at.items()
     }
-    held = ", ".join(
-        f"{trials_by_ratio[ratio][1].gaits[1]} with {label}" for label, ratio in BANDS.items()
-    )
+    held = ", ".join(f"{runs_at[ratio][1].gaits[1]} with {label}" for label, ratio in BANDS.items())
     holding = [ratio for ratio, holds in flips.items() if holds] or [math.nan]
     antenna = base.antennas[0]
-    free, pressed = trials_by_ratio[BANDS["two bands"]]
+    free, pressed = runs_at[BANDS["two bands"]]
     return decided(
         [flips[ratio] for ratio in BANDS.values()],
         f"right leg pressed: {held}",

@@ -200,8 +200,7 @@ class Foot(ByValue):
         link: length of each link [m], > 0.
         span: distance of the two pivots with the outermost cell at 0 [m], > 0.
         mass: of the foot [kg], > 0.
-        below: preload depth of the feet below the plane of the supports, every cell at 0 [m],
-            >= 0.
+        below: preload depth: feet below the plane of the supports, all cells at 0 [m], >= 0.
         radius: of the ball in contact with the floor [m], > 0.
 
     Source: Kamp et al. 2024, Fig. 3, for the idea, their notes for `link`, `span` and `mass`;

@@ -15,8 +15,8 @@ from stepwell.robot.robot import Robot
 from stepwell.robot.rounds import (
     ROUNDING,
     Round,
-    drive_forces,
     footing,
+    forces,
     gait,
     go_round,
     go_rounds,
@@ -329,8 +329,7 @@ class Prediction(ByValue, Drawn):
         least, most = to_unit(max(lows), "mm"), to_unit(min(highs), "mm")
         return (
             f"Prediction({self.motion.value}: {legs}; d/u_max {self.advance:z.2f}, turn "
-            f"{math.degrees(self.turn):z.1f}°; preload depth {least:.2f} to {most:.2f} mm{doubt}"
-            f"{soft})"
+            f"{math.degrees(self.turn):z.1f}°; preload {least:.2f} to {most:.2f} mm{doubt}{soft})"
         )
 
 
@@ -422,7 +421,7 @@ def _completes(robot: Robot, cycles: Sequence[Round], stiffness: float, more: fl
     """Whether the carriage reaches both ends of its stroke in these cycles."""
     spring = Spring(robot.drive.amplitude, stiffness, more)
     reach = min(robot.drive.amplitude, *(one.leg.chain.full_stroke for one in cycles))
-    out, back = spring.stops(drive_forces(cycles, 0), 1), spring.stops(drive_forces(cycles, 1), -1)
+    out, back = spring.stops(forces(cycles, 0), 1), spring.stops(forces(cycles, 1), -1)
     return out >= reach - ROUNDING and back <= ROUNDING
 
 
@@ -430,7 +429,7 @@ def _visits_same_states(robot: Robot, cycles: Sequence[Round], stiffness: float)
     """Whether the legs visit the same states in the strokes that the carriage reaches."""
     spring = Spring(robot.drive.amplitude, stiffness)
     for half, way in enumerate((1, -1)):
-        end = spring.stops(drive_forces(cycles, half), way)
+        end = spring.stops(forces(cycles, half), way)
         for one in cycles:
             ahead, full = one.halves[half], np.array(one.leg.chain.full_travels)
             gone = ahead.travel[way * ahead.stroke <= way * end + ROUNDING]
@@ -444,7 +443,7 @@ def _visits_same_states(robot: Robot, cycles: Sequence[Round], stiffness: float)
 def drive_needs(robot: Robot) -> DriveNeeds:
     """Requirements on the actuator for the gaits that a robot has with a rigid drive."""
     cycles = rounds(robot, math.inf)
-    push, pull = largest(drive_forces(cycles, 0), 1), largest(drive_forces(cycles, 1), -1)
+    push, pull = largest(forces(cycles, 0), 1), largest(forces(cycles, 1), -1)
     scale = max(push, pull) / robot.drive.amplitude
     softest, stiffest = scale / STIFFNESSES, scale * STIFFNESSES
 

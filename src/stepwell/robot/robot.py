@@ -172,8 +172,7 @@ class Robot(ByValue, Drawn):
             progress: called with (done, total) [s].
 
         Raises:
-            ValueError: no cycles, a start that ended early, or a part that the simulator does not
-                support.
+            ValueError: no cycles, a start that ended early, or a part without a simulator model.
             ModuleNotFoundError: MuJoCo is not installed.
         """
         from stepwell.simulation import walk

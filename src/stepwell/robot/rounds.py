@@ -92,9 +92,8 @@ class FootPhase:
     def force(self) -> Floats:
         """(n,) force of the drive on this leg's outermost block, positive outwards [N]."""
         # The same force on every cell changes no travel at a given stroke, and the cells are
-        # followed without it. The drive bears this force: the force along the floor on the foot,
-        # less the load put on the stepping cell in place of the last one, and the other half of
-        # the lag.
+        # followed without it. The drive bears it: the force along the floor on the foot, less the
+        # load put on the stepping cell for the last one, and the other half of the lag.
         foot, step = self.foot, self.travel[:, :-1].sum(axis=1)
         along = foot.hold(self.load(), step) + _lag(foot.robot)
         return self.shared + self.way * along - np.interp(step, foot.step, self.added)
@@ -215,13 +214,11 @@ def go_rounds(
         if all(_closes(one, end) for one, end in zip(cycles, ends, strict=True)):
             break
         try:
-            following = _cycle(robot, stances, spring, ends)
+            after = _cycle(robot, stances, spring, ends)
         except ValueError:
             # It would begin in the middle of a jump: the next cycle is not determined.
             break
-        cycles = [
-            replace(one, before=before) for before, one in zip(cycles, following, strict=True)
-        ]
+        cycles = [replace(one, before=past) for past, one in zip(cycles, after, strict=True)]
     return tuple(cycles)
 
 
@@ -248,14 +245,14 @@ def _cycle(
 
     reach = min(robot.drive.amplitude, *(leg.chain.full_stroke for leg in robot.legs))
     cycles = go(max(reach, math.fsum(begins[0])), 0.0)
-    out = spring.stops(drive_forces(cycles, 0), 1)
+    out = spring.stops(forces(cycles, 0), 1)
     if out < reach - ROUNDING:
         cycles = go(out, 0.0)
-    back = spring.stops(drive_forces(cycles, 1), -1)
+    back = spring.stops(forces(cycles, 1), -1)
     return cycles if back < ROUNDING else go(out, back)
 
 
-def drive_forces(cycles: Sequence[Round], half: int) -> list[tuple[Floats, Floats]]:
+def forces(cycles: Sequence[Round], half: int) -> list[tuple[Floats, Floats]]:
     """Strokes [m] and forces [N] of every leg for a `Spring`, loading (0) or unloading (1)."""
     return [(one.halves[half].stroke, one.halves[half].force) for one in cycles]
 

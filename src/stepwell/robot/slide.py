@@ -19,9 +19,7 @@ ROUNDS = 60
 class Slide:
     """A cycle on the floor, in n steps of the stroke, loading and then unloading."""
 
-    twist: (
-        Floats  # (n, 3) forward, to the left [m], turn to the left [rad], in the frame of the body
-    )
+    twist: Floats  # (n, 3) forward, to the left [m], turn to the left [rad], in the body's frame
     push: Floats  # (n, legs) backward travel of each foot in stance under the body [m]
     gain: Floats  # (n, legs) advance of the body at each foot in stance [m]
     slip: Floats  # (n, legs) sliding distance of each foot in stance [m]

@@ -237,9 +237,7 @@ class Spring(NamedTuple):
 
     amplitude: float  # of the command [m]
     stiffness: float  # [N/m]
-    more: float = (
-        0.0  # force against the carriage in addition to the legs, loading and unloading [N]
-    )
+    more: float = 0.0  # additional force against the carriage, in both directions [N]
 
     def stops(self, legs: Sequence[tuple[Floats, Floats]], way: int) -> float:
         """The stroke at which the carriage stops as the command ends [m].
@@ -249,7 +247,7 @@ class Spring(NamedTuple):
         in the order of motion [m], and the forces on its outermost block, positive outwards [N];
         `way` is +1 for loading, -1 for unloading.
         """
-        stroke, asked = _summed_forces(legs, way)
+        stroke, asked = _forces(legs, way)
         limit = self.amplitude if way > 0 else 0.0
         # Overshoot of the command beyond its end that would be needed [m].
         reaches, goes_on, most = stroke - way * limit + (asked + self.more) / self.stiffness
@@ -265,10 +263,10 @@ class Spring(NamedTuple):
 
 def largest(legs: Sequence[tuple[Floats, Floats]], way: int) -> float:
     """The largest force of the drive on all legs in a half cycle [N], as for `stops`."""
-    return float(_summed_forces(legs, way)[1][2].max())
+    return float(_forces(legs, way)[1][2].max())
 
 
-def _summed_forces(legs: Sequence[tuple[Floats, Floats]], way: int) -> tuple[Floats, Floats]:
+def _forces(legs: Sequence[tuple[Floats, Floats]], way: int) -> tuple[Floats, Floats]:
     """Strokes (k,) of a half cycle, counted as rising [m], and the forces of the drive there.
 
     The forces (3, k) are those at arrival, at departure, and the largest between [N].

@@ -146,22 +146,24 @@ class Maze(ByValue, Drawn):
     @property
     def ending(self) -> str:
         """How and when it ended; without a goal, the turn at the last obstacle, if any."""
-        after = f"{self.duration:.0f} s"
-        if self.outcome is not Outcome.TIMED_OUT or self.arena.goal is not None:
-            return f"{self.outcome} after {after}"
+        if self.outcome is Outcome.TIMED_OUT and self.arena.goal is None:
+            return self._turn() or f"walked for {self.duration:.0f} s, no goal in the arena"
+        return f"{self.outcome} after {self.duration:.0f} s"
+
+    def _turn(self) -> str:
+        """The turn away from the last obstacle; "" without one."""
         walk, loaded = self.walk, self.walk.obstacle_force > TOUCHED
-        if self.contacts and loaded.any():
-            last = int(np.argwhere(loaded)[-1, 1])
-            turned = float(walk.yaw[-1] - walk.yaw[loaded[:, last].argmax()])
-            if abs(turned) > STEADY:
-                obstacle, side = obstacle_names(self.arena)[last], "left" if turned > 0 else "right"
-                free = max(contact.end for contact in self.contacts)
-                text = f"away from {obstacle} ({abs(np.degrees(turned)):.0f}° to the {side})"
-                ended = free < walk.time[-1] - APART
-                return (
-                    f"turned {text} at {free:.0f} s" if ended else f"turning {text} after {after}"
-                )
-        return f"walked for {after}, no goal in the arena"
+        if not (self.contacts and loaded.any()):
+            return ""
+        last = int(np.argwhere(loaded)[-1, 1])
+        turn = float(np.degrees(walk.yaw[-1] - walk.yaw[loaded[:, last].argmax()]))
+        free, side = max(one.end for one in self.contacts), "left" if turn > 0 else "right"
+        text = f"away from {obstacle_names(self.arena)[last]} ({abs(turn):.0f}° to the {side})"
+        if free < walk.time[-1] - APART:
+            text = f"turned {text} at {free:.0f} s"
+        else:
+            text = f"turning {text} after {walk.duration:.0f} s"
+        return text if abs(turn) > np.degrees(STEADY) else ""
 
     def __repr__(self):
         touched = sum(time is not None for time in self.touched.values())

@@ -61,9 +61,7 @@ def screen_walks(
     opened()
     runs = _begun([(robot, None) for robot in robots], settings, record=True)
     able = [run for run in runs if run]
-    return _certain_results(
-        runs, dict(zip(able, map(Trial.of, walked(able, cycles, step)), strict=True))
-    )
+    return _sure(runs, dict(zip(able, map(Trial.of, walked(able, cycles, step)), strict=True)))
 
 
 def screen_mazes(
@@ -91,9 +89,7 @@ def screen_mazes(
     }
     for group in alike(list(judges)):
         _judged(group, judges, limit)
-    return _certain_results(
-        runs, {run: one.outcome or Outcome.TIMED_OUT for run, one in judges.items()}
-    )
+    return _sure(runs, {run: one.outcome or Outcome.TIMED_OUT for run, one in judges.items()})
 
 
 def _begun(
@@ -109,10 +105,8 @@ def _begun(
     return runs
 
 
-def _certain_results(
-    runs: Sequence[SimulatedRun | None], of: dict[SimulatedRun, T]
-) -> tuple[T | None, ...]:
-    """The result of each run; None without a run, or if its contacts exceeded the capacity."""
+def _sure(runs: Sequence[SimulatedRun | None], of: dict[SimulatedRun, T]) -> tuple[T | None, ...]:
+    """Results of the runs; None without a run, or if its contacts exceeded the capacity."""
     return tuple(None if run is None or FULL in run.stopped else of[run] for run in runs)
 
 

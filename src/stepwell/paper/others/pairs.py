@@ -430,12 +430,8 @@ def two_hysterons() -> Finding:
 @claim(WHERE, "13", "exact")
 def two_hysterons_reached() -> Finding:
     """Without their Gardens of Eden they are 13."""
-    count_reached = _count_reached(graphs())
-    return judged(
-        count_reached == 13,
-        str(count_reached),
-        note="States that no drive leads to from 00 left out.",
-    )
+    count = _count_reached(graphs())
+    return judged(count == 13, str(count), note="States that no drive leads to from 00 left out.")
 
 
 @claim(OURS, "not asked", "each design followed, the others excluded")
