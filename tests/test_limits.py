@@ -160,10 +160,13 @@ def test_at_the_limit_it_is_done_and_one_less_is_refused_with_the_number_and_a_w
     monkeypatch.setenv(VARIABLE, f"{name}={count}")
     assert outcome(work) is None
     monkeypatch.setenv(VARIABLE, f"{name}={count - 1}")
-    told = outcome(work)
-    assert told is not None and f"{count} {LIMITS[name].of}: at most {count - 1} are taken" in told
+    message = outcome(work)
+    assert (
+        message is not None
+        and f"{count} {LIMITS[name].of}: at most {count - 1} are taken" in message
+    )
     # What the message says works.
-    (advice,) = re.findall(rf"{VARIABLE}=(\w+=\d+)", told)
+    (advice,) = re.findall(rf"{VARIABLE}=(\w+=\d+)", message)
     monkeypatch.setenv(VARIABLE, advice)
     assert outcome(work) is None
 
@@ -267,9 +270,9 @@ def test_a_map_of_every_second_square_is_drawn_in_one_pass():
     rows[0] = "S" + rows[0][1:]
     # Every square touches others at corners alone, so the walls are the diagonals of one sense;
     # the one that was a square alone is the start.
-    found = files.loads_arena("cell 100 mm\n" + "\n".join(rows))
-    assert len(found.walls) == size - 1
-    length = math.fsum(wall.length for wall in found.walls)
+    arena = files.loads_arena("cell 100 mm\n" + "\n".join(rows))
+    assert len(arena.walls) == size - 1
+    length = math.fsum(wall.length for wall in arena.walls)
     assert length == pytest.approx(size * size / 2 * 0.1 * math.sqrt(2.0), rel=1e-3)
 
 

@@ -53,8 +53,8 @@ def test_millimetres_are_the_floats_nearest_to_their_decimals():
 
 def test_a_quantity_has_the_factor_of_its_unit():
     for unit in UNITS:
-        told = Quantity("x", unit)
-        assert (told.si, told.factor) == (UNITS[unit].si, UNITS[unit].per_si)
+        quantity = Quantity("x", unit)
+        assert (quantity.si, quantity.factor) == (UNITS[unit].si, UNITS[unit].per_si)
     assert display_unit("m") == ("mm", 1e3)
     assert display_unit("N/m") == ("N/m", 1.0)
     assert display_unit("Hz") == ("Hz", 1.0)
@@ -86,7 +86,7 @@ NUMBER = re.compile(r"(?<![\w.])(?:\d(?:_?\d)*\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
 def test_no_number_is_converted_by_a_factor_in_line():
     source = Path(stepwell.__file__).parent
-    found = set()
+    files = set()
     for file in source.rglob("*.py"):
         where, text = file.relative_to(source), file.read_text("utf-8")
         if not any(float(one) == 1000.0 for one in NUMBER.findall(text)):
@@ -97,5 +97,5 @@ def test_no_number_is_converted_by_a_factor_in_line():
                 if any(
                     isinstance(one, ast.Constant) and repr(one.value) == "1000.0" for one in ends
                 ):
-                    found.add(where.as_posix())
-    assert found <= NO_UNITS
+                    files.add(where.as_posix())
+    assert files <= NO_UNITS

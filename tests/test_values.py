@@ -34,14 +34,14 @@ ROOMS = [
 
 def public_classes() -> list[type]:
     """Every class that a room lists among its names."""
-    found: dict[type, None] = {}
+    classes: dict[type, None] = {}
     for room in ["", *ROOMS]:
         module = importlib.import_module(f"stepwell.{room}".rstrip("."))
         for name in getattr(module, "__all__", ()):
             thing = getattr(module, name)
             if inspect.isclass(thing) and thing.__module__.startswith("stepwell"):
-                found[thing] = None
-    return list(found)
+                classes[thing] = None
+    return list(classes)
 
 
 CLASSES = public_classes()
@@ -107,7 +107,7 @@ RESULTS = {
 def test_a_result_equals_its_copies_and_what_the_same_call_gives_again(name):
     result = RESULTS[name]()
     # Looked at or not, it is the same result.
-    _ = [getattr(result, told) for told in ("stroke", "snaps", "interval") if hasattr(result, told)]
+    _ = [getattr(result, key) for key in ("stroke", "snaps", "interval") if hasattr(result, key)]
     assert RESULTS[name]() == result
     for copied in COPIES:
         assert copied(result) == result

@@ -65,8 +65,8 @@ def test_the_folder_holds_a_picture_and_a_drawing_of_each(tmp_path, monkeypatch,
     chosen = {name: partial(drawn, name) for name in ("fig1", "fig2c")}
     monkeypatch.setattr(figures, "FIGURES", chosen)
     monkeypatch.setattr(figures, "ROBOT_FIGURES", {})
-    told = []
-    progress = lambda done, total: told.append((done, total))  # noqa: E731
+    reported = []
+    progress = lambda done, total: reported.append((done, total))  # noqa: E731
     reports.write(paper.run(), tmp_path / "out", progress=progress)
     assert written(tmp_path / "out") == {
         "claims.json",
@@ -75,8 +75,8 @@ def test_the_folder_holds_a_picture_and_a_drawing_of_each(tmp_path, monkeypatch,
     }
     with Image.open(tmp_path / "out" / "fig2c.png") as picture:
         assert picture.size[0] == pytest.approx(85 / 25.4 * 300, abs=1)
-    assert told[-1] == (len(told), len(told))
-    assert len(told) == 2 * len(chosen) + 2
+    assert reported[-1] == (len(reported), len(reported))
+    assert len(reported) == 2 * len(chosen) + 2
 
 
 @pytest.mark.slow

@@ -39,10 +39,10 @@ def test_a_result_of_others_agrees(claim, computed):
 
 @pytest.mark.slow
 def test_what_decides_between_the_graphs_of_pairs_is_said(computed):
-    told = computed["pairs-that-fold"]
-    assert told.ours == "18 of 35, 13 of 13"
-    says(told.reason, "6 of", "35", "impossible")
-    says(told.reason, "11", "undecided")
+    verdict = computed["pairs-that-fold"]
+    assert verdict.ours == "18 of 35, 13 of 13"
+    says(verdict.reason, "6 of", "35", "impossible")
+    says(verdict.reason, "11", "undecided")
 
 
 def test_every_result_of_others_names_its_source_and_has_a_short_name_of_its_own():
@@ -55,8 +55,8 @@ def test_every_result_of_others_names_its_source_and_has_a_short_name_of_its_own
 
 def test_progress_is_told_claim_by_claim(monkeypatch):
     monkeypatch.setattr(paper.Claim, "judge", lambda claim: claim.id)
-    told: list[tuple[int, int]] = []
-    found = paper.validate(lambda *step: told.append(step))
+    reported: list[tuple[int, int]] = []
+    verdicts = paper.validate(lambda *step: reported.append(step))
     count = len(paper.others())
-    assert len(found) == count
-    assert told == [(k + 1, count) for k in range(count)]
+    assert len(verdicts) == count
+    assert reported == [(k + 1, count) for k in range(count)]

@@ -27,9 +27,9 @@ MADE = [row for row in ROWS if row["elements"]]
 
 
 def test_two_hysterons_have_35_graphs_and_13_without_gardens_of_eden():
-    found = graphs()
-    assert len(set(found)) == len(found) == 35
-    assert len({canonical(reached(graph)) for graph in found}) == 13
+    all_graphs = graphs()
+    assert len(set(all_graphs)) == len(all_graphs) == 35
+    assert len({canonical(reached(graph)) for graph in all_graphs}) == 13
 
 
 def test_a_graph_with_its_cells_renumbered_is_the_same_graph():
@@ -53,7 +53,7 @@ def test_where_a_way_ends_and_which_cell_begins_tell_the_way():
 def test_every_order_of_fields_has_the_graph_of_hysteron_tgraphs():
     """Another program's avalanches: all orders, those that it refuses left out."""
     model = pytest.importorskip("hysteron_tgraphs.model")
-    found: set[tuple[str, ...]] = set()
+    others: set[tuple[str, ...]] = set()
     states = list(itertools.product((0, 1), repeat=2))
     for order in itertools.permutations(range(8)):
         if not (order[3] < order[2] and order[4] < order[5]):
@@ -71,8 +71,8 @@ def test_every_order_of_fields_has_the_graph_of_hysteron_tgraphs():
             + "".join(str(int(cell) + 1) for cell in graph[state, direction].flipped)
             for state, direction in graph
         )
-        found.add(canonical(tuple(sorted(ways))))
-    assert found == set(graphs())
+        others.add(canonical(tuple(sorted(ways))))
+    assert others == set(graphs())
 
 
 def test_elements_with_one_force_for_each_travel_make_only_avalanches_of_opposite_ways():
@@ -90,8 +90,8 @@ def test_the_file_of_designs_knows_every_graph_once():
     assert [row["graph"] for row in ROWS] == [" ".join(graph) for graph in graphs()]
     assert len(MADE) == 18
     assert sum(row["under_force"] for row in ROWS) == 2
-    told = [row["under_length"] for row in ROWS]
-    assert (told.count("impossible"), told.count("undecided")) == (6, 11)
+    under_length = [row["under_length"] for row in ROWS]
+    assert (under_length.count("impossible"), under_length.count("undecided")) == (6, 11)
     assert len({row["reached"] for row in MADE}) >= 13
 
 

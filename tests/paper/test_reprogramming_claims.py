@@ -23,19 +23,19 @@ def verdict(q_mm: int):
     ],
 )
 def test_the_place_that_turns_the_pair_round(q_mm, bands, p_mm):
-    found = _antennas.turning(q_mm * 1e-3, bands)
-    assert found.method == "exact"
-    assert found.anchor_at[0] * 1e3 == pytest.approx(p_mm, abs=1e-3)
-    assert found.anchor_at[1] == 0.0
-    assert found.before == Pathway.CLOCKWISE.value
-    assert found.after == Pathway.COUNTERCLOCKWISE.value
+    change = _antennas.turning(q_mm * 1e-3, bands)
+    assert change.method == "exact"
+    assert change.anchor_at[0] * 1e3 == pytest.approx(p_mm, abs=1e-3)
+    assert change.anchor_at[1] == 0.0
+    assert change.before == Pathway.CLOCKWISE.value
+    assert change.after == Pathway.COUNTERCLOCKWISE.value
 
 
 @pytest.mark.parametrize("bands", [1.0, 1.25, 2.0])
 def test_the_outer_force_is_the_inner_one_there(bands):
     # F0 = k (1 - ℓ0/ℓ) d_x at 45° and d_y = 0; ℓ = |(10 + d_x, 10)| mm.
-    found = _antennas.turning(0.020, bands)
-    dx = 10.0 - found.anchor_at[0] * 1e3
+    change = _antennas.turning(0.020, bands)
+    dx = 10.0 - change.anchor_at[0] * 1e3
     length = ((10.0 + dx) ** 2 + 100.0) ** 0.5
     outer = (1 - 22.0 / (40.0**2 + 100.0) ** 0.5) * 30.0
     assert bands * (1 - 22.0 / length) * dx == pytest.approx(outer, rel=1e-9)
@@ -43,11 +43,11 @@ def test_the_outer_force_is_the_inner_one_there(bands):
 
 def test_how_many_bands_there_are_decides_and_is_not_said():
     for q_mm, places in ((20, ("-20.0", "-16.6", "-11.2")), (14, ("-14.0", "-11.6", "-7.8"))):
-        found = verdict(q_mm)
-        assert found.verdict is Judgement.UNDETERMINED
+        judged = verdict(q_mm)
+        assert judged.verdict is Judgement.UNDETERMINED
         for place, label in zip(places, _antennas.BANDS, strict=True):
-            assert f"{place} mm ({label})" in found.ours
-        says(found.reason, "not say", "how many bands")
+            assert f"{place} mm ({label})" in judged.ours
+        says(judged.reason, "not say", "how many bands")
 
 
 @pytest.mark.parametrize(("bands", "most"), [(1.25, 13.25), (2.0, 19.57)])

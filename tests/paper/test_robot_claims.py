@@ -36,7 +36,7 @@ def levers_off(design):
     return replace(design, antennas=off)
 
 
-def found(claims, name):
+def claim_named(claims, name):
     (claim,) = (claim for claim in claims if claim.id == name)
     return claim
 
@@ -54,7 +54,7 @@ def test_a_robot_that_does_not_walk_makes_the_claim_differ(monkeypatch):
     monkeypatch.setattr(
         import_module("stepwell.paper.walking"), "walk_of", lambda name: heavy.walk(3)
     )
-    verdict = found(ROBOT, "robot-forward").judge()
+    verdict = claim_named(ROBOT, "robot-forward").judge()
     assert verdict.verdict is Judgement.DIFFERS
     assert verdict.reason
 
@@ -69,7 +69,7 @@ def test_a_forward_step_loses_at_its_start_and_not_in_the_snap_near_11():
     assert loss.carried < 0.1 * loss.stood
     # What the outer cell opens is there, and under what a gait's states show.
     assert 0.1 < loss.opened < TOLERANCE
-    verdict = found(LOSS, "robot-forward-loss").judge()
+    verdict = claim_named(LOSS, "robot-forward-loss").judge()
     assert verdict.verdict is Judgement.DIFFERS
 
 
@@ -80,7 +80,7 @@ def test_a_step_that_were_lost_near_11_would_agree(monkeypatch):
     monkeypatch.setattr(
         "stepwell.paper.walking.walk_of", lambda name: replace(walk, x=walk.x - 0.01 * late)
     )
-    assert found(LOSS, "robot-forward-loss").judge().verdict is Judgement.AGREES
+    assert claim_named(LOSS, "robot-forward-loss").judge().verdict is Judgement.AGREES
 
 
 def test_without_the_simulator_a_claim_says_what_it_needs(monkeypatch):
@@ -88,7 +88,7 @@ def test_without_the_simulator_a_claim_says_what_it_needs(monkeypatch):
         raise ModuleNotFoundError("no", name="mujoco")
 
     monkeypatch.setattr(import_module("stepwell.paper.walking"), "walk_of", missing)
-    verdict = found(ROBOT, "robot-forward").judge()
+    verdict = claim_named(ROBOT, "robot-forward").judge()
     assert verdict.verdict is Judgement.NEEDS_MUJOCO
     assert "pip install" in verdict.reason
 

@@ -43,10 +43,10 @@ def test_listing_the_claims_computes_nothing(monkeypatch):
 
 
 def test_progress_is_told_for_every_claim(known_verdicts):
-    told = []
-    paper.run(progress=lambda done, total: told.append((done, total)))
+    reported = []
+    paper.run(progress=lambda done, total: reported.append((done, total)))
     total = len(paper.claims())
-    assert told == [(k + 1, total) for k in range(total)]
+    assert reported == [(k + 1, total) for k in range(total)]
 
 
 def test_a_verdict_reads_as_one_line(verdicts):

@@ -56,13 +56,13 @@ class Motion(NamedTuple):
 
 def gaits(one: Robot) -> dict[str, str]:
     """The gait of each leg as the prediction has it, without its margins, drags and flips."""
-    return {found.leg.name: found.gait() for found in rounds(one)}
+    return {cycle.leg.name: cycle.gait() for cycle in rounds(one)}
 
 
 @cache
 def motion(one: Robot) -> Motion:
     """What a prediction says of a cycle, in a tenth of the time that its doubts take."""
-    found = rounds(one)
-    x, y, turn = slide(one, found).displacement()
+    cycles = rounds(one)
+    x, y, turn = slide(one, cycles).displacement()
     most = max(leg.stroke for leg in one.legs)
-    return Motion({each.leg.name: each.gait() for each in found}, x / most, y / most, turn)
+    return Motion({each.leg.name: each.gait() for each in cycles}, x / most, y / most, turn)

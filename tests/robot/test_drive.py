@@ -85,15 +85,15 @@ def test_a_spring_holds_the_carriage_where_it_gives_what_the_legs_ask_for():
 def test_a_drive_that_is_too_soft_leaves_the_robot_in_a_state_after_the_first_step():
     # Its own simulation: 0.82 of a step in the first cycle and 0.00 after it, carriage at 20.1 mm.
     one = driven(50.0)
-    said = one.predict()
-    assert said.motion is Motion.NONE and said.advance == pytest.approx(0.0, abs=1e-3)
-    assert said.first_advance == pytest.approx(0.82, abs=0.1)
-    assert [each.first_gait for each in said.legs] == ["00>10"] * 2
-    assert [each.gait for each in said.legs] == ["10"] * 2
-    assert [each.rigid_gait for each in said.legs] == [FORWARD] * 2
-    assert said.strokes == pytest.approx((0.020, 0.020), abs=1e-6)
-    says(said.too_soft, "too soft", "50 N/m", "state 10")
-    assert said.too_soft in repr(said)
+    prediction = one.predict()
+    assert prediction.motion is Motion.NONE and prediction.advance == pytest.approx(0.0, abs=1e-3)
+    assert prediction.first_advance == pytest.approx(0.82, abs=0.1)
+    assert [each.first_gait for each in prediction.legs] == ["00>10"] * 2
+    assert [each.gait for each in prediction.legs] == ["10"] * 2
+    assert [each.rigid_gait for each in prediction.legs] == [FORWARD] * 2
+    assert prediction.strokes == pytest.approx((0.020, 0.020), abs=1e-6)
+    says(prediction.too_soft, "too soft", "50 N/m", "state 10")
+    assert prediction.too_soft in repr(prediction)
 
 
 @pytest.mark.slow

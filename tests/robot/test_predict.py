@@ -47,9 +47,9 @@ def with_force(one: Robot, force: float) -> Robot:
     ],
 )
 def test_the_papers_robots_do_what_the_paper_says(left, right, motion, gaits):
-    found = robot(left, right).predict()
-    assert found.motion is motion
-    assert tuple(found.gaits.values()) == gaits
+    prediction = robot(left, right).predict()
+    assert prediction.motion is motion
+    assert tuple(prediction.gaits.values()) == gaits
 
 
 @pytest.mark.slow
@@ -75,29 +75,29 @@ def test_q_out_15_is_clockwise_in_the_air_and_walks_nowhere_on_the_floor():
 @pytest.mark.slow
 @pytest.mark.parametrize("one", [robot(), robot(0.005, 0.020)], ids=["forward", "left"])
 def test_gaits_and_displacement_are_those_that_the_other_tests_take_without_the_doubts(one):
-    said, without = one.predict(), motion(one)
-    assert said.gaits == without.gaits == gaits(one)
-    assert (said.advance, said.sideways, said.turn) == without[1:]
+    prediction, without = one.predict(), motion(one)
+    assert prediction.gaits == without.gaits == gaits(one)
+    assert (prediction.advance, prediction.sideways, prediction.turn) == without[1:]
 
 
 @pytest.mark.slow
 @given(designs)
 @settings(max_examples=examples(2, full=100))
 def test_in_the_air_a_leg_goes_round_as_its_chain_alone_and_gets_nowhere(q):
-    found = motion(robot(q, floor=Floor(gravity=0.0)))
-    assert found.gaits["left"] == str(leg("left", q).chain.cycle().sequence)
-    assert (found.advance, found.sideways, found.turn) == (0.0, 0.0, 0.0)
+    moved = motion(robot(q, floor=Floor(gravity=0.0)))
+    assert moved.gaits["left"] == str(leg("left", q).chain.cycle().sequence)
+    assert (moved.advance, moved.sideways, moved.turn) == (0.0, 0.0, 0.0)
 
 
 @pytest.mark.slow
 @given(designs, floors, feet)
 @settings(max_examples=examples(3, full=120))
 def test_like_legs_go_straight(q, floor, foot):
-    found = motion(robot(q, floor=floor, foot=foot))
-    assert found.gaits["left"] == found.gaits["right"]
-    assert found.turn == pytest.approx(0.0, abs=2e-3)
-    assert found.sideways == pytest.approx(0.0, abs=5e-3)
-    assert abs(found.advance) <= 1.0 + foot.contact_travel / 0.020
+    moved = motion(robot(q, floor=floor, foot=foot))
+    assert moved.gaits["left"] == moved.gaits["right"]
+    assert moved.turn == pytest.approx(0.0, abs=2e-3)
+    assert moved.sideways == pytest.approx(0.0, abs=5e-3)
+    assert abs(moved.advance) <= 1.0 + foot.contact_travel / 0.020
 
 
 @pytest.mark.slow
@@ -123,11 +123,11 @@ def test_a_robot_gets_further_where_the_floor_drags_less():
 @pytest.mark.parametrize("q", cases([0.005, 0.020, 0.004, 0.0155, 0.023], [0.005, 0.020]))
 def test_the_margin_is_the_force_on_a_cell_that_changes_the_gait(q):
     one = robot(q)
-    said = one.predict().leg("left")
-    inside = {gaits(with_force(one, s * 0.98 * said.margin))["left"] for s in (1, -1)}
-    outside = {gaits(with_force(one, s * 1.02 * said.margin))["left"] for s in (1, -1)}
-    assert inside == {said.gait}
-    assert outside == {said.gait, said.nearest}
+    prediction = one.predict().leg("left")
+    inside = {gaits(with_force(one, s * 0.98 * prediction.margin))["left"] for s in (1, -1)}
+    outside = {gaits(with_force(one, s * 1.02 * prediction.margin))["left"] for s in (1, -1)}
+    assert inside == {prediction.gait}
+    assert outside == {prediction.gait, prediction.nearest}
 
 
 @pytest.mark.slow
@@ -135,10 +135,10 @@ def test_a_robot_close_to_another_gait_says_so():
     # At q_x = 10 mm both cells are alike; the weight alone decides.
     for q in np.linspace(0.010, 0.025, 31):
         if gaits(robot(q)) != gaits(robot(q + 0.0001)):
-            said = robot(q).predict()
-            assert said.near_boundary
-            assert not said.confident
-            assert "near a boundary" in repr(said)
+            prediction = robot(q).predict()
+            assert prediction.near_boundary
+            assert not prediction.confident
+            assert "near a boundary" in repr(prediction)
             break
     else:
         pytest.fail("the gait never changed")
@@ -181,9 +181,9 @@ def test_the_largest_drag_is_friction_at_balance_by_hand():
 @pytest.mark.slow
 def test_an_antenna_flips_the_opposite_leg_where_it_says():
     one = explorer()
-    said = one.predict()
-    assert said.motion is Motion.FORWARD
-    flips = said.leg("right").flips
+    prediction = one.predict()
+    assert prediction.motion is Motion.FORWARD
+    flips = prediction.leg("right").flips
     assert [flip.antenna for flip in flips] == ["left"] * len(flips)
     assert flips[-1].gait == BACKWARD
     assert flips[0].before == FORWARD
@@ -192,7 +192,7 @@ def test_an_antenna_flips_the_opposite_leg_where_it_says():
         assert flip.swing == pytest.approx(flip.displacement / one.antennas[0].gear)
     before = motion(one.pressed({"left": 0.9 * flips[0].swing}))
     after = motion(one.pressed({"left": 1.1 * flips[-1].swing}))
-    assert before.gaits == said.gaits
+    assert before.gaits == prediction.gaits
     assert after.gaits == {"left": FORWARD, "right": BACKWARD}
     # The obstacle is on the left, and the robot turns away from it.
     assert after.turn < -TURNS
@@ -209,15 +209,15 @@ def test_a_leg_of_three_cells_is_predicted_too():
         cells = [cell("first", 0.008), cell("second", 0.010), cell("lift", 0.022)]
         return Leg(name, sw.Chain(cells), (0.008, side * 0.0575))
 
-    found = Robot(
+    prediction = Robot(
         [long("left", 1), long("right", -1)],
         drive=Drive(amplitude=0.060),
         body=Body(supports=((-0.055, 0.0), (0.038, 0.045), (0.038, -0.045))),
     ).predict()
-    said = found.leg("left").gait
-    assert said.split(">")[0] == said.split(">")[-1] == "000"
-    assert "111" in said
-    assert found.turn == pytest.approx(0.0, abs=2e-3)
+    states = prediction.leg("left").gait
+    assert states.split(">")[0] == states.split(">")[-1] == "000"
+    assert "111" in states
+    assert prediction.turn == pytest.approx(0.0, abs=2e-3)
 
 
 @pytest.mark.slow
@@ -227,14 +227,14 @@ def test_a_drive_that_turns_back_early_never_opens_both_cells():
 
 @pytest.mark.slow
 def test_a_prediction_is_frozen_and_says_what_it_rests_on():
-    said = robot().predict()
+    prediction = robot().predict()
     with pytest.raises(FrozenInstanceError):
-        said.advance = 1.0  # pyright: ignore[reportAttributeAccessIssue]
-    says(repr(said), "Prediction(walks forward", "left 00>10>11>01>00", "right")
-    assert any("inertia" in line for line in said.assumptions)
-    assert "forward while loading" in repr(said.legs[0].pushes[0])
+        prediction.advance = 1.0  # pyright: ignore[reportAttributeAccessIssue]
+    says(repr(prediction), "Prediction(walks forward", "left 00>10>11>01>00", "right")
+    assert any("inertia" in line for line in prediction.assumptions)
+    assert "forward while loading" in repr(prediction.legs[0].pushes[0])
     with pytest.raises(ValueError, match="leg = 'middle'"):
-        said.leg("middle")
+        prediction.leg("middle")
 
 
 @given(st.lists(st.floats(0.05, 0.95), min_size=0, max_size=4, unique=True))
@@ -246,9 +246,9 @@ def test_every_change_along_a_range_is_found_where_it_is(edges):
     def answer(value):
         return str(sum(value >= edge for edge in edges))
 
-    found = list(changes(answer, np.linspace(0.0, 1.0, 51).tolist()))
-    assert [past for _, past in found] == [str(k + 1) for k in range(len(edges))]
-    assert [value for value, _ in found] == pytest.approx(edges, abs=1e-4)
+    places = list(changes(answer, np.linspace(0.0, 1.0, 51).tolist()))
+    assert [past for _, past in places] == [str(k + 1) for k in range(len(edges))]
+    assert [value for value, _ in places] == pytest.approx(edges, abs=1e-4)
 
 
 @pytest.mark.slow
@@ -300,15 +300,15 @@ def test_depths_that_the_engine_cannot_follow_are_not_sure_and_do_not_break_the_
             raise StaticsError("the engine could not go on")
         return honest(leg, stances, *others)
 
-    said = one.predict()
+    prediction = one.predict()
     monkeypatch.setattr(module, "go_round", lost_when_deeper)
-    assert said.depths[0][1] == pytest.approx(0.95e-3, abs=2e-5)
-    assert "feet 0.00 to 0.9" in repr(said)
+    assert prediction.depths[0][1] == pytest.approx(0.95e-3, abs=2e-5)
+    assert "preload 0.00 to 0.9" in repr(prediction)
 
 
 @pytest.mark.slow
 def test_the_depths_of_unlike_legs_are_told_for_each():
-    said = robot(0.005, 0.020).predict()
-    backward, forward = said.depths
+    prediction = robot(0.005, 0.020).predict()
+    backward, forward = prediction.depths
     assert backward[1] > 2 * forward[1]
-    assert f"preload 0.00 to {forward[1] * 1e3:.2f} mm" in repr(said)
+    assert f"preload 0.00 to {forward[1] * 1e3:.2f} mm" in repr(prediction)

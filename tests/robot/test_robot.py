@@ -128,5 +128,5 @@ def test_moving_one_anchor_leaves_the_other_leg():
 
 
 def test_a_robot_names_its_legs_weight_and_stroke():
-    said = repr(replace(robot(), title="Walker"))
-    says(said, "Robot('Walker'", "left, right", "307 g", "40 mm", "2 s")
+    text = repr(replace(robot(), title="Walker"))
+    says(text, "Robot('Walker'", "left, right", "307 g", "40 mm", "2 s")

@@ -11,9 +11,9 @@ from stepwell.simulation.comparison import _same_cycle
 
 
 def test_a_walk_in_its_predicted_gait_says_so():
-    found = compare_gaits(walk(robot(), 2))
-    assert (found.same, found.text) == (True, "as predicted")
-    assert found.predicted == (FORWARD, FORWARD)
+    comparison = compare_gaits(walk(robot(), 2))
+    assert (comparison.same, comparison.text) == (True, "as predicted")
+    assert comparison.predicted == (FORWARD, FORWARD)
 
 
 @pytest.mark.slow
@@ -22,9 +22,9 @@ def test_a_robot_on_a_soft_drive_gets_stuck_as_predicted():
     assert one.gaits["left"] == ("00>10", "10", "10")
     assert one.advance[0] == pytest.approx(0.82, abs=0.02)
     assert one.advance[1:] == pytest.approx(0.0, abs=2e-3)
-    found = compare_gaits(one)
-    assert found.same
-    says(found.text, "stuck", "state 10")
+    comparison = compare_gaits(one)
+    assert comparison.same
+    says(comparison.text, "stuck", "state 10")
 
 
 @pytest.mark.slow
@@ -40,16 +40,16 @@ def test_the_drive_pushes_and_pulls_as_hard_as_predicted(stiffness):
 def test_a_walk_that_differs_says_why():
     # Between 60 N/m and what statics takes for enough the simulated robot comes back too late.
     one = walk(robot(drive=Drive(stiffness=60.0)), 2)
-    found = compare_gaits(one)
-    assert found.same is False
-    says(found.text, "left", "10", "not 00>10>00")
-    says(found.text, "too soft", "60 N/m")
-    says(found.text, "carriage", "mm")
+    comparison = compare_gaits(one)
+    assert comparison.same is False
+    says(comparison.text, "left", "10", "instead of 00>10>00")
+    says(comparison.text, "too soft", "60 N/m")
+    says(comparison.text, "carriage", "mm")
 
 
 def test_a_walk_without_a_whole_cycle_is_not_compared():
-    found = compare_gaits(walk(robot(), 0.3))
-    assert found.same is None and "no whole cycle" in found.text
+    comparison = compare_gaits(walk(robot(), 0.3))
+    assert comparison.same is None and "no whole cycle" in comparison.text
 
 
 @pytest.mark.parametrize(

@@ -9,19 +9,19 @@ from stepwell.simulation.model import sampled
 
 pytestmark = pytest.mark.slow
 
-TOLD: list[tuple[float, float]] = []
+REPORTED: list[tuple[float, float]] = []
 
 
 @pytest.fixture(scope="module")
 def forward():
     def tell(done, total):
-        TOLD.append((done, total))
+        REPORTED.append((done, total))
 
     return convergence(robot(), (1e-3, 5e-4, 2.5e-4), progress=tell)
 
 
 def test_its_progress_counts_the_steps_of_all_walks(forward):
-    done, total = np.array(TOLD).T
+    done, total = np.array(REPORTED).T
     assert np.all(np.diff(done) > 0)
     assert set(total) == {7000.0}  # steps in a second, of all three
     # The first walk is a seventh of the work, and looked at as often as the others.
@@ -69,8 +69,8 @@ def test_sampling_in_pieces_gives_what_sampling_at_once_gives():
     assert left.shape == (2, 2, 3)
     pieces, pending = [], np.empty((2, 0, 3))
     for first in range(0, 47, 7):
-        found, pending = sampled(readings[:, first : first + 7], pending, 5, columns)
-        pieces.append(found)
+        samples, pending = sampled(readings[:, first : first + 7], pending, 5, columns)
+        pieces.append(samples)
     assert np.array_equal(np.concatenate(pieces, axis=1), whole)
     assert np.array_equal(pending, left)
 

@@ -29,9 +29,9 @@ SAMPLED = (
 
 def ended_early(one: Walk) -> str:
     """Check what every early end promises; returns the reason."""
-    found = re.fullmatch(r"Stopped at (-?\d+\.\d{3}) s: (.+)\.", one.stopped)
-    assert found, one.stopped
-    time, reason = float(found[1]), found[2]
+    match = re.fullmatch(r"Stopped at (-?\d+\.\d{3}) s: (.+)\.", one.stopped)
+    assert match, one.stopped
+    time, reason = float(match[1]), match[2]
     assert (one.time < time).all()
     for name in SAMPLED:
         assert np.isfinite(getattr(one, name)).all(), name

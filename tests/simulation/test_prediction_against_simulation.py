@@ -27,15 +27,15 @@ def drawn(seed: int, count: int):
 def test_gaits_are_predicted_right_and_wrong_only_near_a_boundary():
     count, right, near, off, surely_wrong = 0, 0, 0, [], []
     for one in (one for seed in SEEDS for one in drawn(seed, examples(3, full=200))):
-        said, done = one.predict(), walk(one, CYCLE + 1)
-        same = all(done.gait(leg.name, CYCLE) == leg.gait for leg in said.legs)
+        prediction, done = one.predict(), walk(one, CYCLE + 1)
+        same = all(done.gait(leg.name, CYCLE) == leg.gait for leg in prediction.legs)
         count += 1
         right += same
-        near += said.near_boundary
+        near += prediction.near_boundary
         if same:
-            off.append(abs(said.advance - done.advance[CYCLE]))
-        elif said.confident:
-            surely_wrong.append((said, done.gaits))
+            off.append(abs(prediction.advance - done.advance[CYCLE]))
+        elif prediction.confident:
+            surely_wrong.append((prediction, done.gaits))
     assert surely_wrong == []
     # Of a small sample one more may be wrong.
     assert right >= 0.95 * count - (SIZE == "ci")
@@ -52,12 +52,12 @@ def test_unlike_legs_turn_about_as_far_as_predicted_where_it_is_sure(seed):
     for _ in range(examples(3, full=160)):
         left, right = random.uniform(0.002, 0.025, 2)
         one = robot(left, right, foot=Foot(below=random.uniform(0.0002, 0.0012)))
-        said = one.predict()
-        if said.near_boundary:
+        prediction = one.predict()
+        if prediction.near_boundary:
             continue
         done = walk(one, CYCLE + 1)
-        assert {leg.name: done.gait(leg.name, CYCLE) for leg in one.legs} == said.gaits
-        off.append(abs(said.turn - done.turn[CYCLE]))
+        assert {leg.name: done.gait(leg.name, CYCLE) for leg in one.legs} == prediction.gaits
+        off.append(abs(prediction.turn - done.turn[CYCLE]))
     assert np.median(off) < np.radians(1.5)
     assert max(off) < np.radians(6.0)
 

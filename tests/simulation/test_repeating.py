@@ -136,12 +136,12 @@ def stepped(model, way, cycles: int) -> np.ndarray:
     mujoco.mj_forward(model, data)
     steps = round((settings.settle + cycles * drive.period) / settings.time_step)
     time = np.arange(1, steps + 1) * settings.time_step - settings.settle
-    found = []
+    readings = []
     for command in drive.stroke(time - settings.time_step):
         data.ctrl[0] = command
         mujoco.mj_step(model, data)
-        found.append(data.sensordata.copy())
-    return np.array(found)
+        readings.append(data.sensordata.copy())
+    return np.array(readings)
 
 
 def test_the_exported_file_names_its_bands_and_opens_standing():

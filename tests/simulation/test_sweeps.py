@@ -42,11 +42,11 @@ def test_a_sweep_that_was_interrupted_takes_up_only_what_is_missing(tmp_path, mo
 
     with pytest.raises(KeyboardInterrupt):
         sweep(robots, cycles=1, threads=1, keep=tmp_path, progress=interrupt)
-    told: list[int] = []
+    reported: list[int] = []
     again = sweep(
-        robots, cycles=1, threads=1, keep=tmp_path, progress=lambda done, _: told.append(done)
+        robots, cycles=1, threads=1, keep=tmp_path, progress=lambda done, _: reported.append(done)
     )
-    assert told == [10]
+    assert reported == [10]
     assert again.trials == whole.trials
     with pytest.raises(ValueError, match="holds another sweep"):
         sweep(robots, cycles=2, threads=1, keep=tmp_path)

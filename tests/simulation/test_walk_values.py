@@ -199,10 +199,10 @@ def test_a_walk_that_broke_at_once_can_be_kept_too(tmp_path):
 
 
 def test_progress_runs_up_to_the_whole_time():
-    told: list[tuple[float, float]] = []
-    walk(robot(), 1, progress=lambda done, total: told.append((done, total)))
-    assert [total for _, total in told] == pytest.approx([2.5] * len(told))
-    done = [one for one, _ in told]
+    reported: list[tuple[float, float]] = []
+    walk(robot(), 1, progress=lambda done, total: reported.append((done, total)))
+    assert [total for _, total in reported] == pytest.approx([2.5] * len(reported))
+    done = [one for one, _ in reported]
     assert done == sorted(done)
     assert done[-1] == pytest.approx(2.5)
 

@@ -137,9 +137,9 @@ def test_screened_ways_end_as_ways_do():
     here, far = Goal((0.0, 0.0)), Goal((3.0, 0.0))
     ends = [yard(0.17, here), yard(0.2, far), yard(2.0), yard(2.0, here)]
     entries = list(zip([*HURRIED, BASE], ends, strict=True))
-    found = screen_mazes(entries, limit=0.06, settings=QUICK)
-    assert found == tuple(way.outcome for way in mazes(entries, limit=0.06, settings=QUICK))
-    assert set(found) == {Outcome.REACHED, Outcome.TIMED_OUT}
+    outcomes = screen_mazes(entries, limit=0.06, settings=QUICK)
+    assert outcomes == tuple(way.outcome for way in mazes(entries, limit=0.06, settings=QUICK))
+    assert set(outcomes) == {Outcome.REACHED, Outcome.TIMED_OUT}
 
 
 def test_a_world_without_room_for_its_contacts_tells_nothing(monkeypatch):
