@@ -334,7 +334,7 @@ class Prediction(ByValue, Drawn):
 
 
 def predict(robot: Robot) -> Prediction:
-    """Predict a cycle of a robot from statics, without simulation; see `Robot.predict`."""
+    """Predict a cycle of a robot without simulation. All else as for `Robot.predict`."""
     cycles = rounds(robot)
     slid, firsts = slide(robot, cycles), tuple(one.first for one in cycles)
     x, y, turn = slid.displacement()

@@ -213,7 +213,7 @@ def maze(
 ) -> Maze:
     """Simulate a robot in an arena until it reaches the goal, is trapped or the time is over.
 
-    `look` is as for `walk`. Other arguments as for `Robot.maze`.
+    `look` is as for `walk`. All else as for `Robot.maze`.
     """
     if not limit > 0:
         raise InputError(f"limit = {limit} s: must be > 0.")

@@ -286,7 +286,7 @@ def walk(
     """Simulate a walk, driven by loading and unloading of the actuator.
 
     `look` is called after every half second of the run with a function that returns the walk so
-    far. Other arguments as for `Robot.walk`.
+    far. All else as for `Robot.walk`.
     """
     if not cycles > 0:
         raise base.InputError(f"cycles = {cycles}: must be > 0.")
