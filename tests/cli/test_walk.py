@@ -130,7 +130,7 @@ def test_without_a_graphics_system_a_line_says_so_and_the_rest_is_there(
     monkeypatch.setattr(import_module("stepwell.simulation.videos"), "SYSTEMS", ("no such system",))
     result = stepwell("walk", "robot-forward", "--cycles", 0.1, "--out", "out")
     assert result.exit_code == 0
-    assert result.stderr.startswith("No video: frames cannot be drawn off screen here.")
+    assert result.stderr.startswith("No video: frames cannot be drawn off screen.")
     assert written(tmp_path / "out") == WRITTEN - FIGURES
 
 
