@@ -1,4 +1,4 @@
-"""Guides for contributors and the draft of the paper: files exist, numbers are those of the claims."""
+"""Guides for contributors, and the draft of the paper with the numbers of the claims."""
 
 import json
 import re

@@ -32,7 +32,9 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").r
 # These quote or list what other files have, or are written by programs.
 FREE = {"decisions", "look"}
 SOURCES = sorted((ROOT / "src" / "stepwell").rglob("*.py"))
-_CODE = re.compile(r"^---\n.*?^---$|^```.*?^```$|^ {4}.*?$|`[^`\n]*`|<!--.*?-->|<[^>]+>", re.M | re.S)
+_CODE = re.compile(
+    r"^---\n.*?^---$|^```.*?^```$|^ {4}.*?$|`[^`\n]*`|<!--.*?-->|<[^>]+>", re.M | re.S
+)
 
 
 def prose(page: Path) -> str:

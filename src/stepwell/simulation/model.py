@@ -137,8 +137,8 @@ def spec(robot: Robot, arena: Arena | None = None, settings: Settings | None = N
 def mjcf(robot: Robot, arena: Arena | None = None, settings: Settings | None = None) -> str:
     """The model as MJCF, which MuJoCo's own viewer opens; arguments and errors as for `spec`.
 
-    A second keyframe, "settled", is the position after `settings.settle`: from it the first cycle is
-    like the next ones.
+    A second keyframe, "settled", is the position after `settings.settle`; from it the first cycle
+    is like the next ones.
     """
     settings = settings or Settings()
     model = spec(robot, arena, settings)
