@@ -42,7 +42,7 @@ def summary(store: str) -> dict[str, Any]:
         "identity": study.identity,
         "cells": len(atlas.chain),
         "designs": atlas.designs,
-        "told": atlas.told,
+        "closed_form": atlas.closed_form,
         "ties": atlas.ties,
         "wakes": atlas.wakes,
         "not_proved": atlas.not_proved,
@@ -65,7 +65,7 @@ def summary(store: str) -> dict[str, Any]:
 
 def _share(atlas: Atlas, machines: Any) -> dict[str, float]:
     times = sum(one.share.times for one in machines)
-    return {"graphs": len(machines), "designs_percent": 100 * times / atlas.told}
+    return {"graphs": len(machines), "designs_percent": 100 * times / atlas.closed_form}
 
 
 def records() -> list[dict[str, Any]]:
@@ -83,7 +83,7 @@ def tables(found: list[dict[str, Any]]) -> str:
         most = one["unseen_at_most_percent"]
         other = "proved: none" if one["whole"] else f"in at most one design of {100 / most:,.0f}"
         lines.append(
-            f"| {one['cells']} | {one['designs']:,} | {one['told']:,} | {one['graphs']} | "
+            f"| {one['cells']} | {one['designs']:,} | {one['closed_form']:,} | {one['graphs']} | "
             f"{one['cycles']} | {other} | {one['machines_agree']} of {one['graphs']} machines, "
             f"{one['agreed']} of {one['checked']} more designs |"
         )
@@ -101,7 +101,7 @@ def others(found: list[dict[str, Any]]) -> str:
     """What closed form did not tell."""
     parts = []
     for one in found:
-        left = one["designs"] - one["told"]
+        left = one["designs"] - one["closed_form"]
         if left:
             sampled = one["sampled"]
             new = counted(sampled["others"], "graph") if sampled["others"] else "no graph"

@@ -103,7 +103,7 @@ def test_the_curve_is_the_elements_and_goes_on_dotted_past_open_ends_only():
         (curve,) = [line for line in ax.get_lines() if line.get_gid() == "curve"]
         x, y = points(curve).T
         assert y == pytest.approx(np.asarray(law(x * 1e-3)) * factor, abs=1e-9)
-        (past,) = [line for line in ax.get_lines() if line.get_gid() == "goes on"]
+        (past,) = [line for line in ax.get_lines() if line.get_gid() == "extrapolated"]
         assert points(past)[0, 0] == pytest.approx(20.0)
         assert len(boxes(ax, "stop")) == 1
 
@@ -127,9 +127,9 @@ def test_an_error_band_and_a_single_phase_are_shown_as_what_they_are():
     scatter = 0.05 * np.sin(37.0 * np.arange(60))
     force = 2 * np.sin(travel * 700) + 300 * travel + scatter
     noisy = sw.Element.from_table(travel.tolist(), force.tolist(), noise=0.04, stops=True)
-    assert "points within" in legend_of(figures.element_curve(noisy))
+    assert "error band" in legend_of(figures.element_curve(noisy))
     spring = sw.Element.from_points([0.0, 1e-3], [0.0, 1.0])
-    assert legend_of(figures.element_curve(spring)) == ["phase", "goes on"]
+    assert legend_of(figures.element_curve(spring)) == ["phase", "extrapolated"]
 
 
 @pytest.mark.slow

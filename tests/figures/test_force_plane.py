@@ -87,15 +87,15 @@ def test_the_narrowest_step_is_marked_and_told():
     f = forces(SHUFFLE)
     up, down = f[list(cycle.loading_order), 0], -f[list(cycle.unloading_order), 1]
     least = min(np.diff(up).min(), np.diff(down).min())
-    assert f"narrowest step {least:.3g} N" in legend_of(figure)
-    (band,) = boxes(figure, "narrowest")
+    assert f"smallest force gap {least:.3g} N" in legend_of(figure)
+    (band,) = boxes(figure, "smallest force gap")
     assert min(band.get_width(), band.get_height()) == pytest.approx(least)
 
 
 def test_an_order_that_the_chain_does_not_have_is_told():
     figure = figures.force_plane(WAVE, loading=[1, 0, 2])
     gap = WAVE.cells[1].force_0 - WAVE.cells[0].force_0
-    assert f"wrong by {gap:.3g} N" in legend_of(figure)
+    assert f"order violated by {gap:.3g} N" in legend_of(figure)
 
 
 def test_ellipses_hold_most_of_their_cloud():
@@ -123,7 +123,7 @@ def test_the_region_is_closed_and_single_places_are_dots():
     figure = figures.force_plane(WAVE, region=[OUTLINE])
     (edge,) = lines(figure, "region")
     assert points(edge) == pytest.approx(np.concatenate([OUTLINE, OUTLINE[:1]]))
-    assert "can be reached" in legend_of(figure)
+    assert "feasible anchors" in legend_of(figure)
     dots = figures.force_plane(WAVE, places=OUTLINE)
     assert any(len(points(line)) == len(OUTLINE) for line in lines(dots, "places"))
 

@@ -167,7 +167,7 @@ def test_states_out_of_reach_and_gardens_of_eden_are_set_apart():
     assert boxes(figure, "garden") == len(gardens) > 0
     assert boxes(figure, "unreachable") == len(aside - gardens) > 0
     assert boxes(figure, "state") == 16 - len(aside | gardens)
-    assert {"Garden of Eden", "not reached from 0000"} <= set(legend_of(figure))
+    assert {"Garden of Eden", "unreachable from 0000"} <= set(legend_of(figure))
 
 
 def test_where_all_is_reached_nothing_is_set_apart():

@@ -56,7 +56,7 @@ def test_where_nothing_changes_it_that_is_said():
     assert all(math.isinf(change.distance) for change in limits.changes)
     drawn = figures.margins(limits)
     assert bars(drawn, "margins") == []
-    says(words(drawn), "nothing else", "20 mm")
+    says(words(drawn), "no other sequence", "20 mm")
 
 
 def test_of_long_chains_the_nearest_are_shown():

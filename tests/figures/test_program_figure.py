@@ -120,9 +120,9 @@ def test_lanes_show_the_travel_of_every_cell_innermost_on_top():
 @pytest.mark.parametrize(
     ("name", "upper", "lower"),
     [
-        ("pair", "Stroke $u$ [mm]", "Way covered by the actuator [mm]"),
-        ("force", "Actuator force [N]", "Way covered by the actuator [N]"),
-        ("spring", "Actuator [mm]", "Way covered by the actuator [mm]"),
+        ("pair", "Stroke $u$ [mm]", "Cumulative drive [mm]"),
+        ("force", "Actuator force [N]", "Cumulative drive [N]"),
+        ("spring", "Actuator [mm]", "Cumulative drive [mm]"),
     ],
 )
 def test_axes_name_what_the_actuator_sets_and_its_unit(name, upper, lower):
@@ -136,9 +136,9 @@ def test_axes_name_what_the_actuator_sets_and_its_unit(name, upper, lower):
 
 def test_the_legend_lists_what_there_is():
     assert legend_of(figure_of("pair")) == [
-        "rising", "falling", "snap", "window",
+        "loading", "unloading", "snap", "tolerance interval",
     ]  # fmt: skip
-    assert legend_of(figure_of("full")) == ["rising", "snap"]
+    assert legend_of(figure_of("full")) == ["loading", "snap"]
     assert legend_of(figure_of("nothing")) == []
 
 

@@ -154,7 +154,7 @@ def test_axes_are_named_with_the_units_that_are_read(drawn_pair):
 @pytest.mark.slow
 def test_monostable_ground_is_hatched_and_explained(pair, drawn_pair):
     assert any(getattr(c, "hatches", [None])[0] for c in drawn_pair.axes[0].collections)
-    assert {"outer monostable", "bistable up to here"} <= set(key(drawn_pair).values())
+    assert {"outer monostable", "limit of bistability"} <= set(key(drawn_pair).values())
     bistable = figures.transition_map(pair[0].sel(y=slice(-0.004, 0.004)))
     assert not any(getattr(c, "hatches", [None])[0] for c in bistable.axes[0].collections)
     assert "outer monostable" not in key(bistable).values()
@@ -284,8 +284,8 @@ def test_every_large_blank_region_is_named_where_it_is(pair):
     texts = figures.transition_map(dataset).axes[0].texts
     at = {text.get_text().replace("\n", " "): text.get_position() for text in texts}
     assert at["no mechanism"][0] < 7.0
-    assert at["no answer"][0] > 12.0
-    assert at["no answer"][1] < -5.0
+    assert at["no result"][0] > 12.0
+    assert at["no result"][1] < -5.0
 
 
 def test_names_lie_inside_the_frame_on_coarse_maps_too():

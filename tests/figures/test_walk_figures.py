@@ -75,7 +75,7 @@ def test_every_walk_is_drawn_with_words_apart_on_a_page_and_on_a_phone(draw, kin
 
 @pytest.mark.parametrize("draw", DRAWINGS)
 def test_every_axis_with_a_dimension_names_its_unit(draw, drawn):
-    none = {"Cycle", "Displacement $d/u_\\mathrm{max}$", "", "Stands on the floor"}
+    none = {"Cycle", "Advance $d/u_\\mathrm{max}$", "", "Stance"}
     for ax in drawn(draw, "forward").axes:
         for name in (ax.get_xlabel(), ax.get_ylabel()):
             assert name in none or name.endswith(("[mm]", "[s]", "[N]", "[mJ]", "[°]")), name
@@ -250,7 +250,8 @@ def test_work_of_the_cycles_adds_up_to_the_walks(forward, drawn):
 
 def test_the_loop_is_force_against_stroke_out_and_back(forward, drawn):
     figure = drawn(figures.contacts, "forward")
-    whole = np.concatenate([points(line) for gid in ("out", "back") for line in lines(figure, gid)])
+    gids = ("loading", "unloading")
+    whole = np.concatenate([points(line) for gid in gids for line in lines(figure, gid)])
     whole = whole[np.isfinite(whole).all(axis=1)]
     every = np.column_stack([forward.stroke * 1e3, forward.actuator_force])
     for sample in every:
@@ -275,10 +276,10 @@ def test_motions_are_named_as_the_robot_moves(walks):
 
 
 def test_the_legend_names_what_is_drawn(drawn):
-    named = ["inner", "outer", "foot on the floor", "stroke", "command"]
+    named = ["inner", "outer", "stance", "stroke", "command"]
     (legend, *_) = drawn(figures.gait, "forward").legends
     assert [text.get_text() for text in legend.get_texts()] == named
-    assert legend_of(drawn(figures.contacts, "forward"))[-2:] == ["out", "back"]
+    assert legend_of(drawn(figures.contacts, "forward"))[-2:] == ["loading", "unloading"]
 
 
 @pytest.mark.slow

@@ -29,7 +29,7 @@ def test_the_interval_is_drawn_and_told(found):
     (interval,) = lines(figure, "interval")
     assert points(interval)[:, 0] == pytest.approx(100 * np.array(found.interval))
     low, high = (f"{100 * bound:.1f} %" for bound in found.interval)
-    assert f"{100 * found.share:.1f} % ({low} to {high}) as wanted" in says(figure)
+    assert f"{100 * found.share:.1f} % ({low} to {high}) reach the target" in says(figure)
 
 
 @pytest.mark.parametrize("anchor", [0.0003, 0.002, 0.0035])
@@ -72,8 +72,8 @@ def test_rare_outcomes_are_counted_together(found):
 
 def test_axes_say_what_is_counted(found):
     left, right = figures.yield_bars(found).axes
-    assert left.get_xlabel() == "Share of 20\N{THIN SPACE}000 built mechanisms [%]"
-    assert right.get_xlabel() == "Share of the variance of the smallest gap"
+    assert left.get_xlabel() == "Fraction of 20\N{THIN SPACE}000 samples [%]"
+    assert right.get_xlabel() == "Fraction of the variance of the smallest force gap"
 
 
 def test_a_share_near_one_does_not_look_certain():
@@ -81,8 +81,8 @@ def test_a_share_near_one_does_not_look_certain():
         files.preset("paper-forward"), Tolerances(anchor=0.0021, stiffness=0.05), samples=20_000
     )
     assert 0.99 < nearly.share < 1.0
-    (told,) = [word for word in says(figures.yield_bars(nearly)) if word.endswith("as wanted")]
-    assert told.startswith("99.")
+    (line,) = [one for one in says(figures.yield_bars(nearly)) if one.endswith("reach the target")]
+    assert line.startswith("99.")
 
 
 def test_long_sequences_are_told_by_what_moves():

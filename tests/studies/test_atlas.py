@@ -79,9 +79,9 @@ def stores(tmp_path_factory):
 def test_of_two_cells_it_is_proved_that_no_other_graph_occurs(stores):
     _, found = stores(2, 20_000)
     assert found.whole and found.possible == len(found.machines) == 3
-    assert found.told == found.designs == 20_000 and found.space_proved
-    assert sum(one.share.times for one in found.machines) == found.told
-    assert sum(one.share.times for one in found.cycles) == found.told
+    assert found.closed_form == found.designs == 20_000 and found.space_proved
+    assert sum(one.share.times for one in found.machines) == found.closed_form
+    assert sum(one.share.times for one in found.cycles) == found.closed_form
 
 
 @pytest.mark.parametrize(
@@ -91,7 +91,7 @@ def test_the_engine_finds_the_same_graphs(stores, cells, designs, drive):
     _, found = stores(cells, designs, drive)
     assert all(one.agrees for one in found.machines)
     assert found.checked > 30 and found.agreed == found.checked
-    assert sum(one.share.times for one in found.machines) == found.told
+    assert sum(one.share.times for one in found.machines) == found.closed_form
 
 
 def test_machines_say_of_their_design_what_its_graph_says(stores):
@@ -135,7 +135,7 @@ def test_the_papers_map_of_two_cells_has_its_shares(tmp_path):
 def test_what_is_not_proved_is_followed_by_the_engine_and_called_a_sample(stores):
     study, found = stores(2, 20_000, low=-0.008)
     assert found.not_proved > 0 and not found.space_proved and not found.whole
-    assert found.told + found.not_proved + found.ties + found.wakes == found.designs
+    assert found.closed_form + found.not_proved + found.ties + found.wakes == found.designs
     assert found.sampled.asked == 40
     assert sum(found.sampled.machines.values()) + found.sampled.failed == 40
     for number in json.loads(str(study.values("asked")[0]))[:9]:
@@ -219,7 +219,7 @@ def test_another_study_is_no_atlas(tmp_path):
     study = sweep(
         sw.Chain([CELL]), "graph", IndependentBlocks(axes_of(1), 2, 1), tmp_path / "a", workers=0
     )
-    with pytest.raises(sw.InputError, match="holds no atlas"):
+    with pytest.raises(sw.InputError, match="must contain an atlas"):
         charted(study.study)
     with pytest.raises(StudyError):
         opened(tmp_path)
@@ -438,7 +438,7 @@ def test_what_was_not_seen_is_bounded_by_what_the_second_half_adds(tmp_path):
     new = sum(name not in first for name in names[2 * each :])
     assert found.unseen is not None
     assert 0 < new == found.unseen.times
-    assert found.unseen.of == 3 * each == found.told - 2 * each
+    assert found.unseen.of == 3 * each == found.closed_form - 2 * each
     assert new / (3 * each) < found.unseen.high < 1
     one = sweep(
         chain, "atlas", IndependentBlocks(axes, each, 1), tmp_path / "b", chunk=1, workers=0

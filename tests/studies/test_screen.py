@@ -207,7 +207,7 @@ def test_designs_are_kept_that_do_as_the_design_itself(simulated, tmp_path):
         study()
     with refuses(InputError, "engine = 'gpu'", "cpu, warp"):
         study(engine="gpu")
-    with pytest.raises(InputError, match="nobody knows beforehand"):
+    with pytest.raises(InputError, match="number of designs selected by a screen"):
         estimate(mine, 1)
 
 

@@ -65,7 +65,7 @@ def test_an_open_study_is_what_the_command_says_of_it(ask: Asks, tmp_path: Path)
     np.testing.assert_array_equal(blocks["rows"], np.arange(60))
     for one in header["columns"]:
         held, shown = study.values(one["name"]), blocks[one["block"]]
-        _, factor = study.told(one["name"])
+        _, factor = study.display_unit(one["name"])
         if one["words"] is None:
             np.testing.assert_array_equal(shown, held * factor)
         else:

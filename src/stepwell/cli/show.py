@@ -284,20 +284,20 @@ def demo(
     Example: stepwell demo --no-open
     """
     options.check_output_folder(out, "demo", force)
-    left_out = [telling for telling in sw.reports.STEPS if not telling.can_be_told]
+    left_out = [planned for planned in sw.reports.STEPS if not planned.available]
     screen.show_text(sw.reports.OPENING)
     if left_out:
-        titles = "; ".join(telling.title for telling in left_out)
+        titles = "; ".join(planned.title for planned in left_out)
         packages = "packages that pip install 'stepwell[all]' brings"
         screen.show_text(f"Left out, for want of {packages}: {titles}.")
-    shown: list[tuple[sw.reports.Telling, sw.reports.StoryStep]] = []
-    for telling in [one for one in sw.reports.STEPS if one.can_be_told]:
-        screen.show_title(f"{len(shown) + 1}  {telling.title}")
-        with screen.progress(telling.title) as tell:
-            step = telling.make(tell)
+    shown: list[tuple[sw.reports.PlannedStep, sw.reports.StoryStep]] = []
+    for planned in [one for one in sw.reports.STEPS if one.available]:
+        screen.show_title(f"{len(shown) + 1}  {planned.title}")
+        with screen.progress(planned.title) as tell:
+            step = planned.make(tell)
         orders = (f"  {one.caption}  {one.sequence}" for one in step.shown if one.sequence)
-        screen.show_lines(*step.told, *orders)
-        shown.append((telling, step))
+        screen.show_lines(*step.sentences, *orders)
+        shown.append((planned, step))
     with screen.progress(screen.WRITING) as tell:
         sw.reports.write_story(shown, out, left_out=left_out, progress=tell, force=force)
     page = out / "index.html"

@@ -1,4 +1,4 @@
-"""Several figures as the panels of one, at the width of a journal's column."""
+"""Figures with several panels, at the width of a journal's column."""
 
 import re
 import string
@@ -15,12 +15,12 @@ from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.words import literal
 
 _MM = MappingProxyType({"mm": 1.0, "cm": 10.0, "in": 25.4, "pt": 25.4 / 72.0})
-# Of pages [mm]: narrower has no room for one panel, wider is no page.
+# Limits of the page width [mm].
 NARROWEST, WIDEST = 40.0, 400.0
 
 
 class JournalWidth(NamedTuple):
-    """A width of figures [mm], what it is, and where its publisher says so."""
+    """A width of figures [mm], its meaning, and the publisher's guideline."""
 
     width: float
     what: str
@@ -50,16 +50,16 @@ WIDTHS: MappingProxyType[str, JournalWidth] = MappingProxyType(
 
 
 def length(text: str) -> float:
-    """A length with its unit, as "88mm", "3.5 in", "18cm" or "240pt", or a journal's name [mm].
+    """Width [mm] of a text such as "88mm", "3.5 in", "18cm" or "240pt", or of a journal's name.
 
     Raises:
-        ValueError: no length, one without a unit, an unknown name, or no size of a page.
+        ValueError: no length, a missing unit, an unknown name, or a length out of range.
     """
     known = text.strip().lower()
     if known in WIDTHS:
         return WIDTHS[known].width
-    found = re.fullmatch(r"(\d+\.?\d*|\.\d+)\s*([a-z]*)", known)
-    if found is None:
+    match = re.fullmatch(r"(\d+\.?\d*|\.\d+)\s*([a-z]*)", known)
+    if match is None:
         near = nearest_word(known, WIDTHS)
         guess = f" Did you mean {near}?" if near else ""
         names = ", ".join(WIDTHS)
@@ -67,28 +67,26 @@ def length(text: str) -> float:
             f"{text!r}: must be a length such as 88mm, 8.8cm, 3.5in or 250pt, or one of {names}."
             f"{guess}"
         )
-    value, unit = float(found[1]), found[2]
+    value, unit = float(match[1]), match[2]
     if unit not in _MM:
         was = f"unknown unit {unit!r}" if unit else "has no unit"
         raise InputError(f"{text!r}: {was}; write {value:g}mm, or use cm, in or pt.")
     result = value * _MM[unit]
     if not NARROWEST <= result <= WIDEST:
-        raise InputError(
-            f"{text!r} is {result:.4g} mm: must be {NARROWEST:g} to {WIDEST:g} mm, as pages are."
-        )
+        raise InputError(f"{text!r} is {result:.4g} mm: must be {NARROWEST:g} to {WIDEST:g} mm.")
     return result
 
 
-# What is composed: panels in reading order, rows of them, or rows by name.
+# Panels in reading order, rows of panels, or rows by name.
 Panels = Sequence[sheet.Draw | Sequence[sheet.Draw]] | Mapping[str, Sequence[sheet.Draw]]
 
-# Between rows, between the panels of a row, and what a legend for all of them takes [mm].
+# Distance of rows and of the panels of a row, and height of a common legend [mm].
 _BETWEEN, _LEGEND = 3.0, 5.0
-# A panel is about as wide as this, unless columns are given [mm].
+# Approximate width of a panel, unless columns are given [mm].
 _USUAL = 75.0
-# The name of a row [mm].
+# Height of the name of a row [mm].
 _NAME = 4.5
-# Lower than this, curves have no room [mm].
+# Least height of a panel with curves [mm].
 _LOWEST = 38.0
 MOST_PANELS = 26
 LETTERS: dict[str, Callable[[str], str]] = {
@@ -99,7 +97,7 @@ LETTERS: dict[str, Callable[[str], str]] = {
 }
 
 
-# Panels beside each other, each with its size [mm].
+# Panels side by side, each with its size [mm].
 _Row = list[tuple[sheet.Draw, sheet.Size]]
 
 
@@ -112,24 +110,24 @@ def compose(
     columns: int | None = None,
     letters: str = "A",
 ) -> Figure:
-    """Several figures as the panels of one, with letters, and one legend for what they share.
+    """One figure with several panels, with letters and a common legend.
 
-    Panels are drawn at the size they have on paper and never scaled: words have 7 pt and lines
-    their width, however wide the page is.
+    Panels are drawn at their printed size and never scaled: text has 7 pt and lines keep their
+    width at any page width.
 
     Args:
-        panels: what draws each, in reading order: a function of this room with its arguments, as
-            `partial(force_stroke, cycle)`. Several in a list make a row; of a mapping each
-            name is written above its row.
+        panels: functions that draw the panels, in reading order: functions of this package with
+            arguments, such as `partial(force_stroke, cycle)`. A list makes a row; the names of a
+            mapping are written above its rows.
         width: of the page [mm], at least 40 for each panel of a row.
-        height: of the page [mm]; by default what the panels want. Panels whose frame may have
-            any shape take or give what is missing.
-        columns: panels in a row where no rows are given; by default as many as have about 75 mm.
-            A figure that is two columns wide by itself has a row of its own.
-        letters: how panels are numbered: "A", "a", "(a)" or "none". One panel has no letter.
+        height: of the page [mm]; by default that of the panels. Panels with a free aspect ratio
+            take up the difference.
+        columns: panels per row if no rows are given; by default about one per 75 mm. A figure that
+            is two columns wide has its own row.
+        letters: style of the panel letters: "A", "a", "(a)" or "none". A single panel has none.
 
     Raises:
-        ValueError: no panel or too many, a width or height that they cannot have, other letters.
+        ValueError: no panel or too many, an impossible width or height, or other letters.
     """
     titles, given = ([*panels], [*panels.values()]) if isinstance(panels, Mapping) else ([], panels)
     count = sum(1 if callable(one) else len(one) for one in given)
@@ -162,7 +160,7 @@ def compose(
 def _draw_row(
     figure: Figure, row: _Row, top: float, panel: sheet.CurrentPanel, names: Iterator[str]
 ) -> None:
-    """Panels beside each other, each with its letter, under a height of the page [mm]."""
+    """Draw panels side by side with their letters, below the height `top` of the page [mm]."""
     left = 0.0
     for draw, size in row:
         onto = _part(figure, left, top - size.height, size)
@@ -189,19 +187,19 @@ def _rows(
         return [[one] if callable(one) else list(one) for one in panels if callable(one) or one]
     most = columns or max(1, round(width / _USUAL))
     each = (width - _BETWEEN * (most - 1)) / most
-    found: list[list[sheet.Draw]] = []
+    rows: list[list[sheet.Draw]] = []
     free = 0
     for draw in (one for one in panels if not isinstance(one, Sequence)):
         alone = columns is None and not _may_share(draw, each, panel)
         if alone or not free:
-            found.append([])
-        found[-1].append(draw)
+            rows.append([])
+        rows[-1].append(draw)
         free = 0 if alone else (free or most) - 1
-    return found
+    return rows
 
 
 def _may_share(draw: sheet.Draw, width: float, panel: sheet.CurrentPanel) -> bool:
-    """Whether a panel is not two columns wide by itself, and can have this width [mm]."""
+    """Whether a panel is narrower than two columns and can have this width [mm]."""
     if sheet.measured(draw, panel).width >= style.PAGE:
         return False
     try:
@@ -211,23 +209,23 @@ def _may_share(draw: sheet.Draw, width: float, panel: sheet.CurrentPanel) -> boo
 
 
 def _laid(row: list[sheet.Draw], width: float, panel: sheet.CurrentPanel) -> _Row:
-    """The panels of a row, each as wide as the others, all that can be as high as the highest."""
+    """The panels of a row, with equal widths, and equal heights if possible."""
     each = (width - _BETWEEN * (len(row) - 1)) / len(row)
     if not each >= NARROWEST:
         least = NARROWEST * len(row) + _BETWEEN * (len(row) - 1)
         raise InputError(
-            f"width = {width:g} mm: {len(row)} panels beside each other need {least:g} mm or more."
+            f"width = {width:g} mm: {len(row)} panels side by side need {least:g} mm or more."
         )
     sizes = [sheet.measured(draw, replace(panel, width=each)) for draw in row]
     for size in sizes:
         if size.width > each + 1e-6:
             raise InputError(
-                f"width: one panel is {size.width:g} mm wide whatever the page, and has "
-                f"{each:.4g} mm: give it a row of its own, or a wider page."
+                f"width: one panel has a fixed width of {size.width:g} mm, and only {each:.4g} mm "
+                f"are available: give it its own row, or a wider page."
             )
     fixed = [size.height for size in sizes if size.rigid]
     high = max(_LOWEST, *(fixed or [size.height for size in sizes]))
-    # Far higher than wide, one that may have any height would be drawn out to a row of lines.
+    # A panel with a free height must not become much taller than wide.
     most = [max(1.1 * size.width, size.height) for size in sizes]
     laid = [
         size if size.rigid else size._replace(height=min(high, own))
@@ -237,7 +235,7 @@ def _laid(row: list[sheet.Draw], width: float, panel: sheet.CurrentPanel) -> _Ro
 
 
 def _stretched(rows: list[_Row], height: float | None) -> list[_Row]:
-    """Rows that together have a height [mm], which those without a rigid panel make up."""
+    """Rows stretched to a total height [mm]; only rows without a rigid panel change."""
     if height is None:
         return rows
     tall = [max(size.height for _, size in row) for row in rows]
@@ -246,9 +244,9 @@ def _stretched(rows: list[_Row], height: float | None) -> list[_Row]:
     rest = sum(tall) - fixed
     least = fixed + _LOWEST * sum(loose)
     if not rest or height < least:
-        own = f"have a height of their own, {sum(tall):.4g}"
+        own = f"have a fixed height of {sum(tall):.4g}"
         what = own if not rest else f"need {least:.4g}"
-        raise InputError(f"height: these panels {what} mm; the page leaves them {height:.4g} mm.")
+        raise InputError(f"height: these panels {what} mm; the page has {height:.4g} mm for them.")
     by = (height - fixed) / rest
     return [
         [(draw, size._replace(height=high * by)) for draw, size in row] if may else row
@@ -257,9 +255,9 @@ def _stretched(rows: list[_Row], height: float | None) -> list[_Row]:
 
 
 def _part(figure: Figure, left: float, bottom: float, size: sheet.Size) -> SubFigure:
-    """A part of a page, at a place given in mm."""
+    """A subfigure at a place given in mm."""
     wide, high = sheet.size_of(figure)
-    # The middle of three by three, because parts of a figure have shares of a grid for a place.
+    # The middle of a 3 x 3 grid, because the position of a subfigure is a cell of a grid.
     across = left, size.width, max(wide - left - size.width, 0.0)
     down = max(high - bottom - size.height, 0.0), size.height, bottom
     grid = figure.add_gridspec(3, 3, width_ratios=across, height_ratios=down)

@@ -1,4 +1,4 @@
-"""The usual figure of every value that can be drawn."""
+"""The default figure of each type of result."""
 
 from collections.abc import Callable
 from typing import Any
@@ -22,55 +22,55 @@ from stepwell.figures.robots.trajectory import trajectory
 from stepwell.lab import choose_law
 from stepwell.mechanism import Chain
 
-# Mechanisms that are drawn around a design.
+# Samples drawn round a nominal design.
 _CLOUD = 600
 
 
 def plot(value: Any, **options: Any) -> Figure:
-    """The usual figure of a value; `value.plot()` is the same.
+    """The default figure of a value; `value.plot()` is equivalent.
 
-    | of | drawn by |
+    | value | function |
     |---|---|
     | a chain, a cell, an element | `mechanism`, `unit_cell_force`, `element_curve` |
     | a cycle, a path, a program | `overview`, `force_stroke`, `stroke_program` |
-    | a transition graph, what it remembers | `transition_graph` |
-    | a margin, a yield, a design that was found | `margins`, `yield_bars`, `force_plane` |
+    | a transition graph, a reading of its memory | `transition_graph` |
+    | a margin, a yield, a result of `design` | `margins`, `yield_bars`, `force_plane` |
     | a map | `transition_map` |
     | a robot, a prediction | `robot_drawing`, `prediction` |
-    | a walk, a way through an arena, a sweep | `trajectory`, `maze`, `sweep` |
+    | a walk, a path through an arena, a sweep | `trajectory`, `maze`, `sweep` |
     | a recording, a test of bands | `recording`, `band_laws` |
     | an atlas | `machines` |
     | a measured cell, a measured pair | `measured_forces`, `measured_pairs` |
-    | a comparison | `measured_forces`, or `measured_pairs` where there are no unit cells |
+    | a comparison | `measured_forces`, or `measured_pairs` without unit cells |
     | a calibration | `calibration` |
 
     Args:
-        value: any of these.
-        options: of the function that draws it.
+        value: a value of one of these types.
+        options: keyword arguments of the function.
 
     Raises:
-        ValueError: a value of which there is no usual figure, or what that function raises.
+        ValueError: a value without a default figure, or an error of the function.
     """
     draw = maps.transition_map if _is_map(value) else of_kind(_USUAL, value)
     if draw is None:
         known = ", ".join(sorted(_USUAL))
         raise InputError(
-            f"{type(value).__name__}: has no usual figure. Those that have one: {known}, and maps."
+            f"{type(value).__name__}: has no default figure. Types with one: {known}, and maps."
         )
     return draw(value, **options)
 
 
-def _designed(found: Design) -> Figure:
-    drilled = found.holes is not None
-    # Cells of more than two phases have more switches than there are cells to be in order.
-    one_each = len(found.forces) == len(found.chain)
+def _designed(result: Design) -> Figure:
+    drilled = result.holes is not None
+    # Cells with more than two phases have more transitions than the orders have entries.
+    one_each = len(result.forces) == len(result.chain)
     return force_plane(
-        found.chain,
-        loading=found.loading if one_each else None,
-        unloading=found.unloading if one_each else None,
-        region=() if drilled else found.region,
-        places=np.concatenate(found.region) if drilled else None,
-        clouds=found.yield_.end_forces(_CLOUD),
+        result.chain,
+        loading=result.loading if one_each else None,
+        unloading=result.unloading if one_each else None,
+        region=() if drilled else result.region,
+        places=np.concatenate(result.region) if drilled else None,
+        clouds=result.yield_.end_forces(_CLOUD),
     )
 
 
@@ -81,7 +81,7 @@ def _is_map(value: Any) -> bool:
 def _map_view(view: Any, **options: Any) -> Figure:
     if not _is_map(view.dataset):
         raise InputError(
-            "this dataset is no map: only those of transition_map and parameter_map can be drawn."
+            "this dataset is not a map: use a result of transition_map or parameter_map."
         )
     return maps.transition_map(view.dataset, **options)
 
@@ -100,10 +100,10 @@ _USUAL: dict[str, Callable[..., Figure]] = {
     "Cell": lambda cell, **options: unit_cell_force([cell], **options),
     "CellTest": lambda test: measured.measured_forces([test]),
     "Chain": _chain,
-    "Comparison": lambda found: (
-        measured.measured_forces(found.cells)
-        if found.cells
-        else measured.measured_pairs(found.pairs)
+    "Comparison": lambda comparison: (
+        measured.measured_forces(comparison.cells)
+        if comparison.cells
+        else measured.measured_pairs(comparison.pairs)
     ),
     "Cycle": overview,
     "Design": _designed,

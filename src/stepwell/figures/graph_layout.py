@@ -1,4 +1,4 @@
-"""What a figure has to find in a transition graph, and where its states stand on the page."""
+"""Reduction of a transition graph for a figure, and layout of its states."""
 
 import math
 from collections import Counter
@@ -15,7 +15,7 @@ from stepwell.figures.common.sheet import Point, page_width
 from stepwell.sequences import Program, TransitionGraph, TransitionKind
 
 _SWEEPS = 12
-# Length counts too, but a crossing is worse than any.
+# Weight of the length of lines; a crossing has weight 1.
 _LENGTH = 0.02
 
 
@@ -26,11 +26,11 @@ def heights(
     *,
     stay: bool = False,
 ) -> dict[str, float]:
-    """The height of every node, between 0 and 1, always the same for the same nodes.
+    """Height of every node, between 0 and 1; deterministic.
 
-    Those that are `fixed` share the height of their column evenly, in the order found, or of their
-    names if they `stay`; all others float between those they are joined to by lines, each with how
-    much its length counts.
+    Nodes that are `fixed` divide the height of their column evenly, in the order that minimises
+    crossings, or in the order of their names with `stay`. All others float between the nodes to
+    which lines (with weights of their lengths) join them.
     """
     order = grouped((columns[name], name) for name in fixed)
     sheet = _Crossings(columns, fixed, lines)
@@ -61,7 +61,7 @@ def heights(
 
 
 class _Crossings:
-    """Nodes by number, so that a trial costs little."""
+    """Nodes as arrays, so that the cost of an order is fast to compute."""
 
     def __init__(
         self,
@@ -95,13 +95,13 @@ class _Crossings:
         self.pairs = a[near], b[near]
 
     def heights(self, order: Mapping[float, Sequence[str]]) -> Floats:
-        """Of all nodes, where the fixed ones stand in this order in their columns."""
+        """Heights of all nodes, with the fixed nodes in this order in their columns."""
         slots = {n: (k + 0.5) / len(names) for names in order.values() for k, n in enumerate(names)}
         own = np.array([slots[name] for name in self.fixed])
         return np.concatenate([own, self.follow @ own])
 
     def cost(self, order: Mapping[float, Sequence[str]]) -> float:
-        """Crossings of straight lines, and a little for their length."""
+        """Number of crossings of straight lines, plus a small term for their length."""
         xy = np.column_stack([self.x, self.heights(order)])
         (p, q), (r, s) = ((xy[ends[:, 0]], xy[ends[:, 1]]) for ends in self.pairs)
         crossing = (_side(p, q, r) != _side(p, q, s)) & (_side(r, s, p) != _side(r, s, q))
@@ -118,13 +118,13 @@ def _side(p: Floats, q: Floats, r: Floats) -> Bools:
     return ux * vy > uy * vx
 
 
-# Of the range of drives: closer ones are the same.
+# Drives closer than this fraction of their range are equal.
 _SLIP = 1e-9
 
 
 class FoldedTransition(NamedTuple):
-    """Where the rise (+1) or the fall (-1) of the drive leads from one shown node to the next, and
-    whether the chain snaps on the way.
+    """Transition between two shown nodes under a rising (+1) or falling (-1) drive, and whether the
+    chain snaps in it.
     """
 
     source: str
@@ -134,19 +134,21 @@ class FoldedTransition(NamedTuple):
 
 
 class FoldedGraph(NamedTuple):
-    """Vertices, the half-way nodes from which there is a choice, and the ways between them."""
+    """Vertices, half-way nodes with a choice of direction, and the transitions between them."""
 
     shown: tuple[str, ...]
     ways: tuple[FoldedTransition, ...]
-    # Of each how many switches it is from all cells at 0, at least; a cell half-way counts half.
+    # Least number of switches from all cells at 0; a cell half-way counts half.
     levels: Mapping[str, float]
-    # Of all cells in their last phases.
+    # Level of the state with all cells in their last phases.
     last: int
 
 
 def folded(graph: TransitionGraph, keep: Iterable[str] = ()) -> FoldedGraph:
-    """Fold every half-way node, but those to keep, into the way over it, if it offers no other: a
-    snap that lands half-way may turn back there to a vertex that the chain did not come from.
+    """Merge half-way nodes without a choice, except those to `keep`, into their transitions.
+
+    A half-way node offers a choice if a reversal after a snap leads to a vertex other than the
+    source.
     """
     keep = set(keep)
     landings = set(graph.nodes.labels(np.unique(graph.target[graph.snaps])))
@@ -160,7 +162,7 @@ def folded(graph: TransitionGraph, keep: Iterable[str] = ()) -> FoldedGraph:
 
 
 def _level(graph: TransitionGraph, label: str) -> float:
-    """The digits of a state added up, a cell half-way between two phases counting as such."""
+    """Sum of the digits of a state; a cell half-way between two phases counts half."""
     node, state = graph.node(label), label.partition("#")[0]
     total = float(sum(int(digit) for digit in state if digit != "-"))
     for i in (i for i, digit in enumerate(state) if digit == "-"):
@@ -172,34 +174,35 @@ def _level(graph: TransitionGraph, label: str) -> float:
 
 
 def _offers_a_choice(label: str, ways: Sequence[FoldedTransition]) -> bool:
-    """Whether turning back there leads elsewhere than to where the chain came from."""
+    """Whether a reversal at this node leads to another node than the previous one."""
     out = {way.direction: way.target for way in ways if way.source == label}
     return any(out.get(-way.direction) != way.source for way in ways if way.target == label)
 
 
 def _ways(graph: TransitionGraph, shown: Sequence[str]) -> list[FoldedTransition]:
     known = set(shown)
-    found: list[FoldedTransition] = []
+    transitions: list[FoldedTransition] = []
     for source, direction in product(shown, (1, -1)):
         label, snaps = source, False
         while step := graph.transition(label, direction):
             label, transition = step
             snaps = snaps or transition.kind is TransitionKind.SNAP
             if label in known:
-                found.append(FoldedTransition(source, label, direction, snaps))
+                transitions.append(FoldedTransition(source, label, direction, snaps))
                 break
-    return found
+    return transitions
 
 
 def followed(graph: TransitionGraph, program: Program) -> list[list[str]]:
-    """Labels of the nodes visited on each stroke of a program, both ends included; one that turns
-    after a vertex has been passed smoothly might as well turn at the vertex, and ends there.
+    """Labels of the nodes visited on each stroke of a program, both ends included.
+
+    A stroke that reverses after it has smoothly passed a vertex ends at that vertex.
     """
     another = graph.chain is not None and graph.chain != program.chain
     if another or program.start not in graph:
         raise InputError(
-            f"program: leads from {program.start} to {program.target} in another chain, or begins "
-            f"in a state that this graph does not have. Draw the graph of its own chain: "
+            f"program: it runs from {program.start} to {program.target} in another chain, or "
+            f"begins in a state that this graph does not have. Draw the graph of its own chain: "
             f"program.chain.graph()."
         )
     points = program.turning_points
@@ -225,44 +228,45 @@ def followed(graph: TransitionGraph, program: Program) -> list[list[str]]:
     return strokes
 
 
-# Up to this many cells there is room for the names of half-way states.
+# Largest number of cells with room for the names of half-way states.
 NAMED = 3
-# Half of the diameter of one without a name [mm].
+# Radius of a half-way state without a name [mm].
 DOT = 0.75
 # A character and a line of 7 pt [mm].
 _CHARACTER, _LINE = 1.58, 2.6
-# Between the way up and the way down beside it [mm].
+# Distance of the loading and the unloading transition between two nodes [mm].
 _APART = 1.0
 _EDGE = 3.0
-# How much of the distance of two columns a box may take.
+# Largest width of a box, as a fraction of the distance of two columns.
 _SHARE = 0.6
 _SAMPLES = 41
-# How far a way goes that comes round [mm].
+# Extent of a transition that returns round a node [mm].
 _ROUND = 7.0
-# How far a way past a whole column may be bent aside [mm].
+# Offsets by which a transition past a whole column may be bent [mm].
 _BOWS = (0.0, 8.0, -8.0, 16.0, -16.0, 24.0, -24.0)
 
 
 class Layout:
     """Nodes in columns by the sum of their digits, in mm from the lower left corner.
 
-    On a sheet of a given size [mm] states stand where those of every graph of as many cells of two
-    phases do; else few ways cross on a sheet of its own size. Half-way states may be `named`.
+    On a sheet of a given size [mm], all graphs with this number of two-phase cells have the same
+    state positions. Otherwise the layout minimises crossings on a sheet of its own size. Half-way
+    states may be `named`.
     """
 
     def __init__(self, reduced: FoldedGraph, cells: int, size: Point | None = None):
         wide, high = size or (page_width(style.COLUMN if cells <= NAMED else style.PAGE), None)
         self.width, self.named, last = wide, size is None and cells <= NAMED, reduced.last
-        # In how many lines a name is written, so that boxes leave room between columns.
+        # Lines per name, so that boxes leave room between columns.
         room = _SHARE * (wide - 20.0) / max(last, 1)
         self._lines = math.ceil(cells / max(3, int((room - 1.8) / _CHARACTER)))
         shown, self._column = reduced.shown, reduced.levels
-        # Those that need a place of their own are all but those between two columns.
+        # All states in whole columns have fixed positions.
         whole, column = [label for label in shown if self._column[label] % 1 == 0], self._column
         if size is not None:
             whole = ["".join(digits) for digits in product("01", repeat=cells)]
             column = {label: label.count("1") for label in whole} | dict(self._column)
-        # A smooth way is better short than a snap.
+        # Smooth transitions have a larger weight of their length than snaps.
         joined = [(way.source, way.target, 1.0 if way.snaps else 2.0) for way in reduced.ways]
         y = heights(column, whole, joined, stay=size is not None)
         most = max(Counter(column.values())[k] for k in range(last + 1))
@@ -280,7 +284,7 @@ class Layout:
             self._spread([label for label in shown if column[label] == k + 0.5])
 
     def _spread(self, labels: list[str]) -> None:
-        """Move nodes that stand above each other apart."""
+        """Separate nodes with the same x."""
         labels.sort(key=lambda label: self.at[label][1])
         gap = 2.4 + 2 * max((self.half(label)[1] for label in labels), default=0.0)
         heights = [self.at[label][1] for label in labels]
@@ -289,12 +293,12 @@ class Layout:
         self.at |= {v: (self.at[v][0], y - shift) for v, y in zip(labels, moved, strict=True)}
 
     def name(self, label: str) -> str:
-        """The label in as many lines as it takes."""
+        """The label, wrapped to lines."""
         each = math.ceil(len(label) / self._lines)
         return "\n".join(label[k : k + each] for k in range(0, len(label), each))
 
     def half(self, label: str) -> Point:
-        """Half of the width and of the height of what stands for a node [mm]."""
+        """Half width and half height of a node's symbol [mm]."""
         lines = self.name(label).split("\n")
         wide, high = _CHARACTER * len(lines[0]) / 2, _LINE * len(lines) / 2
         if "-" not in label:
@@ -307,7 +311,7 @@ class Layout:
         shift = way.direction * _APART / 2
         a = np.array([x0 + way.direction * self.half(way.source)[0], y0 + shift])
         ahead = way.direction * (self._column[way.target] - self._column[way.source])
-        # To a node of the same column, or of one behind, a way comes round to its far side.
+        # A transition to the same or a previous column ends at the far side of the node.
         side = 1 if ahead > 0 else -1
         b = np.array([x1 - side * way.direction * self.half(way.target)[0], y1 + shift])
         far = max(0.45 * abs(b[0] - a[0]), 2.0 if ahead > 0 else _ROUND)
@@ -320,12 +324,12 @@ class Layout:
         at = np.array([self.at[label] for label in others]).reshape(-1, 1, 2)
         half = np.array([self.half(label) for label in others]).reshape(-1, 1, 2)
         met = [np.all(np.abs(curve - at) < half, axis=2).any(axis=1).sum() for curve in curves]
-        # The flattest of those that run through the fewest other nodes.
+        # The flattest of the curves through the fewest other nodes.
         return curves[int(np.argmin(met))]
 
 
 def head(curve: Floats, size: float) -> Floats:
-    """(3, 2) an arrow head at the end of a curve [mm]."""
+    """(3, 2) corners of an arrow head at the end of a curve [mm]."""
     tip = curve[-1]
     far = np.hypot(*(curve - tip).T)
     tail = curve[np.flatnonzero(far >= size)[-1]] if (far >= size).any() else curve[0]

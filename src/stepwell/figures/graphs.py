@@ -29,7 +29,7 @@ MOST_STATES = 64
 _DASHES = (3.0, 1.4)
 _BOLD, _THIN = 1.9, 0.8
 _HALO = 4.2
-# What an entry of the key takes [mm].
+# Width of a legend entry [mm].
 _ENTRY = 42.0
 _FILL, _GREY = "#EEEEEE", "#6A6A6A"
 _ASIDE = (0, (2.5, 1.5))
@@ -37,16 +37,16 @@ _ASIDE = (0, (2.5, 1.5))
 
 @style.styled
 def transition_graph(graph: TransitionGraph, *, program: Program | None = None) -> Figure:
-    """States and the ways between them, from all cells at 0 on the left to all at 1 on the right.
+    """States and transitions, from all cells at 0 on the left to all cells at 1 on the right.
 
-    A state with all cells at a stop, or in a phase, is a box with its name, in columns by the sum
-    of its digits. A half-way state is a dot, and shown only where turning back leads elsewhere;
-    all others are folded into the ways over them. Loading is blue and solid, unloading vermillion
-    and dashed; snaps are marked, and the main loop is bold.
+    A state with all cells at a stop or in a phase is a box, in columns by the sum of its digits. A
+    half-way state is a dot, shown only if a reversal there leads to another state; all others are
+    merged into their transitions. Loading is blue and solid, unloading vermillion and dashed; snaps
+    are marked, and the main loop is bold.
 
     Args:
-        graph: for any actuator, with at most 64 states without a cell half-way.
-        program: a way to be highlighted, its turning points numbered.
+        graph: transition graph with at most 64 states without a cell half-way.
+        program: stroke program to highlight, with its turning points numbered.
 
     Raises:
         ValueError: too many states, or a program of another chain.
@@ -56,8 +56,8 @@ def transition_graph(graph: TransitionGraph, *, program: Program | None = None) 
     count = len(graph.nodes.vertices)
     if count > MOST_STATES:
         raise InputError(
-            f"the graph has {count} states: at most {MOST_STATES} can be read in a figure. Export "
-            f"it for Graphviz, or pass start= to graph() to see only what is reached from there."
+            f"the graph has {count} states: at most {MOST_STATES} are legible in a figure. Export "
+            f"it for Graphviz, or pass start= to graph() for the states reachable from there."
         )
     drawing = _Drawing(graph, program)
     key = drawing.key()
@@ -72,9 +72,7 @@ def transition_graph(graph: TransitionGraph, *, program: Program | None = None) 
 
 
 class _Drawing:
-    """One graph with a program, or as one of many of this size [mm] with its states where those of
-    all the others are.
-    """
+    """One graph with a program, or one of many of this size [mm] with common state positions."""
 
     def __init__(
         self,
@@ -102,7 +100,7 @@ class _Drawing:
         self._draw_turns(ax)
 
     def _between(self, strokes: Iterable[Sequence[str]]) -> set[tuple[str, str]]:
-        """Pairs of shown labels that follow each other on these strokes."""
+        """Pairs of consecutive shown labels on these strokes."""
         shown = set(self.reduced.shown)
         visible = ([label for label in stroke if label in shown] for stroke in strokes)
         return {pair for labels in visible for pair in pairwise(labels)}
@@ -160,26 +158,26 @@ class _Drawing:
         ax.add_patch(box)
 
     def _draw_turns(self, ax: Axes) -> None:
-        """Numbers at the turning points of the program."""
+        """Number the turning points of the program."""
         turned = ((stroke[-1], str(k)) for k, stroke in enumerate(self.strokes[:-1], 1))
         for label, turns in grouped(turned).items():
             (x, y), (half, high) = self.layout.at[label], self.layout.half(label)
             # At the corner of a box, above a dot.
-            boxed, many = "-" not in label, len(turns) > 1
+            boxed, several = "-" not in label, len(turns) > 1
             x, y = (x + half + 0.6, y + high + 1.2) if boxed else (x, y + high + 1.9)
-            look: dict[str, Any] = style.on_black(wide=many) | {"zorder": 10, "gid": "turn"}
-            look["ha"] = "left" if many and boxed else "center"
+            look: dict[str, Any] = style.on_black(wide=several) | {"zorder": 10, "gid": "turn"}
+            look["ha"] = "left" if several and boxed else "center"
             ax.text(x, y, ",".join(turns), va="center_baseline", **look)
 
     def key(self) -> list[Artist]:
-        """What the marks mean, as far as they occur."""
+        """Legend entries for the marks that occur."""
         shown, named, program = set(self.reduced.shown), self.layout.named, self.program
         vertices = {label for label in shown if "-" not in label}
         circle = style.hollow(3.2, marker="o", markeredgewidth=0.9)
         half_way = legends.mark("half-way state", size=4.2)
         if named:
             half_way = legends.mark("cell half-way", "_", 4.2, color=_GREY)
-        aside = _box(style.FAINT, 0.7, f"not reached from {'0' * self.cells}")
+        aside = _box(style.FAINT, 0.7, f"unreachable from {'0' * self.cells}")
         way = f"program, {program.start} to {program.target}" if program is not None else ""
         return legends.those(
             (True, legends.line("loading", style.LOADING, 1.2)),
@@ -197,45 +195,45 @@ def _box(edge: str, width: float, label: str) -> Artist:
     return legends.shade(label, "white", edgecolor=edge, linewidth=width, linestyle=_ASIDE)
 
 
-# What a graph needs at least, by how many cells it has [mm].
+# Least width of a graph, by number of cells [mm].
 _WIDTHS = {1: 36.0, 2: 40.0, 3: 52.0, 4: 80.0}
-# Graphs at most; entries of the key at most, and what one takes [mm].
+# Largest number of graphs and of legend entries; width of an entry, height of a row [mm].
 _GRAPHS, _ENTRIES, _MACHINE_ENTRY, _LINE = 12, 7, 42.0, 3.9
 _EDGE, _HEAD, _GAP = 2.0, 8.0, 4.0
-# Of a state in the fullest column [mm].
+# Height of a state in the fullest column [mm].
 _STATE = 8.5
 _LEFT, _RIGHT, _BOTTOM, _TALL, _BETWEEN = 17.0, 4.0, 11.0, 26.0, 4.5
 
 
 @style.styled
-def machines(found: Atlas, most: int = _GRAPHS) -> Figure:
-    """The most frequent machines of an atlas as graphs, and the share and yield of all.
+def machines(atlas: Atlas, most: int = _GRAPHS) -> Figure:
+    """The most frequent transition graphs of an atlas, and the fraction and yield of all graphs.
 
-    Cells are numbered as they load, and states stand at one place in all graphs; below, all
-    machines by their share of the designs with its 95 % interval, and how many built after their
-    most robust design do the same. Two columns wide.
+    Cells are numbered in loading order; states have the same positions in all graphs. Plots below
+    show, with 95 % intervals, the fraction of designs with each graph, and the yield of its most
+    robust design. Two columns wide.
 
     Args:
-        found: of at most 4 cells.
-        most: graphs that are drawn.
+        atlas: an atlas of at most 4 cells.
+        most: number of graphs to draw.
 
     Raises:
-        ValueError: more cells, or an atlas without a machine.
+        ValueError: more than 4 cells, or an atlas without a graph.
     """
-    count = len(found.chain)
+    count = len(atlas.chain)
     if count not in _WIDTHS:
         raise InputError(
-            f"the atlas has {count} cells: graphs of at most {max(_WIDTHS)} can be read side by "
-            "side."
+            f"the atlas has {count} cells: at most {max(_WIDTHS)} are legible; plot a single "
+            "graph with transition_graph."
         )
-    if not found.machines:
-        raise InputError("the atlas holds no machine yet: build more designs.")
-    shown = found.machines[: max(1, most)]
+    if not atlas.machines:
+        raise InputError("the atlas contains no transition graph yet: compute more designs.")
+    shown = atlas.machines[: max(1, most)]
     page = sheet.page_width(style.PAGE)
     room = int((page - 2 * _EDGE + _GAP) / (_WIDTHS[count] + _GAP))
     beside = max(1, min(len(shown), room))
     wide = (page - 2 * _EDGE - (beside - 1) * _GAP) / beside
-    # A state for every subset: the fullest column has those of half of the cells.
+    # The fullest column has the states with half of the cells at 1.
     tall = 6.0 + _STATE * comb(count, count // 2)
     foot = _BOTTOM + 2 * _TALL + _BETWEEN + 4.0
     columns = max(1, int(page / _MACHINE_ENTRY))
@@ -246,27 +244,28 @@ def machines(found: Atlas, most: int = _GRAPHS) -> Figure:
     key: dict[str, Artist] = {}
     corners = sheet.grid(len(shown), beside, pitch, (_EDGE, foot))
     for k, (one, (left, bottom)) in enumerate(zip(shown, corners, strict=True), 1):
-        graph = _as_it_loads(one.chain).graph("force" if found.drive == "force" else None)
+        graph = _in_loading_order(one.chain).graph("force" if atlas.drive == "force" else None)
         drawing = _Drawing(graph, size=(wide, tall))
         drawing.draw(sheet.place(figure, left, bottom, wide, tall))
         key |= {str(each.get_label()): each for each in drawing.key()}
         _head(figure, left + 1.0, bottom + tall, k, one)
-    _tell(figure, found, len(shown), page)
+    _draw_fractions(figure, atlas, len(shown), page)
     corner = ((_EDGE + 1.0) / page, (foot - 1.0) / high)
     figure.legend(handles=[*key.values()], ncols=columns, loc="upper left", bbox_to_anchor=corner)
     return figure
 
 
-def _as_it_loads(chain: Chain) -> Chain:
-    """The same cells in the order in which they load: their places decide nothing, and concave
-    ones, of which an atlas is made, load in the order of their forces at 0.
+def _in_loading_order(chain: Chain) -> Chain:
+    """The same cells in loading order, which for the concave cells of an atlas is that of F0.
+
+    The order of cells in series does not change the behaviour.
     """
     cells = [cell for cell in chain.cells if isinstance(cell, Cell)]
     return replace(chain, cells=tuple(sorted(cells, key=lambda cell: cell.force_0)))
 
 
 def _head(figure: Figure, x: float, y: float, place: int, one: Machine) -> None:
-    """The number of a machine, how often it comes, how surely it is built, what it remembers."""
+    """Write the rank of a transition graph, its fraction of designs, yield and memory."""
     bold = {"fontweight": "bold", "fontsize": 8.0}
     sheet.text_at(figure, x, y + 3.4, f"{place}", **bold)
     share = f"{number(one.share.share * 100)} % of designs"
@@ -277,14 +276,14 @@ def _head(figure: Figure, x: float, y: float, place: int, one: Machine) -> None:
     sheet.text_at(figure, x + 5.5, y - 3.1, one.memory, **grey)
 
 
-def _tell(figure: Figure, found: Atlas, shown: int, page: float) -> None:
-    """Shares and yields of all machines, most frequent first."""
+def _draw_fractions(figure: Figure, atlas: Atlas, shown: int, page: float) -> None:
+    """Draw fractions and yields of all transition graphs, most frequent first."""
     corner, wide = (_LEFT, _BOTTOM), page - _LEFT - _RIGHT
     upper, lower = sheet.stack(figure, corner, wide, [_TALL, _TALL], _BETWEEN)
-    ranks = np.arange(1, len(found.machines) + 1)
+    ranks = np.arange(1, len(atlas.machines) + 1)
     for ax, colour, shares in (
-        (upper, style.BLUE, [one.share for one in found.machines]),
-        (lower, style.GREEN, [one.kept for one in found.machines]),
+        (upper, style.BLUE, [one.share for one in atlas.machines]),
+        (lower, style.GREEN, [one.kept for one in atlas.machines]),
     ):
         ends = np.array([[each.low, each.high] for each in shares]) * 100.0
         values = np.array([each.share for each in shares]) * 100.0
@@ -292,7 +291,7 @@ def _tell(figure: Figure, found: Atlas, shown: int, page: float) -> None:
         ax.plot(ranks, values, "o", color=colour, markersize=3.2, markeredgewidth=0, gid="machines")
         ax.set_xlim(0.3, len(ranks) + 0.7)
         if shown < len(ranks):
-            # Where the machines end that are drawn above.
+            # After the last graph drawn above.
             ax.axvline(shown + 0.5, color=style.FAINT, linewidth=0.7, linestyle=(0, (2.0, 2.0)))
     upper.set_yscale("log")
     upper.yaxis.set_major_locator(LogLocator(numticks=8))
@@ -300,7 +299,9 @@ def _tell(figure: Figure, found: Atlas, shown: int, page: float) -> None:
     upper.yaxis.set_minor_formatter(NullFormatter())
     upper.set_ylabel("Designs [%]")
     upper.tick_params(axis="x", labelbottom=False)
-    lower.set(ylabel="Yield [%]", ylim=(-4.0, 104.0), xlabel="Machine, most frequent first")
+    lower.set(
+        ylabel="Yield [%]", ylim=(-4.0, 104.0), xlabel="Transition graph, most frequent first"
+    )
     if len(ranks) < 20:
         lower.set_xticks(ranks)
     upper.set_xticks(lower.get_xticks())

@@ -1,4 +1,4 @@
-"""What a map is drawn with: its key, names of its regions, what lies between its nodes."""
+"""Parts of a map: legend, names of regions, and values between its nodes."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple, cast
@@ -16,17 +16,19 @@ from stepwell.figures.common.sheet import sheet_of, size_of
 from stepwell.figures.common.style import FAINT, INK, on_white
 from stepwell.figures.common.words import literal, wrapped
 
-# Places along each axis: finer than a printed page shows.
+# Points along each axis: finer than a printed page shows.
 PLACES = 480
-# So many of the nodes that a boundary encloses have to agree, or it leaks and encloses nothing.
+# Least fraction of equal nodes within a closed boundary; otherwise the boundary has a leak.
 _AGREE = 0.97
 
 
 def between(
     nodes: NDArray[np.intp], x: Floats, y: Floats, curves: Sequence[Floats]
 ) -> NDArray[np.intp]:
-    """What is at fine places from 0 to 1 along y and x: as at the nodes (ny, nx), numbers >= 0,
-    that no curve (m, 2) parts them from; as at the nearest where one is open or encloses none.
+    """Values on a fine grid from 0 to 1 along y and x, from those at the nodes (ny, nx), >= 0.
+
+    A point has the value of the nodes that no curve (m, 2) separates from it. It has that of the
+    nearest node if a curve is open or encloses no node.
     """
     from scipy import ndimage
 
@@ -45,21 +47,21 @@ def between(
     most, total = seen.max(axis=1), seen.sum(axis=1)
     agreed: Bools = (total > 0) & (most >= _AGREE * total)
     agreed[0] = False
-    found = np.where(agreed[part], seen.argmax(axis=1)[part], nearest)
+    filled = np.where(agreed[part], seen.argmax(axis=1)[part], nearest)
     if not agreed.any():
-        return found
-    # A boundary itself belongs to what is beside it.
+        return filled
+    # Points on a boundary belong to the nearest region.
     beside = ndimage.distance_transform_edt(wall, return_distances=False, return_indices=True)
-    return found[tuple(cast("NDArray[np.intp]", beside))]
+    return filled[tuple(cast("NDArray[np.intp]", beside))]
 
 
 def _index(share: Any) -> NDArray[np.intp]:
-    """Which places these are, those outside at the edge."""
+    """Indices of these fractions of an axis, clipped to its ends."""
     return np.clip(np.rint(np.asarray(share) * (PLACES - 1)), 0, PLACES - 1).astype(int)
 
 
 def _drawn(curve: Floats) -> NDArray[np.intp]:
-    """Column and row of every place on a curve, without a gap."""
+    """Column and row of every point on a curve, without gaps."""
     steps = np.ceil(4 * PLACES * np.abs(np.diff(curve, axis=0)).max(axis=1, initial=0.0))
     along = np.cumsum([0.0, *np.maximum(steps, 1.0)])
     at = np.arange(along[-1] + 1.0)
@@ -68,7 +70,7 @@ def _drawn(curve: Floats) -> NDArray[np.intp]:
     return _index(points[inside])
 
 
-# Distance of two lines of text, and what a row has in addition [mm].
+# Distance of two lines of text, and additional height of a row [mm].
 _LINE, _GAP = 3.1, 1.5
 # Width of the sample before the text, and of a character [mm].
 _SAMPLE, _CHARACTER = 9.0, 1.5
@@ -76,7 +78,7 @@ _EDGE = 3.0
 
 
 class Row(NamedTuple):
-    """One line of a key: a box with a letter, or a line with a number, and what it means."""
+    """One legend row: a box with a letter, or a line with a number, and its meaning."""
 
     mark: str
     text: str
@@ -86,7 +88,7 @@ class Row(NamedTuple):
 
 
 class Key:
-    """Rows of a key, broken to a width [mm], and the height that they have."""
+    """Legend rows wrapped to a width [mm], and their height."""
 
     def __init__(self, rows: Sequence[Row], width: float):
         most = int((width - _SAMPLE - 1.0) / _CHARACTER)
@@ -96,7 +98,7 @@ class Key:
         self.height = 2 * _EDGE + _LINE * lines + _GAP * len(rows)
 
     def draw(self, ax: Axes) -> None:
-        """Write the rows into axes, from the top."""
+        """Write the rows into axes from the top."""
         box, (wide, high) = ax.get_position(), size_of(sheet_of(ax))
         wide, high = wide * box.width, high * box.height
         plain(ax, (0.0, wide, 0.0, high))
@@ -122,7 +124,7 @@ class Key:
 
 
 def badge(ax: Axes, x: float, y: float, text: str, colour: str) -> Text:
-    """A number on a curve."""
+    """Write a number on a curve."""
     box = {"boxstyle": "circle,pad=0.12", "facecolor": "white", "edgecolor": colour}
     look: dict[str, Any] = {"ha": "center", "va": "center_baseline", "fontweight": "bold"}
     look |= {"color": colour, "bbox": box | {"linewidth": 0.8}}
@@ -132,8 +134,9 @@ def badge(ax: Axes, x: float, y: float, text: str, colour: str) -> Text:
 def name_regions(
     ax: Axes, x: Floats, y: Floats, inside: Bools, forms: Sequence[str], shade: ColorType
 ) -> None:
-    """Write a name, in the first of its forms that has room, on its shade in every connected region
-    of nodes (ny, nx) at equal steps on the page, in axes with their final limits.
+    """Write a name into every connected region of nodes (ny, nx), in the first form that fits.
+
+    Nodes have equal steps on the page, and the axes have their final limits.
     """
     from scipy import ndimage
 
@@ -146,10 +149,10 @@ def name_regions(
             look = {"fontweight": "bold", "fontsize": 7, "linespacing": 0.95}
             text = ax.text(0, 0, form, ha="center", va="center", **look)
             box = text.get_window_extent()
-            # Text is wider than high: a region's best place is where that shape fits best.
+            # Text is wider than high: the best point is where a box of that shape fits best.
             shape = (per_y / box.height, per_x / box.width)
             depth = np.asarray(ndimage.distance_transform_edt(part, sampling=shape))
-            # Of places as good as the best, the one in their middle.
+            # The middle one of all nearly optimal points.
             best = np.argwhere(depth >= 0.98 * depth.max())
             off = np.hypot(*(best - best.mean(axis=0)).T)
             row, column = best[int(np.argmin(off))].tolist()

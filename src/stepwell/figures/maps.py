@@ -1,4 +1,4 @@
-"""What a chain does for every value of two of its parameters."""
+"""Design maps: the sequence of a chain over two of its parameters."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
-# Of a map, as wide as it may be, and from which width of the page on the key stands beside it
-# [mm]; below it, if it is no higher than this share of the map.
+# Usual and largest width of a map [mm]; the legend is below the map if it is no higher than this
+# fraction of the map, else at its right.
 _SIDE, _WIDEST, _SHORT = 70.0, 110.0, 0.7
-# A key beside the map that is so much higher than the map is parted [mm].
+# Excess height over the map from which a legend at its right is split [mm].
 _LONG = 30.0
-# Characters that a row of the key has room for.
+# Largest number of characters in a legend row.
 _ROOM = 50
-# Pieces of a curve longer than this have their own number [pt], at one of these shares of it.
+# Pieces of a curve longer than this have their own number [pt], at one of these fractions.
 _NUMBERED = 25.0
 _ALONG = np.array([0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74, 0.18, 0.82, 0.1, 0.9])
 # Between the names of a design and of a region [pt].
@@ -47,17 +47,17 @@ _PARTS = {f"{anchor}.{way}": f"${anchor}_{way}$" for anchor in "pq" for way in "
     "force_scale": "Scale of force",
     "travel_scale": "Scale of travel",
 }
-# By the kind of boundary: colour and line, as loading and unloading have them everywhere.
+# Colour and line by kind of boundary; loading and unloading have their usual colours.
 _LINES: dict[str, tuple[str, LineStyleType]] = {
     "LOADING_ORDER": (style.LOADING, "-"),
     "UNLOADING_ORDER": (style.UNLOADING, (0, (3.2, 1.6))),
     "BISTABLE": (style.INK, (0, (3, 1.5))),
 }
-_EDGE = "bistable up to here"
-# What has no sequence: its name on the map and in the key.
+_EDGE = "limit of bistability"
+# Regions without a sequence: their names on the map and in the legend.
 _EMPTY = {
-    "impossible": ("no mechanism", "no mechanism: the band's ends meet"),
-    "unsolved": ("no answer", "no answer"),
+    "impossible": ("no mechanism", "no mechanism: the band's ends coincide"),
+    "unsolved": ("no result", "no result"),
 }
 
 _PATHWAYS = {pathway.value: pathway for pathway in Pathway}
@@ -66,7 +66,7 @@ _DESIGN |= {"markeredgecolor": "white", "markeredgewidth": 0.7}
 
 
 class _Axis(NamedTuple):
-    """Values in drawn units, and what to write beside them."""
+    """Values in drawn units, and the axis label."""
 
     values: Floats
     scale: float
@@ -74,7 +74,7 @@ class _Axis(NamedTuple):
     is_log: bool
 
     def share(self, values: Floats) -> Floats:
-        """Where values are on the page, 0 at one end of the axis and 1 at the other."""
+        """Positions of values as fractions of the axis."""
         low, high = self.values[[0, -1]]
         if self.is_log:
             values, low, high = np.log(np.maximum(values, low / 2)), np.log(low), np.log(high)
@@ -96,19 +96,20 @@ def transition_map(
     boundaries: Iterable[Boundary] = (),
     designs: Mapping[str, sheet.Point] | None = None,
 ) -> Figure:
-    """Sequences over two parameters, boundaries as curves, and beside or below what they mean.
+    """Map of the sequences over two parameters, with boundaries as curves and a legend.
 
-    One column wide, or two where the key is long; lengths in mm, angles in degrees. Each region has
-    a letter, or its name where it is one of the four pathways of two cells, and each curve a
-    number. Curves across which only the loading order changes are blue, only the unloading order
-    vermillion and dashed, all others black. It is hatched where a cell whose parameter varies is
-    stable in one state only, up to a thin dashed line.
+    One column wide, or two with a long legend; lengths in mm, angles in degrees. Each region has a
+    letter, or the name of one of the four pathways of two cells; each curve has a number. Curves
+    across which only the loading order changes are blue; only the unloading order: vermillion and
+    dashed; all others black. Hatched regions, up to a thin dashed line, have a monostable cell
+    among those with a varied parameter.
 
     Args:
-        dataset: what `design.transition_map` or `design.parameter_map` returns, in memory or read
-            back from a file.
-        boundaries: what `design.boundaries` or `design.parameter_boundaries` returns for the same.
-        designs: the two parameters in SI of each design to be marked, by the name to write.
+        dataset: result of `design.transition_map` or `design.parameter_map`, in memory or read from
+            a file.
+        boundaries: result of `design.boundaries` or `design.parameter_boundaries` for the same
+            parameters.
+        designs: the two parameters [SI] of each design to mark, by name.
 
     Source: Kamp et al. 2024, Fig. 2C.
     """
@@ -119,7 +120,7 @@ def transition_map(
     figure, ax, keys = _lay_out(_rows(dataset, regions, curves), _aspect(dataset, x, y))
     at = (points * scale for one in curves for points in one.points)
     walls = [np.column_stack([x.share(points[:, 0]), y.share(points[:, 1])]) for points in at]
-    # What is at the nodes, and up to the boundaries between them.
+    # Extends values at the nodes up to the boundaries.
     spread = partial(between, x=x.share(x.values), y=y.share(y.values), curves=walls)
     places = _places(x), _places(y)
     shown = _draw_regions(ax, places, regions, spread)
@@ -134,7 +135,7 @@ def transition_map(
     ax.set(xlabel=x.name, ylabel=y.name)
     sheet.keep_inside(ax)
     taken = _draw_curves(ax, curves, scale)
-    # Designs first: their names belong beside their dots, those of regions fit elsewhere too.
+    # Designs first: their names must be near their dots; names of regions can be anywhere.
     taken += _draw_designs(ax, designs or {}, scale, taken)
     free = _free(ax, *places, taken)
     for region in shown:
@@ -149,8 +150,8 @@ def transition_map(
 def _lay_out(
     rows: Sequence[Row], aspect: float
 ) -> tuple[Figure, Axes, list[tuple[Key, sheet.Box]]]:
-    """The page with the map's axes, and its keys with their places: left, bottom, sides [mm]."""
-    # A long key stands beside the map; a short one, which would leave the page empty, below it.
+    """The page with the map's axes, and its legends with their boxes [mm]."""
+    # A long legend is at the right of the map; a short one, which would leave a gap, below it.
     long = Key(rows, style.PAGE - _SIDE - 24.0).height > _SHORT * _SIDE * aspect
     page = sheet.page_width(style.PAGE if long else style.COLUMN)
     side = min(page - 18.0, _WIDEST) if page < sheet.BESIDE else _SIDE
@@ -163,7 +164,7 @@ def _lay_out(
         beside = [Key(rows, page - side - 24.0)]
         curves, others = ([row for row in rows if bool(row.line) == so] for so in (True, False))
         if curves and beside[0].height > _LONG + tall:
-            # Curves under the map: beside it their rows would leave half of the page empty.
+            # Curves under the map: at its right their rows would leave half of the page empty.
             under, beside = [Key(curves, side + 16.0)], [Key(others, beside[0].width)]
     left = 15.0 + tall + sum(key.height for key in under)
     height = max([left, *(key.height + 6.0 for key in beside)])
@@ -176,7 +177,7 @@ def _lay_out(
 def _draw_designs(
     ax: Axes, designs: Mapping[str, sheet.Point], scale: sheet.Point, taken: Sequence[Bbox]
 ) -> list[Bbox]:
-    """Dots and names of designs, clear of what is taken; the boxes that they take."""
+    """Draw dots and names of designs, clear of `taken`; returns the boxes of both."""
     point, dots = sheet.root(ax).dpi / 72, []
     marks = [legends.Label(np.multiply(at, scale), literal(name)) for name, at in designs.items()]
     for mark in marks:
@@ -190,7 +191,7 @@ def _draw_designs(
 
 
 class _Curves(NamedTuple):
-    """Boundaries across which the same changes."""
+    """Boundaries with the same change of the sequence."""
 
     number: str
     words: str
@@ -202,7 +203,7 @@ def _axis(dataset: Dataset, name: str) -> _Axis:
     coordinate = dataset[name]
     values = coordinate.to_numpy().astype(float)
     unit, scale = display_unit(str(coordinate.attrs["units"]))
-    # A bare number has no unit to be told.
+    # A dimensionless number has no unit.
     unit = f" [{Quantity('', unit).sign}]" if unit not in ("", "1") else ""
     cell, _, part = literal(str(coordinate.attrs["long_name"])).partition(".")
     what = _PARTS.get(part, part.replace("_", " ").capitalize())
@@ -211,7 +212,7 @@ def _axis(dataset: Dataset, name: str) -> _Axis:
 
 
 def _is_geometric(values: Floats) -> bool:
-    """Whether values grow by one factor from each to the next, as those of np.geomspace."""
+    """Whether values are a geometric sequence, as from np.geomspace."""
     if len(values) < 3 or values[0] <= 0:
         return False
     factors = values[1:] / values[:-1]
@@ -219,14 +220,14 @@ def _is_geometric(values: Floats) -> bool:
 
 
 def _aspect(dataset: Dataset, x: _Axis, y: _Axis) -> float:
-    """Height over width: true to scale where both are lengths, else square."""
+    """Height over width: to scale if both are lengths, else square."""
     if {dataset[name].attrs["units"] for name in "xy"} != {"m"}:
         return 1.0
     return float(np.clip(np.ptp(y.values) / max(np.ptp(x.values), 1e-12), 0.6, 1.5))
 
 
 def _nodes(dataset: Dataset) -> list[tuple[str, Bools]]:
-    """Every sequence, or lack of one, that occurs, and (ny, nx) at which nodes."""
+    """Every sequence, or reason for a missing one, and its nodes as booleans (ny, nx)."""
     codes, notes = dataset["sequence"].to_numpy(), dataset["sequence"].attrs
     names = str(notes["flag_meanings"]).split()
     pairs = zip(names, np.atleast_1d(notes["flag_values"]).tolist(), strict=True)
@@ -234,8 +235,8 @@ def _nodes(dataset: Dataset) -> list[tuple[str, Bools]]:
 
 
 def _regions(dataset: Dataset) -> list[_Region]:
-    """Every sequence that occurs, by its pathway or a letter, as long as there are letters; then
-    what has none, white and named by why.
+    """Regions by sequence, named by pathway or letter, followed by white regions without a
+    sequence, named by the reason. After Z, regions have no letter.
     """
     nodes, letters = _nodes(dataset), iter(string.ascii_uppercase)
     present = [pair for pair in nodes if pair[0] not in _EMPTY]
@@ -247,7 +248,7 @@ def _regions(dataset: Dataset) -> list[_Region]:
 
 
 def _shades(present: Sequence[tuple[str, Bools]]) -> list[ColorType]:
-    """A pale colour for each region, no two neighbours with the same one if that can be."""
+    """A pale colour for each region, different between neighbours if possible."""
     from scipy import ndimage
 
     if all(name in style.PATHWAY for name, _ in present):
@@ -262,22 +263,22 @@ def _shades(present: Sequence[tuple[str, Bools]]) -> list[ColorType]:
 
 
 def _curves(boundaries: Iterable[Boundary]) -> list[_Curves]:
-    """Boundaries by what changes across them; sequences on both sides are left to the regions."""
-    found: dict[tuple[str, str], list[Floats]] = {}
+    """Boundaries grouped by the change of the sequence across them."""
+    groups: dict[tuple[str, str], list[Floats]] = {}
     for boundary in boundaries:
         words = boundary.changes.partition(": ")[0]
         if boundary.kind.name == "BISTABLE":
             words = _EDGE
-        found.setdefault((words, boundary.kind.name), []).append(np.asarray(boundary.points))
-    # Limits of bistability come last, and need no number.
+        groups.setdefault((words, boundary.kind.name), []).append(np.asarray(boundary.points))
+    # Limits of bistability have no number.
     return [
         _Curves("" if words == _EDGE else str(k), words, _LINES.get(kind, (style.INK, "-")), points)
-        for k, ((words, kind), points) in enumerate(found.items(), 1)
+        for k, ((words, kind), points) in enumerate(groups.items(), 1)
     ]
 
 
 def _rows(dataset: Dataset, regions: list[_Region], curves: list[_Curves]) -> list[Row]:
-    """The key: sequences, what changes between them, what is missing."""
+    """Legend rows: sequences, boundaries, monostable and empty regions."""
     known = [one for one in regions if one.sequence not in _EMPTY]
     rows = [
         Row(one.name, sequence_words(one.sequence, _ROOM), one.shade)
@@ -295,7 +296,7 @@ def _rows(dataset: Dataset, regions: list[_Region], curves: list[_Curves]) -> li
 
 
 def _places(axis: _Axis) -> Floats:
-    """At equal steps on the page."""
+    """Points at equal steps on the page."""
     low, high = axis.values[[0, -1]]
     return (np.geomspace if axis.is_log else np.linspace)(low, high, PLACES)
 
@@ -306,21 +307,24 @@ def _draw_regions(
     regions: Sequence[_Region],
     spread: Callable[[NDArray[np.intp]], NDArray[np.intp]],
 ) -> list[_Region]:
-    """The regions with all places inside, not only nodes; what has no sequence stays white."""
+    """Draw the regions and return them with all points inside, not only nodes.
+
+    Regions without a sequence stay white.
+    """
     number = np.zeros(regions[0].inside.shape, int)
     for k, region in enumerate(regions):
         number[region.inside] = k
-    found = spread(number)
-    blank = np.isin(found, [k for k, region in enumerate(regions) if region.sequence in _EMPTY])
+    region_at = spread(number)
+    blank = np.isin(region_at, [k for k, region in enumerate(regions) if region.sequence in _EMPTY])
     ax.set_facecolor("white")
     shades = ListedColormap([region.shade for region in regions])
     look = {"vmin": -0.5, "vmax": len(regions) - 0.5, "shading": "nearest"}
-    ax.pcolormesh(*places, np.ma.array(found, mask=blank), cmap=shades, rasterized=True, **look)
-    return [region._replace(inside=found == k) for k, region in enumerate(regions)]
+    ax.pcolormesh(*places, np.ma.array(region_at, mask=blank), cmap=shades, rasterized=True, **look)
+    return [region._replace(inside=region_at == k) for k, region in enumerate(regions)]
 
 
 def _draw_curves(ax: Axes, curves: Sequence[_Curves], scale: sheet.Point) -> list[Bbox]:
-    """The curves with their numbers; returns what the numbers cover."""
+    """Draw the curves with their numbers and return the boxes of the numbers."""
     point = sheet.root(ax).dpi / 72.0
     taken: list[Bbox] = []
     for curve in curves:
@@ -335,7 +339,7 @@ def _draw_curves(ax: Axes, curves: Sequence[_Curves], scale: sheet.Point) -> lis
         for k, (xy, along) in enumerate(longest):
             half = (3.5 + 2.0 * len(curve.number)) * point
             x, y, crowded = _clear(ax, xy, along, half, taken)
-            # A short piece, or one without room, gets its number only where no other has it.
+            # A short or crowded piece gets its number only if no other piece has it.
             if k == 0 or (along[-1] >= _NUMBERED * point and not crowded):
                 text = badge(ax, x, y, curve.number, colour)
                 taken.append(text.get_window_extent().padded(2.5 * point))
@@ -345,8 +349,9 @@ def _draw_curves(ax: Axes, curves: Sequence[_Curves], scale: sheet.Point) -> lis
 def _clear(
     ax: Axes, on_page: Floats, along: Floats, half: float, taken: Sequence[Bbox]
 ) -> tuple[float, float, bool]:
-    """Half-way along a curve, or as near to it as others leave room for its number of half this
-    width [pixels], and whether it covers another there.
+    """Position of a curve's number, as near to its middle as others allow, and whether it overlaps.
+
+    `half` is half the width of the number [pixels].
     """
     places = np.column_stack([np.interp(along[-1] * _ALONG, along, on_page[:, k]) for k in (0, 1)])
     boxes = [Bbox([place - half, place + half]) for place in places]

@@ -1,4 +1,4 @@
-"""Recordings of unit cells, pairs and bands, with the models fitted to them."""
+"""Recordings of unit cells, pairs and bands, with the fitted models."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -19,9 +19,9 @@ from stepwell.lab import BandTest, Calibration, CellTest, Choice, PairTest, Reco
 T = TypeVar("T")
 
 _POINTS = 16
-# A row of the key with its surroundings, one more, and an entry [mm].
+# Legend: height of one row with margins and of each further row, and width of an entry [mm].
 _KEY, _ROW, _ENTRY = 8.0, 3.8, 33.0
-# One look for each number of bands: colour and mark say the same.
+# Colour and mark by number of bands.
 _LOOKS = ((style.BLUE, "o"), (style.VERMILLION, "^"), (style.GREEN, "s"))
 _MEASURED = 2.6
 _MODEL: dict[str, Any] = {"color": style.INK, "linewidth": 0.8, "linestyle": (0, (4, 3))}
@@ -29,16 +29,16 @@ _MODEL: dict[str, Any] = {"color": style.INK, "linewidth": 0.8, "linestyle": (0,
 
 @style.styled
 def measured_forces(tests: Sequence[CellTest]) -> Figure:
-    """F/(k r) of measured unit cells against lever angle, the model as a line.
+    """F/(k r) of measured unit cells against lever angle, with the model as a line.
 
-    Points are where the force was measured, hollow where it is extrapolated to a stop; k is that
-    of all bands of a cell. Two columns wide.
+    Full marks are measured, hollow marks are extrapolated to a stop; k is the stiffness of all
+    bands of a cell. Two columns wide.
 
     Args:
-        tests: one or more; those of one configuration share a panel.
+        tests: one or more; tests of one configuration share a panel.
 
     Raises:
-        ValueError: nothing to show.
+        ValueError: no tests.
 
     Source: after Kamp et al. 2024, Fig. 1D.
     """
@@ -53,7 +53,7 @@ def measured_forces(tests: Sequence[CellTest]) -> Figure:
 def measured_energies(tests: Sequence[CellTest]) -> Figure:
     """E/(k r²) of measured unit cells from state 0 on against lever angle, the model as a line.
 
-    All else as for `measured_forces`.
+    Arguments and errors are those of `measured_forces`.
 
     Source: after Kamp et al. 2024, Fig. 1E.
     """
@@ -67,17 +67,17 @@ def measured_energies(tests: Sequence[CellTest]) -> Figure:
 
 @style.styled
 def measured_pairs(tests: Sequence[PairTest]) -> Figure:
-    """Actuator force of measured pairs against stroke, the model as a line, snaps marked.
+    """Actuator force of measured pairs against stroke, with the model as a line and snaps marked.
 
-    The measured mean has its baseline subtracted (blue loading, vermillion unloading) and is faint
-    where it is not judged. Triangles are where runs snap, above, and where the model does, below.
-    Two columns wide.
+    The measured mean has its baseline subtracted (blue loading, vermillion unloading) and is pale
+    outside the range of comparison. Triangles mark the measured snaps, above, and the snaps of the
+    model, below. Two columns wide.
 
     Args:
-        tests: one or more, a panel each.
+        tests: one or more, one panel each.
 
     Raises:
-        ValueError: nothing to show.
+        ValueError: no tests.
 
     Source: after Kamp et al. 2024, Fig. 2D to 2G.
     """
@@ -88,8 +88,8 @@ def measured_pairs(tests: Sequence[PairTest]) -> Figure:
     handles = [
         *(legends.line(*looks[unloading], _MEASURED) for unloading in occur),
         Line2D([], [], **_MODEL, label="model"),
-        legends.mark("run snaps", "v", 4.0, color=style.FAINT),
-        legends.mark("model snaps", "^", **style.hollow(4.0)),
+        legends.mark("snap, measured", "v", 4.0, color=style.FAINT),
+        legends.mark("snap, model", "^", **style.hollow(4.0)),
     ]
     sizes = (2, 52.0, 15.0, 19.0, 17.0)
     return _panels(tests, _pair, sizes, handles, "Stroke $u$ [mm]", "Actuator force [N]")
@@ -98,7 +98,7 @@ def measured_pairs(tests: Sequence[PairTest]) -> Figure:
 def _cells(
     tests: Sequence[CellTest], curves: Callable[[CellTest], tuple[Floats, Floats]], label: str
 ) -> Figure:
-    """Panels of what `curves` gives of a test: as it was measured, and by the model."""
+    """Panels of the measured and the modelled values that `curves` returns for a test."""
     if not tests:
         raise InputError("tests is empty: give one unit cell or more.")
     groups = grouped(((test.series.code, test.series.unloading), test) for test in tests)
@@ -111,7 +111,7 @@ def _cells(
         colour, mark = _LOOKS[(count - 1) % len(_LOOKS)]
         name = f"{count} band{'s' * (count > 1)}"
         handles.append(legends.mark(name, mark, 3.2, color=colour))
-    handles.append(legends.mark("extrapolated to the stop", **style.hollow(3.2)))
+    handles.append(legends.mark("extrapolated", **style.hollow(3.2)))
     sizes = (3, 50.0, 16.0, 18.5, 16.0)
     return _panels(list(groups.values()), draw, sizes, handles, "Lever angle $\\theta$ [°]", label)
 
@@ -124,8 +124,10 @@ def _panels(
     xlabel: str,
     ylabel: str,
 ) -> Figure:
-    """Panels in rows under a legend; sizes are how many a row of a page has, and in mm its height,
-    the left margin of a panel and how much smaller than it its axes are.
+    """Panels in rows under a legend.
+
+    `sizes` are the panels per row, and in mm the height of a row, the left margin of a panel, and
+    the difference of panel and axes in width and height.
     """
     most, tall, left, narrower, lower = sizes
     page = sheet.page_width(style.PAGE)
@@ -156,7 +158,7 @@ def _cell(ax: Axes, group: list[CellTest], curves: list[tuple[Floats, Floats]]) 
         look = {"markersize": 3.2, "markeredgewidth": 0.8, "color": colour, "zorder": 4}
         for k, gid, face in ((at[seen], "measured", colour), (at[~seen], "extrapolated", "white")):
             ax.plot(theta[k], values[k], mark, **look, markerfacecolor=face, gid=gid)
-    # In k r all numbers of bands have one model.
+    # In units of k r, the model does not depend on the number of bands.
     first = group[0]
     ax.plot(np.degrees(first.plain.theta), curves[0][1], color=style.INK, gid="model")
     widest = math.degrees(first.cell.limit)
@@ -172,7 +174,7 @@ def _pair(ax: Axes, test: PairTest) -> None:
     colour = style.UNLOADING if test.series.unloading else style.LOADING
     u = test.stroke * style.MM
     marks.zero_line(ax)
-    # Where the model is right it lies on the measurement, which is wide enough to be seen below.
+    # The measurement is wide, so that it stays visible under a coincident model.
     wide = {"linewidth": _MEASURED, "solid_capstyle": "butt"}
     ax.plot(u, test.force, color=style.pale(colour), **wide, gid="not judged")
     ax.plot(u, np.where(test.inside, test.force, np.nan), color=colour, **wide, gid="measured")
@@ -192,8 +194,9 @@ def _pair(ax: Axes, test: PairTest) -> None:
 
 @style.styled
 def recording(result: Recording) -> Figure:
-    """Force [N] against the stroke of the machine [mm] of one recording, loading and unloading
-    halves in their colours, one column wide.
+    """Force [N] against the stroke of the testing machine [mm] of one recording.
+
+    Loading and unloading halves have their colours. One column wide.
     """
     figure, ax = sheet.canvas(None, (style.COLUMN, 62.0), (14.0, 10.0, 2.0, 10.0))
     ways: dict[str, Line2D] = {}
@@ -202,13 +205,13 @@ def recording(result: Recording) -> Figure:
         look = {"color": style.direction_colour(1 if way == "loading" else -1), "linewidth": 1.0}
         (line,) = ax.plot(result.stroke[half] * style.MM, result.force[half], label=way, **look)
         ways.setdefault(way, line)
-    ax.set(xlabel="Stroke of the machine [mm]", ylabel="Force [N]")
+    ax.set(xlabel="Stroke of the testing machine [mm]", ylabel="Force [N]")
     legends.above(ax, ways.values())
     figure.text(0.98, 0.965, words.literal(result.name), ha="right", va="top")
     return figure
 
 
-# A colour and a dash for each law, so that either alone tells them apart.
+# A colour and a dash for each law; either is unique.
 _BAND_LOOKS = {
     "linear": (style.BLACK, (0, ())),
     "neo-Hookean": (style.ORANGE, (0, (5, 1.5))),
@@ -217,17 +220,17 @@ _BAND_LOOKS = {
     "Yeoh": (style.PURPLE, (0, (7, 2, 1, 2))),
 }
 
-_TALL = 76.0  # tests and laws, each with its surroundings [mm]
-_READINGS = 40  # of a half, up to which each is drawn
+_TALL = 76.0  # height of each panel with margins [mm]
+_READINGS = 40  # largest number of readings of a half drawn as marks
 _WINDOW: dict[str, Any] = {"color": FAINT, "linewidth": 0.7, "linestyle": (0, (2, 2))}
 
 
 @style.styled
 def band_laws(test: BandTest, choice: Choice) -> Figure:
-    """Force against stroke of tension tests, and what each force law leaves inside the window.
+    """Force against stroke of tension tests, and the residual of each force law in the fit window.
 
-    On the left is every cycle, those used in green; on the right the residual [mN] of each law from
-    the mean of the samples, the chosen one drawn wider. Two columns wide.
+    The left panel shows every cycle, used cycles in green. The right panel shows the residual [mN]
+    of each law from the mean of the samples, the chosen law drawn wider. Two columns wide.
     """
     page = sheet.page_width(style.PAGE)
     beside = page >= sheet.BESIDE
@@ -249,7 +252,7 @@ def band_laws(test: BandTest, choice: Choice) -> Figure:
         left.axvline(edge * style.MM, **_WINDOW)
     left.set(xlabel="Stroke of the grips [mm]", ylabel="Tension [N]")
     handles = [legends.line("used", style.GREEN), legends.line("not used", style.pale(FAINT, 0.4))]
-    legends.above(left, [*handles, Line2D([], [], **_WINDOW, label="window")])
+    legends.above(left, [*handles, Line2D([], [], **_WINDOW, label="fit window")])
     marks.zero_line(right)
     curves = [test.curve(sample) for sample in test.samples]
     stroke = curves[0][0]
@@ -260,7 +263,7 @@ def band_laws(test: BandTest, choice: Choice) -> Figure:
         name, wide = (" (chosen)", 2.0) if candidate is choice.chosen else ("", 1.0)
         look = {"color": colour, "linestyle": dash, "linewidth": wide}
         right.plot(stroke * style.MM, residual, **look, label=candidate.law.name + name)
-    right.set(xlabel="Stroke of the grips [mm]", ylabel="Measured less law [mN]")
+    right.set(xlabel="Stroke of the grips [mm]", ylabel="Residual (measured - law) [mN]")
     right.margins(y=0.1)
     legends.above(right, columns=3 if beside else 2, columnspacing=1.0, handlelength=2.4)
     return figure
@@ -280,16 +283,17 @@ _SYMBOLS = {
 }
 _MARKS = "o^sDv"
 _COLOURS = style.BLUE, style.VERMILLION, style.GREEN, style.PURPLE
-_RIGHT = 94.0  # where the map of correlations begins [mm]
-_BAR = 23.0  # what its bar takes at the right where it stands below the errors [mm]
+_RIGHT = 94.0  # left edge of the map of correlations [mm]
+_BAR = 23.0  # width of its colour bar at the right if the map is below the errors [mm]
 
 
 @style.styled
 def calibration(result: Calibration) -> Figure:
     """Error of every geometry, fitted and left out, and the correlations of the parameters.
 
-    On the left is RMSE in k r, hollow marks for the fit and full ones for the prediction from the
-    other geometries; on the right a map of the correlations with their values. Two columns wide.
+    The left panel shows the RMSE in units of k r: hollow marks for the fit, full marks for the
+    prediction from the other geometries. The right panel is a map of the correlations with their
+    values. Two columns wide.
     """
     geometries = sorted({sample.geometry for sample in result.samples})
     page = sheet.page_width(style.PAGE)
@@ -316,7 +320,7 @@ def calibration(result: Calibration) -> Figure:
 
 
 def _draw_errors(ax: Axes, result: Calibration, geometries: Sequence[tuple[float, float]]) -> None:
-    """A row for every geometry: hollow marks for the fit, full ones for the prediction."""
+    """Draw a row per geometry: hollow marks for the fit, full marks for the prediction."""
     for n, (bands, pair) in enumerate(result.kinds):
         colour, mark = _COLOURS[n % len(_COLOURS)], _MARKS[n % len(_MARKS)]
         kinds = [(sample.bands, sample.in_pair) for sample in result.samples]
@@ -336,7 +340,10 @@ def _draw_errors(ax: Axes, result: Calibration, geometries: Sequence[tuple[float
 
 
 def _draw_correlations(ax: Axes, result: Calibration, letters: float) -> AxesImage:
-    """A square of colours with the values below the diagonal; `letters` is shared by a row's."""
+    """Draw the correlations as colours, with values below the diagonal.
+
+    `letters` is the sum of the font sizes in a row.
+    """
     names = [_symbol(p.name) for p in result.parameters]
     image = ax.imshow(result.correlations, vmin=-1, vmax=1, cmap="PuOr")
     look = {"ha": "center", "va": "center", "fontsize": min(7.0, letters / len(names))}
@@ -351,10 +358,10 @@ def _draw_correlations(ax: Axes, result: Calibration, letters: float) -> AxesIma
 
 
 def _hundredths(value: float) -> str:
-    """A correlation with its sign, without the zero before the point: it has to be short."""
+    """A correlation with its sign, without the zero before the point, to be short."""
     # Nothing is ever minus zero.
-    told = f"{round(value, 2) + 0.0:.2f}".replace("1.00", "1")
-    return words.minus(told.replace("0.", ".", 1) if abs(value) < 0.995 else told)
+    text = f"{round(value, 2) + 0.0:.2f}".replace("1.00", "1")
+    return words.minus(text.replace("0.", ".", 1) if abs(value) < 0.995 else text)
 
 
 def _symbol(name: str) -> str:

@@ -1,4 +1,4 @@
-"""Robustness: margins, the yield under tolerances, and sensitivities as bars."""
+"""Robustness as bars: margins, yield under tolerances, and sensitivities."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from stepwell.paper import Sensitivity
 
 
-# Of each unit so many are shown; of longer chains no sequence is looked for.
+# Largest number of bars per panel; longest chain with sequences at its bars.
 _MOST, _SPELLED = 8, 12
-# A bar, a line of text, and what a row has around them [mm].
+# Heights of a bar and of a line of text, and the gap of two rows [mm].
 _BAR, _LINE, _GAP = 2.6, 3.1, 2.0
 _FOOT, _BETWEEN, _LEFT, _RIGHT = 9.0, 5.0, 4.0, 5.0
-# Characters that a line above a bar has room for, and how many such lines there may be.
+# Largest number of characters in a line above a bar, and of lines.
 _ROOM, _MOST_LINES = 48, 2
-# What each parameter is called, and the tolerance that says how far it is off.
+# Name of each parameter, and the tolerance that applies to it.
 _CHANGED = {
     "anchor": ("anchor q", "anchor"),
     "stiffness": ("stiffness", "stiffness"),
@@ -38,7 +38,7 @@ _OFF = style.pale(style.SKY, 0.55)
 
 
 class _Row(NamedTuple):
-    """A change: what is written above its bar, how long that is, and how far parts are off."""
+    """A change of a parameter: text above its bar, length of the bar, and tolerance."""
 
     lines: list[str]
     far: float = math.inf
@@ -46,33 +46,33 @@ class _Row(NamedTuple):
 
     @property
     def near(self) -> bool:
-        # Whether parts as they usually are go past it.
+        # Whether the margin is smaller than the tolerance.
         return self.far < self.off
 
 
 @style.styled
 def margins(margin: Margin, tolerances: Tolerances | None = None) -> Figure:
-    """How far each thing may be changed before the chain does something else, nearest on top.
+    """Robustness margin of each parameter to another sequence, the smallest on top.
 
-    There is a bar for every anchor [mm], and one for every other number [%], with what the chain
-    does past its end; of long chains those of the nearest. One column wide.
+    Every anchor has a bar in mm, every other parameter a bar in %, with the sequence past its end.
+    Only the smallest margins of a long chain are shown. One column wide.
 
     Args:
-        margin: what `design.margin` returns.
-        tolerances: how far parts are off when it is built, shaded; by default the usual ones.
+        margin: result of `design.margin`.
+        tolerances: tolerances to draw in the bars; by default the usual ones.
     """
     off = tolerances or USUAL
     panels = (
-        ("The anchor moved by [mm]", _rows(margin, True, off)),
-        ("The number changed by [%]", _rows(margin, False, off)),
+        ("Anchor displacement [mm]", _rows(margin, True, off)),
+        ("Relative change of the parameter [%]", _rows(margin, False, off)),
     )
     drawn = [(label, rows) for label, rows in panels if rows]
     every = [row for _, rows in drawn for row in rows]
-    near = legends.shade("the same, nearer than parts are off", _pale(style.VERMILLION))
+    near = legends.shade("margin smaller than the tolerance", _pale(style.VERMILLION))
     handles = legends.those(
-        (True, legends.shade("another sequence past its end", _pale(style.GREEN))),
+        (True, legends.shade("margin to another sequence", _pale(style.GREEN))),
         (any(row.near for row in every), near),
-        (any(row.off for row in every), legends.shade("parts are off by", _OFF)),
+        (any(row.off for row in every), legends.shade("tolerance", _OFF)),
     )
     head = 2.0 + 4.0 * (1 if len(handles) <= 2 else len(handles))
     tall = [sum(_LINE * len(row.lines) + _BAR + _GAP for row in rows) for _, rows in drawn]
@@ -87,32 +87,32 @@ def margins(margin: Margin, tolerances: Tolerances | None = None) -> Figure:
 
 
 def _rows(margin: Margin, anchors: bool, tolerances: Tolerances) -> list[_Row]:
-    """Of the anchors in mm, or of all that is told as a share in %; nearest first."""
+    """Rows of the anchors [mm], or of all other parameters [%]; smallest margin first."""
     some = [change for change in margin.changes if (change.parameter == "anchor") == anchors]
     chain, shown = margin.chain, sorted(some, key=lambda change: change.distance)[:_MOST]
     words = {"force": chain.measure.force, "travel": chain.measure.travel}
     factor = style.MM if anchors else 100.0
     reach = f" within {number(margin.reach * style.MM)} mm" if anchors else ""
-    found: list[_Row] = []
+    rows: list[_Row] = []
     for change in shown:
         changed, deviation = _CHANGED[change.parameter]
         what = f"{chain.names[change.cell]}: {changed.format(**words)}"
         off = getattr(tolerances, deviation) * factor
         if math.isinf(change.distance):
-            found.append(_Row([*_lines(what), f"nothing else{reach}"], off=off))
+            rows.append(_Row([*_lines(what), f"no other sequence{reach}"], off=off))
             continue
         lines = _lines(f"{what} {_by(change)}")
         if change.becomes and len(chain) <= _SPELLED:
             lines += _lines(f"then {sequence_words(change.becomes, _ROOM - 5)}", _MOST_LINES)
-        found.append(_Row(lines, change.distance * factor, off))
+        rows.append(_Row(lines, change.distance * factor, off))
     left = len(some) - len(shown)
-    return found + [_Row([f"and {left} more, no nearer"])] * bool(left)
+    return rows + [_Row([f"and {left} more, with larger margins"])] * bool(left)
 
 
 def _by(change: Change) -> str:
-    """How far; of a number which way too."""
+    """Text of a margin; signed, except for an anchor."""
     if change.distance * style.MM < 1e-6:
-        return "by next to nothing"
+        return "by almost 0"
     if isinstance(change.move, tuple):
         return f"{number(change.distance * style.MM)} mm"
     return minus(f"{signed(change.move * 100)} %")
@@ -132,7 +132,7 @@ def _draw(ax: Axes, label: str, rows: Sequence[_Row]) -> None:
             colour = _pale(style.VERMILLION if row.near else style.GREEN)
             look = {"color": colour, "linewidth": 0, "zorder": 2, "gid": "margins"}
             ax.barh(y, row.far, _BAR, **look)
-        # In the bar, so that whichever is longer is seen to be.
+        # Within the bar, so that both lengths can be compared.
         inner = {"color": _OFF, "edgecolor": style.INK, "linewidth": 0.5, "zorder": 3, "gid": "off"}
         ax.barh(y, row.off, 0.5 * _BAR, **inner)
     ax.axvline(0.0, color=style.INK, linewidth=0.8, zorder=2)
@@ -142,8 +142,8 @@ def _draw(ax: Axes, label: str, rows: Sequence[_Row]) -> None:
 def _under(
     ax: Axes, x: float, words: Sequence[tuple[list[str], int]], bar: float, gap: float
 ) -> list[float]:
-    """Write each row's lines, one of them bold, from the top down; the middles of bars under them,
-    all in mm.
+    """Write each row's lines, one of them bold, from the top down, and return the middles of the
+    bars under them; all in mm.
     """
     ax.set_ylim(sheet.size_of(sheet.sheet_of(ax))[1] * ax.get_position().height, 0.0)
     ax.set_yticks([])
@@ -170,16 +170,16 @@ _ROW, _HEAD, _TORNADO_FOOT, _KEY = 4.4, 4.0, 11.0, 6.0
 
 @style.styled
 def tornado(results: Sensitivity | Sequence[Sensitivity]) -> Figure:
-    """For each result a bar from its value at the low to that at the high value of a parameter.
+    """Tornado plot: range of each result between the low and the high value of each parameter.
 
     Bars start at the nominal result, the parameter with the widest span is on top, the target is
     shaded. Two columns wide.
 
     Args:
-        results: one, or several to be shown two a row.
+        results: one sensitivity, or several, plotted two per row.
 
     Raises:
-        ValueError: nothing to show.
+        ValueError: no results.
     """
     shown = list(results) if isinstance(results, Sequence) else [results]
     if not shown or not all(one.effects for one in shown):
@@ -229,14 +229,14 @@ def _bars(ax: Axes, one: Sensitivity, left: float) -> None:
     ax.set_xlim(low - room, high + room)
     if one.target:
         ax.axvspan(*one.target, color=_TARGET, linewidth=0, zorder=0, gid="target")
-    told = ((literal(e.parameter), minus(f"{e.low:.4g} to {e.high:.4g}")) for e in effects)
-    style.name_rows(ax, [*map("  ".join, told)])
+    ranges = ((literal(e.parameter), minus(f"{e.low:.4g} to {e.high:.4g}")) for e in effects)
+    style.name_rows(ax, [*map("  ".join, ranges)])
     ax.locator_params(axis="x", nbins=4)
     ax.set_xlabel(one.result, loc="right")
     ax.spines[["top", "right", "left"]].set_visible(False)
     ax.grid(axis="x", color=style.FAINT, linewidth=0.3, alpha=0.5, zorder=0)
     ax.set_axisbelow(True)
-    # As narrow as the names leave it from `left` on.
+    # As narrow as the names at its left require.
     box, place = ax.yaxis.get_tightbbox(), ax.get_position()
     if box is not None:
         missing = (left + 1.0) / style.PAGE - box.x0 / sheet.root(ax).bbox.width
@@ -244,25 +244,25 @@ def _bars(ax: Axes, one: Sensitivity, left: float) -> None:
 
 
 _OUTCOMES, _PARTS = 6, 16
-# Shares below this are within the error of the estimate.
+# Fractions below this are within the error of the estimate.
 _LEAST = 0.01
-# A bar and what a row has around it and its text [mm].
+# Height of a bar, and gap of two rows [mm].
 _YIELD_BAR, _YIELD_GAP = 3.0, 2.2
 _STEP = _YIELD_BAR + _YIELD_GAP
 _YIELD_FOOT, _YIELD_HEAD = 10.0, 6.0
-# Lines above a bar at most.
+# Largest number of lines above a bar.
 _YIELD_MOST_LINES = 3
 
 
 @style.styled
 def yield_bars(result: Yield) -> Figure:
-    """The share of mechanisms that work, with its confidence interval, and what the others do.
+    """Yield with its confidence interval, and the fractions of all other outcomes.
 
-    One column wide; with sensitivities two, and a second panel shows the share of the smallest
-    gap's variance that each part's tolerance causes: dark by itself, pale together with others.
+    One column wide. With sensitivities it is two columns wide, with a panel of the fraction of the
+    smallest force gap's variance caused by each tolerance: first order dark, total pale.
 
     Args:
-        result: what `design.yields` returns.
+        result: result of `design.yields`.
     """
     table = result.sensitivities
     outcomes = _outcomes(result)
@@ -270,7 +270,7 @@ def yield_bars(result: Yield) -> Figure:
     parts = [] if table is None or table.deviation == 0 else _parts(table)
     rows = _STEP * len(parts)
     page = sheet.page_width(style.PAGE if parts else style.COLUMN)
-    # Beside each other, or under each other where that is too narrow.
+    # Side by side, or stacked on a narrow page.
     beside = bool(parts) and page >= 2 * style.COLUMN
     side, start = (style.COLUMN, 0.0) if beside else (page, tall + _YIELD_FOOT + _YIELD_HEAD)
     body = max(tall, rows) if beside or not parts else start + rows
@@ -282,22 +282,22 @@ def yield_bars(result: Yield) -> Figure:
         left = first + 8.0 + 1.6 * max(len(table.parameters[i]) for i in parts)
         ax = sheet.place(figure, left, top - rows, page - left - 5.0, rows)
         _draw_parts(ax, table, result.chain.names, parts)
-        head = "Whose tolerance counts"
+        head = "Sensitivity to tolerances"
         sheet.text_at(figure, first + 6.0, top + 1.5, head, fontweight="bold")
     return figure
 
 
 def _outcomes(result: Yield) -> list[tuple[list[str], float]]:
-    """Names and shares of what was wanted, then of the most frequent other outcomes."""
+    """Names and fractions of the target, followed by the most frequent other outcomes."""
     others = list(result.outcomes.items())
     low, high = map(percent, result.interval)
-    # On a line of its own: beside or on the bar, the interval would strike it through.
-    words = f"{percent(result.share)} ({low} to {high}) as wanted"
-    found = [([*_outcome_lines(result.target), words], result.share)]
+    # On its own line: on the bar, the interval would strike it through.
+    words = f"{percent(result.share)} ({low} to {high}) reach the target"
+    reproduced = [([*_outcome_lines(result.target), words], result.share)]
     shown = [(_outcome_lines(text), count) for text, count in others[:_OUTCOMES]]
     if rest := sum(count for _, count in others[_OUTCOMES:]):
         shown.append(([f"{len(others) - _OUTCOMES} other outcomes"], rest))
-    return found + [(lines, n / result.samples) for lines, n in shown]
+    return reproduced + [(lines, n / result.samples) for lines, n in shown]
 
 
 def _outcome_lines(text: str) -> list[str]:
@@ -305,7 +305,7 @@ def _outcome_lines(text: str) -> list[str]:
 
 
 def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[tuple[list[str], float]]) -> None:
-    """A bar under the name of each outcome; the interval of the wanted one."""
+    """Draw a bar under the name of each outcome, and the interval of the yield."""
     ax.set_xlim(0.0, 100.0)
     words = [(lines, -1 if k else len(lines) - 1) for k, (lines, _) in enumerate(outcomes)]
     middles = _under(ax, 0.0, words, _YIELD_BAR, _YIELD_GAP)
@@ -318,18 +318,18 @@ def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[tuple[list[str], 
     ends = [100.0 * bound for bound in result.interval]
     ax.plot(ends, middles[:1] * 2, "|-", color=style.INK, linewidth=1.0, gid="interval")
     count = f"{result.samples:,}".replace(",", "\N{THIN SPACE}")
-    ax.set_xlabel(f"Share of {count} built mechanisms [%]")
-    sheet.name_panel(ax, "What they do")
+    ax.set_xlabel(f"Fraction of {count} samples [%]")
+    sheet.name_panel(ax, "Outcomes")
 
 
 def _parts(table: Sensitivities) -> list[int]:
-    """The parts by falling share, without those that hardly have one."""
+    """Parameters by falling fraction, without those below the error of the estimate."""
     order = np.argsort(-np.asarray(table.total), kind="stable")[:_PARTS].tolist()
     return [i for i in order if table.total[i] >= _LEAST]
 
 
 def _draw_parts(ax: Axes, table: Sensitivities, names: Sequence[str], parts: Sequence[int]) -> None:
-    """What each part's tolerance contributes, by itself and together with others."""
+    """Draw the first-order and total sensitivity index of each tolerance."""
     tall = len(parts) * _STEP
     colours = dict(zip(names, style.cell_colours(len(names)), strict=True))
     middles = [k * _STEP + _STEP / 2 for k in range(len(parts))]
@@ -342,9 +342,9 @@ def _draw_parts(ax: Axes, table: Sensitivities, names: Sequence[str], parts: Seq
     ax.set_yticks(middles, [literal(table.parameters[i]) for i in parts])
     ax.set(ylim=(tall, 0.0), xlim=(0.0, 1.05 * max(0.05, float(np.max(table.total)))))
     _bare(ax)
-    ax.set_xlabel("Share of the variance of the smallest gap")
+    ax.set_xlabel("Fraction of the variance of the smallest force gap")
     pale = style.pale(style.INK)
-    handles = [legends.shade("by itself", style.INK), legends.shade("with others", pale)]
+    handles = [legends.shade("first order", style.INK), legends.shade("total", pale)]
     ax.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0 + 1.5 / tall), ncols=2)
 
 

@@ -1,4 +1,4 @@
-"""Results of studies: every column over the numbers that decide it, and each number's influence."""
+"""Results of studies: each column over its most influential parameter, and all influences."""
 
 from __future__ import annotations
 
@@ -23,51 +23,52 @@ if TYPE_CHECKING:
 
 
 _ROW, _HEAD, _FOOT, _RIGHT = 5.2, 10.0, 8.0, 3.0
-_LETTER, _MOST = 1.55, 46  # width of a letter of a name, letters that there is room for
-_WIDEST = 26.0  # of a column
-_SHARES, _SIGNS = "Share of the variance by itself;", "+ or -: more of it gives mostly more or less"
+_LETTER, _MOST = 1.55, 46  # width of a letter of a name [mm], largest number of letters
+_WIDEST = 26.0  # widest column [mm]
+_SHARES, _SIGNS = "First-order fraction of the variance;", "+ or -: rising or falling trend"
 _SENTENCE = 100.0
-# From this on white words are read more easily than dark ones.
+# White text is more legible than dark text from this fraction on.
 _DARK = 0.9
 
 
 @style.styled
-def influences(found: Sequence[DecidingNumbers], names: Mapping[str, str] | None = None) -> Figure:
-    """How much of each thing that was found each number decides by itself.
+def influences(
+    decided: Sequence[DecidingNumbers], names: Mapping[str, str] | None = None
+) -> Figure:
+    """First-order influence of each parameter on each result of a study.
 
-    Shares of the variance are shades and numbers, with a sign where more of the number gives mostly
-    more or mostly less; there is nothing where chance alone could have made them. Rows are in the
-    order of their largest share. Two columns wide.
+    Fractions of the variance are shades and numbers, with the sign of the trend; fractions that
+    chance could explain are left out. Rows are sorted by their largest fraction. Two columns wide.
 
     Args:
-        found: what `studies.decided` returns.
-        names: what rows and columns are called; as they are in the study by default.
+        decided: the influences that `studies.decided` returns.
+        names: names of rows and columns; by default those of the study.
 
     Raises:
-        ValueError: nothing to show.
+        ValueError: `decided` is empty.
     """
-    if not found:
-        raise InputError("found is empty: a study of 50 designs or more says what decides.")
+    if not decided:
+        raise InputError("decided is empty: influences need a study of 50 designs or more.")
     known = names or {}
-    shares = [{each.name: each for each in one.sure} for one in found]
-    rows = sorted((each.name for each in found[0].influences), key=partial(_largest, shares))
-    told = [shortened(known.get(name, name), _MOST) for name in rows]
-    left = 3.0 + _LETTER * max(map(len, told))
+    shares = [{each.name: each for each in one.sure} for one in decided]
+    rows = sorted((each.name for each in decided[0].influences), key=partial(_largest, shares))
+    row_names = [shortened(known.get(name, name), _MOST) for name in rows]
+    left = 3.0 + _LETTER * max(map(len, row_names))
     tall = _ROW * len(rows)
     page = sheet.page_width(style.PAGE)
-    # Under narrow columns what shares and signs mean takes two lines.
+    # The explanation takes two lines under narrow columns.
     apart = "\n" if page - left < _SENTENCE else " "
     foot = _FOOT + 3.0 * (apart == "\n")
     figure = sheet.blank(page, _HEAD + tall + foot)
-    wide = min(page - left - _RIGHT, _WIDEST * len(found))
+    wide = min(page - left - _RIGHT, _WIDEST * len(decided))
     ax = sheet.place(figure, left, foot, wide, tall)
-    ax.set_xlim(-0.5, len(found) - 0.5)
-    style.name_rows(ax, [literal(name) for name in told])
+    ax.set_xlim(-0.5, len(decided) - 0.5)
+    style.name_rows(ax, [literal(name) for name in row_names])
     ax.tick_params(axis="x", length=0, labeltop=True, labelbottom=False, pad=1.0)
-    names_of = (known.get(one.column, one.column.replace("_", " ")) for one in found)
-    letters = max(6, min(16, int(wide / len(found) / _LETTER)))
+    names_of = (known.get(one.column, one.column.replace("_", " ")) for one in decided)
+    letters = max(6, min(16, int(wide / len(decided) / _LETTER)))
     heads = [shortened(name, letters, 2) for name in names_of]
-    ax.set_xticks(range(len(found)), [literal(head) for head in heads])
+    ax.set_xticks(range(len(decided)), [literal(head) for head in heads])
     ax.spines[:].set_visible(False)
     for k, own in enumerate(shares):
         for i, name in enumerate(rows):
@@ -81,7 +82,7 @@ def _largest(shares: Sequence[Mapping[str, Influence]], name: str) -> float:
 
 
 def _draw_share(ax: Axes, x: int, y: int, one: Influence | None) -> None:
-    """A box, shaded and with its number where the number has an influence."""
+    """Draw a box, shaded and with the fraction if the parameter has an influence."""
     face = style.pale(style.FAINT, 0.9)
     if one is not None:
         face = style.pale(style.BLUE, 1.0 - one.share)
@@ -94,19 +95,19 @@ def _draw_share(ax: Axes, x: int, y: int, one: Influence | None) -> None:
     ax.add_patch(Rectangle((x - 0.5, y - 0.5), 1.0, 1.0, facecolor=face, **edge))
 
 
-# Panels, points of one, and classes of a bar chart at most.
+# Largest numbers of panels, of points in a panel, and of classes of a bar chart.
 _PANELS, _POINTS, _BARS = 8, 3000, 20
 _LEFT, _PANEL_RIGHT, _BOTTOM, _TOP, _TALL, _KEY = 19.0, 5.0, 12.0, 4.0, 38.0, 4.2
-# From this width of the page on two panels stand side by side [mm].
+# Least width of a page with two panels side by side [mm].
 _TWO = 120.0
-# Whole numbers that are told apart as words are, at most so many.
+# Up to this number of different whole numbers, a column is drawn like one of words.
 _COUNTS = 6
 _NAME = 44
 _SHADES = "cividis"
 
 
 class _Column(NamedTuple):
-    """A column as it is told: its name with the unit, and its values; words as they are."""
+    """A column to plot: its name with the unit, and its values in that unit, or words."""
 
     name: str
     values: np.ndarray[Any, Any]
@@ -115,23 +116,23 @@ class _Column(NamedTuple):
 
 @style.styled
 def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
-    """What was found, each over the number that decides it most; over the plane of two numbers.
+    """Each result over its most influential parameter, or over the plane of two parameters.
 
-    Where two numbers vary, every panel is their plane and colours are what was found; else numbers
-    are points with their means, words shares. Two columns wide.
+    With two varied parameters every panel is their plane, coloured by the result. Otherwise numbers
+    are points with their means, and words are fractions. Two columns wide.
 
     Args:
-        study: of which anything is done.
-        names: what columns are called; as they are in the study by default.
+        study: a study with at least one finished chunk.
+        names: names of columns; by default those of the study.
 
     Raises:
-        ValueError: nothing is done yet, or nothing varies.
+        ValueError: no chunk is finished, or no parameter varies.
     """
     from stepwell.studies import decided
 
-    varied, found = _varied_and_found(study, names or {})
+    varied, results = _varied_and_found(study, names or {})
     deciding = {one.column: one.influences[0].name for one in decided(study)}
-    shown = list(found.items())[:_PANELS]
+    shown = list(results.items())[:_PANELS]
     colours = {one.name: _colours(one.values) for _, one in shown if one.words}
     foot = sum(_KEY * (len(each) + 1) for each in colours.values()) + 2.0 * bool(colours)
     page = sheet.page_width(style.PAGE)
@@ -149,7 +150,7 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
         else:
             _over(ax, varied[deciding.get(name, next(iter(study.varied)))], one, own)
         sheet.keep_inside(ax)
-    # What the colours of words mean, column by column.
+    # Legend of the words, column by column.
     handles: list[Any] = []
     for name, words in colours.items():
         handles.append(legends.mark(literal(name), "", 0.0))
@@ -166,19 +167,19 @@ def _varied_and_found(
     from stepwell.studies import SCREEN_COLUMNS
 
     chunks = study.done_chunks()
-    told = {name: _column(study, name, chunks, names) for name in study.columns}
-    varied = {name: told[name] for name in study.varied}
+    columns = {name: _column(study, name, chunks, names) for name in study.columns}
+    varied = {name: columns[name] for name in study.varied}
     if not varied or not len(next(iter(varied.values())).values):
-        raise InputError("the study is empty: compute one design or more, over one number or more.")
+        raise InputError("the study is empty: compute at least one design, with one parameter.")
     aside = {*study.varied, *SCREEN_COLUMNS, "problem"}
-    found = {name: one for name, one in told.items() if name not in aside and _differs(one)}
-    if not found:
-        raise InputError("all designs do the same: there is nothing to draw.")
-    return varied, found
+    results = {name: one for name, one in columns.items() if name not in aside and _differs(one)}
+    if not results:
+        raise InputError("all designs have the same results: vary a parameter with an influence.")
+    return varied, results
 
 
 def _column(study: Study, name: str, chunks: Sequence[int], names: Mapping[str, str]) -> _Column:
-    unit, factor = study.told(name)
+    unit, factor = study.display_unit(name)
     values = study.values(name, chunks)
     sign = Quantity("", unit).sign
     head = names.get(name) or (f"{name} [{sign}]" if sign else name)
@@ -187,7 +188,7 @@ def _column(study: Study, name: str, chunks: Sequence[int], names: Mapping[str, 
     if study.columns[name] == "text":
         words = np.array([*map(str, values)], object)
         if study.work.screen:
-            # Shares are those of designs drawn by lot: those that a screen chose are no sample.
+            # Only designs drawn at random are a sample; a screen's choice is not.
             words[study.values("lot", chunks) != 1] = ""
         return _Column(head, words, True)
     if name not in study.varied and not sign and _few_counts(values):
@@ -196,9 +197,9 @@ def _column(study: Study, name: str, chunks: Sequence[int], names: Mapping[str, 
 
 
 def _few_counts(values: Floats) -> bool:
-    # Such as those of snaps.
-    found = np.unique(values)
-    return len(found) <= _COUNTS and bool(np.all(np.isfinite(found)) and np.all(found % 1 == 0))
+    # Whether values are few whole numbers, such as numbers of snaps.
+    levels = np.unique(values)
+    return len(levels) <= _COUNTS and bool(np.all(np.isfinite(levels)) and np.all(levels % 1 == 0))
 
 
 def _differs(one: _Column) -> bool:
@@ -214,14 +215,14 @@ def _colours(words: np.ndarray[Any, Any]) -> dict[str, Colour]:
 
 
 def _over(ax: Axes, by: _Column, one: _Column, colours: Mapping[str, Colour]) -> None:
-    """What was found over one number."""
+    """Draw a result over one parameter."""
     ax.set_xlabel(literal(shortened(by.name, _NAME)))
     if one.words:
         _shares(ax, by.values, one, colours)
         return
     ax.set_ylabel(literal(shortened(one.name, 24)))
-    told = np.isfinite(by.values) & np.isfinite(one.values)
-    x, y = by.values[told], one.values[told]
+    known = np.isfinite(by.values) & np.isfinite(one.values)
+    x, y = by.values[known], one.values[known]
     some = np.unique(np.linspace(0, len(x) - 1, min(len(x), _POINTS)).astype(int))
     many = len(some) > 60
     look = {
@@ -240,8 +241,8 @@ def _over(ax: Axes, by: _Column, one: _Column, colours: Mapping[str, Colour]) ->
 
 
 def _classes(x: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Ends of classes of as many designs each, or one of every value where there are few, and the
-    class of each.
+    """Class limits and the class of each design: classes of equal size, or one per value if there
+    are few values.
     """
     levels = np.unique(x)
     if len(levels) <= _BARS:
@@ -255,10 +256,10 @@ def _classes(x: Floats) -> tuple[Floats, NDArray[np.intp]]:
 
 
 def _shares(ax: Axes, x: Floats, one: _Column, colours: Mapping[str, Colour]) -> None:
-    """Of every class of a number the shares of what its designs do, one upon the other."""
-    told = (one.values != "") & np.isfinite(x)
-    words = one.values[told]
-    ends, of = _classes(x[told])
+    """Draw the fractions of a result's words in each class of a parameter as stacked bars."""
+    present = (one.values != "") & np.isfinite(x)
+    words = one.values[present]
+    ends, of = _classes(x[present])
     counts = np.bincount(of, minlength=len(ends) - 1)
     foot = np.zeros(len(ends) - 1)
     known = np.array([word if word in colours else style.REST for word in words], object)
@@ -273,7 +274,7 @@ def _shares(ax: Axes, x: Floats, one: _Column, colours: Mapping[str, Colour]) ->
 
 
 def _plane(ax: Axes, x: _Column, y: _Column, one: _Column, colours: Mapping[str, Colour]) -> None:
-    """What was found, in the plane of two numbers."""
+    """Draw a result in the plane of two parameters."""
     ax.set(xlabel=literal(shortened(x.name, _NAME)), ylabel=literal(shortened(y.name, 24)))
     columns, rows = (max(2, len(np.unique(axis.values))) for axis in (x, y))
     grid = columns * rows <= 4 * len(x.values)
@@ -289,9 +290,9 @@ def _plane(ax: Axes, x: _Column, y: _Column, one: _Column, colours: Mapping[str,
             some = [w == word or (rest and w and w not in colours) for w in one.values]
             ax.scatter(x.values[some], y.values[some], color=colour, **look)
     else:
-        told = np.isfinite(one.values)
-        at = x.values[told], y.values[told]
-        points = ax.scatter(*at, c=one.values[told], cmap=_SHADES, **look)
+        known = np.isfinite(one.values)
+        at = x.values[known], y.values[known]
+        points = ax.scatter(*at, c=one.values[known], cmap=_SHADES, **look)
         bar = ax.figure.colorbar(points, ax=ax, pad=0.02, aspect=14)  # pyright: ignore[reportAttributeAccessIssue]
         bar.set_label(literal(shortened(one.name, 24)))
         bar.outline.set_visible(False)

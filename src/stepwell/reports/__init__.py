@@ -1,11 +1,11 @@
-"""Folders of results: records, pages, figures and data that belong together."""
+"""Folders of results: records, pages, figures and data."""
 
 from typing import TYPE_CHECKING
 
 from stepwell.base import late
 from stepwell.reports.figure import PANELS, figure
 from stepwell.reports.story.page import write_story
-from stepwell.reports.story.steps import OPENING, STEPS, StoryStep, Telling
+from stepwell.reports.story.steps import OPENING, STEPS, PlannedStep, StoryStep
 from stepwell.reports.write import boundary_rows, checked_suffix, write, write_graph
 
 if TYPE_CHECKING:
@@ -15,8 +15,8 @@ __all__ = [
     "OPENING",
     "PANELS",
     "STEPS",
+    "PlannedStep",
     "StoryStep",
-    "Telling",
     "boundary_rows",
     "checked_suffix",
     "figure",
@@ -27,5 +27,5 @@ __all__ = [
 ]
 
 
-# The claims of the paper are opened when its figures are asked for.
+# The claims of the paper are imported only for its figures.
 __getattr__, __dir__ = late(__name__, {"paper": ("figure_of",)}, __all__)

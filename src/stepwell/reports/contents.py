@@ -1,4 +1,4 @@
-"""What the folder of each result has besides its page."""
+"""Contents of the folder of each type of result."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ from stepwell.studio import replay
 if TYPE_CHECKING:
     from stepwell.design import Check, Design, MapView, Reprogramming, Run, Survival
 
-# Nodes along a map, and how far it reaches, in distances to the nearest other sequence.
+# Nodes along an axis of a map, and its half width as a multiple of the margin.
 _NODES, _BEYOND = 41, 1.35
 # Samples that are drawn around the nominal design, and cells that fit into a figure.
 _CLOUD, _DRAWABLE_CELLS = 600, 16
-# Cells of which a page plays the motion.
+# Largest number of cells with an animation on the page.
 MOST_PLAYED = 12
-# Cells whose graphs can be read side by side.
+# Largest number of cells with legible graphs side by side.
 _DRAWABLE_GRAPHS = 4
-# A video of a longer walk is faster than the robot [s].
+# Largest duration of a video; longer walks are played faster [s].
 _LONGEST_VIDEO = 16.0
 Warn = Callable[[str], object]
 
@@ -40,8 +40,8 @@ def _replay(played: Any, chain: sw.Chain, most: int, **how: Any) -> Callable[[],
     return partial(replay, played, title=chain.title, **how) if len(chain) <= most else None
 
 
-def _netcdf(found: Any) -> Callable[[Path], object]:
-    return lambda file: write_netcdf(file, found.to_xarray())
+def _netcdf(result: Any) -> Callable[[Path], object]:
+    return lambda file: write_netcdf(file, result.to_xarray())
 
 
 def _run(run: Run, account: Account) -> Contents:
@@ -55,11 +55,11 @@ def _run(run: Run, account: Account) -> Contents:
 
 
 def _of_margin(margin: Margin) -> dict[str, Draw]:
-    """The margin, and a map round the anchor that is nearest to another sequence."""
+    """Figures of a margin, and a map round the anchor with the smallest margin."""
     chain, draws = margin.chain, {"margins": partial(figures.margins, margin)}
     anchors = [change for change in margin.changes if change.parameter == "anchor"]
     nearest = min(anchors, key=lambda change: change.distance, default=None)
-    # By the engine a map takes seconds; and of long chains it has too many regions.
+    # With the general engine a map takes seconds; a map of a long chain has too many regions.
     if nearest is None or margin.method != "exact" or len(chain) > LONGEST_FOLLOWED:
         return draws
     cell, far = chain.cells[nearest.cell], _BEYOND * nearest.distance
@@ -75,8 +75,8 @@ def _of_margin(margin: Margin) -> dict[str, Draw]:
 
 
 def _program(program: sw.Program, account: Account) -> Contents:
-    text, kept, chain = account.about.design, WrittenProgram.of(program), program.chain
-    written = with_program(text, kept) if isinstance(text, str) else dumps(chain, program=kept)
+    text, table, chain = account.about.design, WrittenProgram.of(program), program.chain
+    written = with_program(text, table) if isinstance(text, str) else dumps(chain, program=table)
     files = {"design.toml": written, "program.csv": program.to_csv}
     draws = {"program": partial(figures.stroke_program, program)}
     motion = _replay(program, chain, LONGEST_FOLLOWED)
@@ -96,47 +96,47 @@ def _map(view: MapView, account: Account) -> Contents:
     return Contents("map", "map.json", files, draws)
 
 
-def _check(found: Check, account: Account) -> Contents:
-    files, chain = {"design.toml": design_text(account)}, found.chain
-    on_page = _of_yield(found.yield_) if isinstance(found.yield_, Yield) else {}
+def _check(check: Check, account: Account) -> Contents:
+    files, chain = {"design.toml": design_text(account)}, check.chain
+    on_page = _of_yield(check.yield_) if isinstance(check.yield_, Yield) else {}
     motion = _replay(chain, chain, MOST_PLAYED)
     return Contents("check", "check.json", files, on_page=on_page, motion=motion)
 
 
-def _design(found: Design, account: Account) -> Contents:
-    files = {"design.toml": design_text(account), "yield.csv": found.yield_.to_csv}
-    return Contents("design", "design.json", files, {"force-plane": partial(figures.plot, found)})
+def _design(design: Design, account: Account) -> Contents:
+    files = {"design.toml": design_text(account), "yield.csv": design.yield_.to_csv}
+    return Contents("design", "design.json", files, {"force-plane": partial(figures.plot, design)})
 
 
-def _reprogramming(found: Reprogramming, _account: Account) -> Contents:
-    """Of a reprogramming: the changed design and the way there."""
+def _reprogramming(result: Reprogramming, _account: Account) -> Contents:
+    """Contents of a reprogramming: the changed design and the path to it."""
     files: dict[str, Content] = {}
-    if found.chain_after is not None:
-        files["design.toml"] = dumps(found.chain_after)
-        if isinstance(found.displacement, tuple):
-            files["way.csv"] = found.to_csv
+    if result.chain_after is not None:
+        files["design.toml"] = dumps(result.chain_after)
+        if isinstance(result.displacement, tuple):
+            files["way.csv"] = result.to_csv
     return Contents("reprogram", "reprogram.json", files)
 
 
-def _yield(found: Yield, account: Account) -> Contents:
-    files = {"design.toml": design_text(account), "yield.csv": found.to_csv}
-    return Contents("yield", "yield.json", files, _of_yield(found))
+def _yield(result: Yield, account: Account) -> Contents:
+    files = {"design.toml": design_text(account), "yield.csv": result.to_csv}
+    return Contents("yield", "yield.json", files, _of_yield(result))
 
 
 def _survival(_found: Survival, account: Account) -> Contents:
     return Contents("yield", "survival.json", {"design.toml": design_text(account)})
 
 
-def _of_yield(found: Yield) -> dict[str, Draw]:
-    draws: dict[str, Draw] = {"yield": partial(figures.yield_bars, found)}
-    if len(found.chain) <= _DRAWABLE_CELLS:
-        clouds = found.end_forces(_CLOUD)
-        draws["force-plane"] = partial(figures.force_plane, found.chain, clouds=clouds)
+def _of_yield(result: Yield) -> dict[str, Draw]:
+    draws: dict[str, Draw] = {"yield": partial(figures.yield_bars, result)}
+    if len(result.chain) <= _DRAWABLE_CELLS:
+        clouds = result.end_forces(_CLOUD)
+        draws["force-plane"] = partial(figures.force_plane, result.chain, clouds=clouds)
     return draws
 
 
-def _batch(found: sw.lab.Batch, _: Account) -> Contents:
-    recordings = found.recordings
+def _batch(batch: sw.lab.Batch, _: Account) -> Contents:
+    recordings = batch.recordings
     files: dict[str, Content] = {
         "recordings.csv": partial(sw.lab.to_csv, recordings),
         "recordings.nc": lambda file: write_netcdf(file, sw.lab.table(recordings)),
@@ -144,69 +144,69 @@ def _batch(found: sw.lab.Batch, _: Account) -> Contents:
     return Contents("lab read", "recordings.json", files)
 
 
-def _band(found: sw.lab.BandFit, account: Account) -> Contents:
-    draws = {"laws": partial(figures.band_laws, found.test, found.choice)}
+def _band(fit: sw.lab.BandFit, account: Account) -> Contents:
+    draws = {"laws": partial(figures.band_laws, fit.test, fit.choice)}
     return Contents("lab band", "band.json", {"band.toml": account.record["table"]}, draws)
 
 
-def _comparison(found: sw.lab.Comparison, _: Account) -> Contents:
+def _comparison(comparison: sw.lab.Comparison, _: Account) -> Contents:
     draws: dict[str, Draw] = {}
-    if found.cells:
-        draws["forces"] = partial(figures.measured_forces, found.cells)
-        draws["energies"] = partial(figures.measured_energies, found.cells)
-    if found.pairs:
-        draws["pairs"] = partial(figures.measured_pairs, found.pairs)
-    return Contents("lab compare", "compare.json", {"curves.csv": found.to_csv}, draws)
+    if comparison.cells:
+        draws["forces"] = partial(figures.measured_forces, comparison.cells)
+        draws["energies"] = partial(figures.measured_energies, comparison.cells)
+    if comparison.pairs:
+        draws["pairs"] = partial(figures.measured_pairs, comparison.pairs)
+    return Contents("lab compare", "compare.json", {"curves.csv": comparison.to_csv}, draws)
 
 
-def _calibration(found: sw.lab.Calibration, account: Account) -> Contents:
+def _calibration(calibration: sw.lab.Calibration, account: Account) -> Contents:
     files: dict[str, Content] = {
         "band.toml": account.record["table"],
-        "calibration.nc": _netcdf(found),
+        "calibration.nc": _netcdf(calibration),
     }
-    if found.pairs:
-        first = found.pairs[0].series
-        files["pair.toml"] = dumps(found.applied(first.chain, first.bands))
-        files["rig.toml"] = rig_toml(found.rig)
-    draws = {"calibration": partial(figures.calibration, found)}
+    if calibration.pairs:
+        first = calibration.pairs[0].series
+        files["pair.toml"] = dumps(calibration.applied(first.chain, first.bands))
+        files["rig.toml"] = rig_toml(calibration.rig)
+    draws = {"calibration": partial(figures.calibration, calibration)}
     return Contents("lab calibrate", "calibration.json", files, draws)
 
 
-def _as_built(found: sw.lab.AsBuilt, _: Account) -> Contents:
-    files: dict[str, Content] = {"built.toml": dumps(found.chain)}
-    if found.moves:
-        files["moved.toml"] = dumps(found.moves[0].of(found.chain))
+def _as_built(as_built: sw.lab.AsBuilt, _: Account) -> Contents:
+    files: dict[str, Content] = {"built.toml": dumps(as_built.chain)}
+    if as_built.moves:
+        files["moved.toml"] = dumps(as_built.moves[0].of(as_built.chain))
     return Contents("lab as-built", "built.json", files)
 
 
-def _prediction(found: sw.robot.Prediction, account: Account) -> Contents:
+def _prediction(prediction: sw.robot.Prediction, account: Account) -> Contents:
     draws: dict[str, Draw] = {
-        "robot": partial(figures.robot_drawing, found.robot),
-        "prediction": partial(figures.prediction, found),
+        "robot": partial(figures.robot_drawing, prediction.robot),
+        "prediction": partial(figures.prediction, prediction),
     }
     return Contents("robot show", "robot.json", {"robot.toml": design_text(account)}, draws)
 
 
 def _simulated(
-    found: sw.simulation.Walk | sw.simulation.Maze,
+    result: sw.simulation.Walk | sw.simulation.Maze,
     account: Account,
     *,
     video: bool = False,
     warn: Warn = warnings.warn,
 ) -> Contents:
-    """Of a walk, on a bare floor or through an arena."""
-    maze = isinstance(found, sw.simulation.Maze)
-    walk, name = found.walk if maze else found, "maze" if maze else "walk"
+    """Contents of a walk, on an empty floor or through an arena."""
+    maze = isinstance(result, sw.simulation.Maze)
+    walk, name = result.walk if maze else result, "maze" if maze else "walk"
     drawn = ("maze", "maze_timeline") if maze else ("trajectory", "gait", "contacts")
-    arena = {"arena.toml": dumps(found.arena)} if maze else {}
-    draws = {one.removeprefix("maze_"): partial(getattr(figures, one), found) for one in drawn}
+    arena = {"arena.toml": dumps(result.arena)} if maze else {}
+    draws = {one.removeprefix("maze_"): partial(getattr(figures, one), result) for one in drawn}
     return Contents(
         name,
         f"{name}.json",
         {"robot.toml": design_text(account), **arena, "walk.nc": walk.to_netcdf},
         draws if len(walk.time) else {},
-        motion=partial(replay, found),
-        film=partial(_film, found, warn) if video else None,
+        motion=partial(replay, result),
+        film=partial(_film, result, warn) if video else None,
     )
 
 
@@ -234,40 +234,41 @@ def _film(
         except ModuleNotFoundError as error:  # an MP4 needs what a GIF does not
             warn(str(error))
         except sw.simulation.VideoError as error:
-            # All other files of the folder can be written without it.
+            # All other files of the folder are independent of the video.
             warn(str(error))
             return
 
 
-def _study(found: sw.studies.Status, _: Account, partial: bool = False) -> Contents:
-    """Of a study, `partial` without designs that are missing; 50 designs have influences too."""
-    study = found.study
+def _study(status: sw.studies.Status, _: Account, partial: bool = False) -> Contents:
+    """Contents of a study, without missing designs if `partial`; influences need 50 designs."""
+    study = status.study
     if study.what == "atlas":
-        raise InputError(f"{study.folder}: is an atlas: see `stepwell atlas show`.")
+        raise InputError(f"{study.folder}: contains an atlas: use `stepwell atlas show`.")
     if not partial:
         study.require_whole()
     draws: dict[str, Draw] = {"outcomes": lambda **how: figures.outcomes(study, **how)}
-    if found.decided:
-        draws["influences"] = lambda **how: figures.influences(found.decided, **how)
+    if status.decided:
+        draws["influences"] = lambda **how: figures.influences(status.decided, **how)
     files: dict[str, Content] = {"study.csv": lambda file: study.to_csv(file, partial=partial)}
     return Contents("sweep report", "study.json", files, draws)
 
 
-def _atlas(found: sw.studies.Atlas, _: Account) -> Contents:
-    """Of an atlas: its machines as graphs, if they can be seen side by side."""
-    drawable = found.machines and len(found.chain) <= _DRAWABLE_GRAPHS
-    draws: dict[str, Draw] = {"machines": partial(figures.machines, found)} if drawable else {}
+def _atlas(atlas: sw.studies.Atlas, _: Account) -> Contents:
+    """Contents of an atlas: its transition graphs, if they are legible side by side."""
+    drawable = atlas.machines and len(atlas.chain) <= _DRAWABLE_GRAPHS
+    draws: dict[str, Draw] = {"machines": partial(figures.machines, atlas)} if drawable else {}
     return Contents("atlas show", "atlas.json", draws=draws)
 
 
-def _verdicts(found: sw.paper.Verdicts, account: Account, **options: Any) -> Contents:
-    # The claims of the paper open when its figures are asked for.
+def _verdicts(verdicts: sw.paper.Verdicts, account: Account, **options: Any) -> Contents:
+    # The claims of the paper are imported only for its figures.
     from stepwell.reports.paper import paper_contents
 
-    return paper_contents(found, account, **options)
+    return paper_contents(verdicts, account, **options)
 
 
-# What makes the contents of the folder of a class, called with the result and its account.
+# Functions that return the contents of a folder, by class of the result; called with the result and
+# its account.
 CONTENTS: dict[str, Callable[..., Contents]] = {
     "AsBuilt": _as_built,
     "Atlas": _atlas,

@@ -1,4 +1,4 @@
-"""A figure for a paper: panels of a design by their names, on one page."""
+"""A figure for publication: panels of a design, selected by name, on one page."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# Of a map, the places of an anchor [m], as `stepwell map` takes them.
+# Anchor positions of a map [m], the defaults of `stepwell map`.
 _ACROSS, _UP, _PLACES = (0.0, 0.020), (-0.015, 0.015), 200
-# A robot's gait is shown after it has settled.
+# Cycles of a walk, so that the gait has settled.
 _CYCLES = 4
 
 
 class Panel(NamedTuple):
-    """What a panel shows, the figure of `figures`, what it is given, and of what kind of design."""
+    """A panel: description, function of `figures`, its arguments, and the type of design."""
 
     shows: str
-    figure: str  # Without one, what is given draws itself.
+    figure: str  # If empty, the argument is a function that draws the panel.
     given: str  # Attributes of the subject.
     of: type[Chain | Robot] = Chain
 
@@ -42,9 +42,9 @@ class Panel(NamedTuple):
 
 @dataclass(frozen=True)
 class _Subject:
-    """A design, with what panels ask of it, each computed once."""
+    """A design with the results that panels need, each computed once."""
 
-    design: Any  # a chain or a robot, as its panels take it
+    design: Any  # a chain or a robot
     given: sw.Program | None
     recordings: Sequence[sw.lab.Recording]
     mass: float | None
@@ -69,23 +69,23 @@ class _Subject:
     @property
     def program(self) -> sw.Program:
         if self.given is None:
-            raise InputError("the design has no program: `stepwell program` writes one into it.")
+            raise InputError("the design has no program: write one with `stepwell program`.")
         return self.given
 
     @property
     def levers(self) -> list[Cell]:
-        found = [cell for cell in self.design.cells if isinstance(cell, Cell)]
-        if not found:
-            raise InputError("the chain has no cell with a lever: see the panel elements.")
-        return found
+        levers = [cell for cell in self.design.cells if isinstance(cell, Cell)]
+        if not levers:
+            raise InputError("the chain has no cell with a lever: use the panel elements.")
+        return levers
 
     @property
     def elements(self) -> Mapping[str, Element]:
         named = zip(self.design.names, self.design.cells, strict=True)
-        found = {name: cell for name, cell in named if isinstance(cell, Element)}
-        if not found:
-            raise InputError("the chain has no element: see the panel cell-force.")
-        return found
+        elements = {name: cell for name, cell in named if isinstance(cell, Element)}
+        if not elements:
+            raise InputError("the chain has no element: use the panel cell-force.")
+        return elements
 
     @property
     def force(self) -> Callable[[], Figure]:
@@ -98,7 +98,9 @@ class _Subject:
         chain, outer = self.design, len(self.design) - 1
         cell = chain.cells[outer]
         if not isinstance(cell, Cell):
-            raise InputError("the outer cell is an element and has no anchor to be moved.")
+            raise InputError(
+                "the outer cell is an element without an anchor: use the panel elements instead."
+            )
         x, y = np.linspace(*_ACROSS, _PLACES), np.linspace(*_UP, _PLACES)
         anchors = {band.q for band in cell.bands}
         marked = {"this design": anchors.pop()} if len(anchors) == 1 else {}
@@ -115,9 +117,9 @@ class _Subject:
     @cached_property
     def snap(self) -> Mapping[str, sw.statics.InertialLanding]:
         if self.mass is None or self.damping is None:
-            raise InputError("how cells move in a snap needs a mass and a damping of each cell.")
+            raise InputError("the panel snap needs the mass and the damping of each cell.")
         if not np.any(self.cycle.path.snap_after):
-            raise InputError("this chain does not snap in its cycle.")
+            raise InputError("this chain has no snap in its cycle: use the panel force instead.")
         each = [self.mass] * len(self.design), [self.damping] * len(self.design)
         return {"first snap": self.cycle.path.inertial_landing(0, *each, history=True)}
 
@@ -130,21 +132,23 @@ PANELS: MappingProxyType[str, Panel] = MappingProxyType(
             "mechanism",
             "design cycle.sequence",
         ),
-        "force": Panel("force of the actuator over its stroke, recordings behind it", "", "force"),
+        "force": Panel("actuator force over the stroke, with recordings", "", "force"),
         "travel": Panel("travel of each cell over the stroke", "travel_stroke", "cycle"),
-        "landscape": Panel("energy over both travels, of two cells", "landscape", "cycle"),
+        "landscape": Panel("energy over both travels, for two cells", "landscape", "cycle"),
         "elements": Panel("force of each element over its travel", "element_curves", "elements"),
-        "graph": Panel("states and the ways between them", "transition_graph", "graph"),
-        "map": Panel("what it does for each anchor of the outer cell", "", "map"),
+        "graph": Panel("states and transitions", "transition_graph", "graph"),
+        "map": Panel("state sequence for each anchor of the outer cell", "", "map"),
         "cell-force": Panel(
             "force of each cell over its lever's angle", "unit_cell_force", "levers"
         ),
         "cell-energy": Panel(
             "energy of each cell over its lever's angle", "unit_cell_energy", "levers"
         ),
-        "plane": Panel("force there against force back, of each cell", "force_plane", "design"),
+        "plane": Panel(
+            "snap-through against snap-back force of each cell", "force_plane", "design"
+        ),
         "program": Panel("the stroke program in the design", "stroke_program", "program"),
-        "yield": Panel("the share that works, built with the usual tolerances", "", "yields"),
+        "yield": Panel("yield with the usual tolerances", "", "yields"),
         "snap": Panel(
             "travels over time in the first snap; needs --mass and --damping",
             "snap_motion",
@@ -163,7 +167,7 @@ PANELS: MappingProxyType[str, Panel] = MappingProxyType(
 
 
 def panels_of(design: Chain | Robot) -> tuple[str, ...]:
-    """The panels of a figure of a design where nobody says which."""
+    """The default panels of a design."""
     if isinstance(design, Robot):
         return "drawing", "prediction"
     return "mechanism", "force", "landscape" if len(design) == 2 else "travel"
@@ -179,24 +183,24 @@ def figure(
     damping: float | None = None,
     **page: Any,
 ) -> Figure:
-    """A figure of a design for a paper, its panels chosen by name.
+    """A figure of a design for publication, with panels selected by name.
 
     Args:
         design: a chain or a robot.
-        panels: names of `PANELS`; several in a list make a row. By default mechanism, force, and
-            landscape or travel; of a robot drawing and prediction.
-        program: for the panel of that name.
-        measured: recordings to be drawn behind the force, four at most.
+        panels: names in `PANELS`; a list makes a row. By default mechanism, force, and landscape or
+            travel; for a robot drawing and prediction.
+        program: stroke program for the panel of that name.
+        measured: recordings drawn behind the force, at most four.
         mass: outside each cell [kg], for the panel snap.
         damping: of each cell [N s/m], for the panel snap.
-        page: `width`, `height` [mm], `columns` and `letters`, as for `figures.compose`; two columns
-            of a journal, 180 mm, wide by default.
+        page: `width`, `height` [mm], `columns` and `letters`, as in `figures.compose`; the default
+            width is two columns of a journal, 180 mm.
 
     Returns:
         The figure.
 
     Raises:
-        ValueError: a panel that is unknown or that the design does not have, or a page too small.
+        ValueError: an unknown panel, a panel that the design does not have, or a page too small.
     """
     subject = _Subject(design, program, measured, mass, damping)
     rows = panels or panels_of(design)
@@ -205,23 +209,21 @@ def figure(
         for one in rows
     ]
     if measured and not any("force" in ([one] if isinstance(one, str) else one) for one in rows):
-        raise InputError(
-            "measured: recordings are drawn in the panel force, which is not asked for."
-        )
+        raise InputError("measured: recordings need the panel force: add it to the panels.")
     return sw.figures.compose(drawn, **page)
 
 
 def _panel(name: str, subject: _Subject) -> Callable[[], Figure]:
-    """What draws a panel, with its name in every refusal."""
+    """Function that draws a panel, with its name in every error."""
     panel = PANELS.get(name)
     here = [known for known, one in PANELS.items() if isinstance(subject.design, one.of)]
     kind = "a robot" if isinstance(subject.design, Robot) else "a chain"
     if panel is None:
         near = nearest_word(name, PANELS)
         guess = f" Did you mean {near}?" if near else f" {kind.capitalize()} has {', '.join(here)}."
-        raise InputError(f"panel {name!r}: there is none of that name.{guess}")
+        raise InputError(f"panel {name!r}: unknown name.{guess}")
     if name not in here:
-        raise InputError(f"panel {name!r}: {kind} has none. It has {', '.join(here)}.")
+        raise InputError(f"panel {name!r}: not available for {kind}. Use {', '.join(here)}.")
 
     def draw() -> Figure:
         try:

@@ -1,4 +1,4 @@
-"""The folder of the paper: its figures, page by page, drawn from the model."""
+"""Figures of the paper, computed with the model, and the contents of their folder."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# Of a page with five rows of three [mm].
+# Width of a page with five rows of three panels [mm].
 _NARROW = 165.0
 
 
@@ -34,7 +34,7 @@ def unit_cells() -> Figure:
 def pathways() -> Figure:
     """Energy, force and travels of a pair for each pathway (Figs. 2B and 2D to 2G).
 
-    One more has an outer cell that is monostable by itself.
+    A further pair has a monostable outer cell.
     """
     lone = monostable_pair()
     name = f"Outer monostable: q = ({_mm(lone.chain.levers[1].bands[0].q)}) mm"
@@ -49,8 +49,8 @@ def map_() -> Figure:
     x, y = np.linspace(0.0, 0.020, 400), np.linspace(-0.015, 0.015, 400)
     chain = pair_cycle(sequences.Pathway.CLOCKWISE).chain
     marked = {f"({_mm(outer_anchor(p))})": outer_anchor(p) for p in PAIRS}
-    found = transition_map(chain, 1, x=x, y=y)
-    return figures.transition_map(found, boundaries(chain, 1, x=x, y=y), marked)
+    dataset = transition_map(chain, 1, x=x, y=y)
+    return figures.transition_map(dataset, boundaries(chain, 1, x=x, y=y), marked)
 
 
 Drawings = dict[str, Callable[[], "Figure"]]
@@ -58,11 +58,11 @@ FIGURES: Drawings = {"fig1": unit_cells, "fig2": pathways, "fig2c": map_}
 
 
 def gaits() -> Figure:
-    """Where the paper's four robots go (Figs. 3C to 3E)."""
+    """Paths of the paper's four robots (Figs. 3C to 3E)."""
     names = {
         "forward: q_out = 20 mm": "forward",
         "backward: q_out = 5 mm": "backward",
-        "one of each": "left",
+        "one leg of each kind": "left",
         "q_out = 15 mm": "15",
     }
     return figures.trajectories({label: sw.paper.walk_of(name) for label, name in names.items()})
@@ -75,22 +75,22 @@ def three_walls() -> Figure:
 
 
 def tornado() -> Figure:
-    """The results about the robot against every number that is assumed."""
+    """Sensitivity of the robot's results to every assumed parameter."""
     return figures.tornado(sw.paper.sensitivities())
 
 
-# Figures for which the simulator is needed.
+# Figures that need the simulator.
 ROBOT_FIGURES: Drawings = {"fig3": gaits}
 MANY_RUNS: Drawings = {"fig4": three_walls, "robot-tornado": tornado}
 
 
 def _pairs() -> dict[str, sequences.Cycle]:
-    found: dict[str, sequences.Cycle] = {}
+    pairs: dict[str, sequences.Cycle] = {}
     for cycle in map(pair_cycle, PAIRS):
         words = cycle.pathway.label if cycle.pathway else str(cycle.sequence)
         q = _mm(cycle.chain.levers[1].bands[0].q)
-        found[f"{words.capitalize()}: outer q = ({q}) mm"] = cycle
-    return found
+        pairs[f"{words.capitalize()}: outer q = ({q}) mm"] = cycle
+    return pairs
 
 
 def _mm(q: tuple[float, float]) -> str:
@@ -98,11 +98,11 @@ def _mm(q: tuple[float, float]) -> str:
 
 
 def paper_contents(_: sw.paper.Verdicts, _account: Account, everything: bool = False) -> Contents:
-    """Of verdicts: the paper's figures, with `everything` those of many simulated runs too."""
+    """Contents of the verdicts: the paper's figures; `everything` adds the longest simulations."""
     files: dict[str, Content] = {}
     simulated = ROBOT_FIGURES | (MANY_RUNS if everything else {})
     for name, draw in (FIGURES | (simulated if base.have("robot") else {})).items():
-        # Drawn when its first file is written: some take minutes. The page has none of them.
+        # Drawn only when its first file is written, because some take minutes.
         drawn = cache(draw)
 
         def save(file: Path, drawn: Callable[[], Figure] = drawn) -> None:
@@ -113,15 +113,15 @@ def paper_contents(_: sw.paper.Verdicts, _account: Account, everything: bool = F
 
 
 def figure_of(name: str) -> Figure:
-    """A figure of the paper, drawn from the model.
+    """A figure of the paper, computed with the model.
 
     Args:
         name: fig1 (Figs. 1D, 1E), fig2 (2B, 2D to 2G), fig2c, fig3 (3C to 3E), fig4 (4D), or
-            robot-tornado; those of robots are simulated, the last two many times.
+            robot-tornado. Robot figures need simulations, the last two many.
 
     Raises:
-        ValueError: there is none of that name.
-        ExtraError: it needs the simulator, which is not installed.
+        ValueError: an unknown name.
+        ExtraError: the simulator is not installed.
     """
     every = FIGURES | ROBOT_FIGURES | MANY_RUNS
     if name not in every:

@@ -1,4 +1,4 @@
-"""A folder of a result: its record, its page, its figures and its data, all of them or nothing."""
+"""Write the folder of a result: record, page, figures and data, all of them or none."""
 
 from __future__ import annotations
 
@@ -27,22 +27,22 @@ Content = str | Callable[[Path], object]
 Draw = Callable[..., "Figure"]
 
 FIGURES = (".svg", ".png", ".pdf")
-# What writes a graph for other programs, by the end of the file's name.
+# Functions that export a graph for other programs, by suffix of the file.
 EXPORTS = {".graphml": "to_graphml", ".dot": "to_dot", ".json": "to_json"}
-# The width of figures that fill a phone [mm].
+# Width of figures for a phone [mm].
 PHONE = 85.0
 
 
 @dataclass(frozen=True)
 class Contents:
-    """What a folder has besides report.html: texts, or functions that write or draw, by name."""
+    """Contents of a folder other than report.html: texts, and writing or drawing functions."""
 
     command: str
     record: str  # The name of the record's file.
     files: Mapping[str, Content] = field(default_factory=dict)
     draws: Mapping[str, Draw] = field(default_factory=dict)  # On the page, and .png and .svg.
     on_page: Mapping[str, Draw] = field(default_factory=dict)
-    motion: Callable[[], str] | None = None  # Raises StepwellError where there is none.
+    motion: Callable[[], str] | None = None  # Raises StepwellError without an animation.
     film: Callable[[Path, Progress | None], None] | None = None  # Adds a video to a folder.
 
 
@@ -58,50 +58,50 @@ def write(
     """Write a result into a folder: report.html, its record, its figures and its data.
 
     Args:
-        result: a result of which there is an account, such as a `Check`; or the account.
-        folder: made if missing; what the same command wrote there before is replaced. Figures are
-            a .png and a .svg.
-        about: the design file and the recordings that it was computed from; a file is written for
-            the design by default.
+        result: a result with an account, such as a `Check`; or the account.
+        folder: created if missing; earlier files of the same command are replaced. Figures are .png
+            and .svg.
+        about: the design file and the recordings of the result; by default the design is written
+            to a new file.
         progress: called with (done, total) files.
-        force: replace files that others wrote or changed too.
-        options: of the kind of result, such as `video` of a walk.
+        force: overwrite all other existing files too.
+        options: options of the type of result, such as `video` for a walk.
 
     Returns:
         The names of the files.
 
     Raises:
-        ValueError: of such a value there is no folder.
-        OverwriteError: a file there is not one that this function wrote; nothing has changed.
+        ValueError: a type of result without a folder.
+        OverwriteError: an existing file is not from this function; nothing has changed.
         OSError: the folder cannot be written; nothing has changed.
     """
     from stepwell.reports.contents import CONTENTS
 
-    found = result if isinstance(result, Account) else account(result, about)
-    contents_of = base.of_kind(CONTENTS, found.value)
+    report = result if isinstance(result, Account) else account(result, about)
+    contents_of = base.of_kind(CONTENTS, report.value)
     if contents_of is None:
         raise base.InputError(
-            f"{type(found.value).__name__}: must be one of {', '.join(CONTENTS)}. Write the whole "
-            "result that it is a part of, such as the `Run` of a `Cycle`; a graph by `write_graph`."
+            f"{type(report.value).__name__}: must be one of {', '.join(CONTENTS)}. Write the whole "
+            "result that contains it, such as the `Run` of a `Cycle`; a graph with `write_graph`."
         )
-    return _written(found, contents_of(found.value, found, **options), folder, progress, force)
+    return _written(report, contents_of(report.value, report, **options), folder, progress, force)
 
 
 def _written(
-    found: Account, contents: Contents, folder: Folder, progress: Progress | None, force: bool
+    account: Account, contents: Contents, folder: Folder, progress: Progress | None, force: bool
 ) -> tuple[str, ...]:
-    # A page needs no figures: where they cannot be drawn, it stands without them.
+    # Without the extra figures, the page has no figures.
     draws = {**contents.draws, **contents.on_page} if base.have("figures") else {}
     drawn = {name: draw() for name, draw in draws.items()}
     pictures = {name: _drawn(figure, draws[name]) for name, figure in drawn.items()}
     files: dict[str, Content] = {
         **contents.files,
-        contents.record: json.dumps(found.record, indent=2, allow_nan=False) + "\n",
-        "report.html": page(found, pictures, _motion(found, contents)),
+        contents.record: json.dumps(account.record, indent=2, allow_nan=False) + "\n",
+        "report.html": page(account, pictures, _motion(account, contents)),
     }
     for name in contents.draws:
         files |= {f"{name}{end}": partial(sw.figures.save, drawn[name]) for end in (".png", ".svg")}
-    with staged_folder(folder, contents.command, found.record, force=force) as draft:
+    with staged_folder(folder, contents.command, account.record, force=force) as draft:
         for done, (name, content) in enumerate(files.items(), 1):
             if isinstance(content, str):
                 base.write_atomic(draft / name, content)
@@ -113,39 +113,39 @@ def _written(
         return tuple(sorted(file.name for file in draft.iterdir()))
 
 
-def _motion(found: Account, contents: Contents) -> str:
+def _motion(account: Account, contents: Contents) -> str:
     if contents.motion is None:
         return ""
     try:
-        return studio.embedded(contents.motion(), found.title)
+        return studio.embedded(contents.motion(), account.title)
     except base.StepwellError:
         return ""
 
 
 def _drawn(figure: Figure, draw: Draw) -> FigurePair:
-    """A figure on a page; one that is wider than a phone is drawn as it fills a phone too."""
+    """A figure on a page; a figure wider than a phone has a second version for phones."""
     if 25.4 * figure.get_size_inches()[0] <= PHONE + 1.0:
         return FigurePair(image_of(figure))
     return FigurePair(image_of(figure), image_of(sw.figures.compose([draw], width=PHONE)))
 
 
 def image_of(drawn: Figure) -> Image:
-    """A figure as an address that holds all of it."""
-    # An image, not inline markup: two SVGs on one page would share their ids.
+    """A figure as a data URL."""
+    # An image instead of inline markup, because two SVGs on one page would share their ids.
     data = base64.b64encode(sw.figures.svg(drawn).encode()).decode()
     width, height = (round(96 * inches) for inches in drawn.get_size_inches())
     return Image(f"data:image/svg+xml;base64,{data}", width, height)
 
 
-def design_text(found: Account) -> str:
-    """The text of the design file that a result was computed from."""
-    design = found.about.design
+def design_text(account: Account) -> str:
+    """The text of the design file of a result."""
+    design = account.about.design
     assert design is not None, "a folder is of a design"
     return design if isinstance(design, str) else dumps(design)
 
 
 def boundary_rows(boundaries: Iterable[Boundary]) -> str:
-    """The curves of a map as CSV: curve, kind and both parameters, a row for every point."""
+    """The curves of a map as CSV with columns curve, kind and both parameters, a row per point."""
     head, rows = ["curve", "kind"], list[tuple[str, ...]]()
     for number, boundary in enumerate(boundaries):
         units = [base.display_unit(unit) for unit in boundary.units]
@@ -161,11 +161,11 @@ def boundary_rows(boundaries: Iterable[Boundary]) -> str:
 
 
 def checked_suffix(file: str | os.PathLike[str]) -> str:
-    """How a transition graph is to be written, by the end of the file's name.
+    """Suffix of a file for a transition graph, checked.
 
     Raises:
-        ValueError: an end that means nothing.
-        ExtraError: a figure, and Matplotlib is not installed.
+        ValueError: an unknown suffix.
+        ExtraError: the suffix of a figure, and Matplotlib is not installed.
     """
     suffix = Path(file).suffix.lower()
     if suffix not in (*FIGURES, *EXPORTS):
@@ -179,14 +179,14 @@ def checked_suffix(file: str | os.PathLike[str]) -> str:
 
 
 def write_graph(graph: sw.TransitionGraph, file: str | os.PathLike[str]) -> None:
-    """Write a transition graph, whole or not at all.
+    """Write a transition graph to a file, completely or not at all.
 
     Args:
-        graph: any; a figure holds at most 64 states with all cells at a stop.
+        graph: a transition graph; a figure has at most 64 states with all cells at a stop.
         file: .svg, .png or .pdf for a figure; .graphml, .dot or .json for other programs.
 
     Raises:
-        ValueError: a name with another end, or too many states for a figure.
+        ValueError: another suffix, or too many states for a figure.
         OSError: the folder is missing or cannot be written.
     """
     suffix = checked_suffix(file)

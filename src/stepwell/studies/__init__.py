@@ -1,4 +1,4 @@
-"""Studies: something computed of many designs, into a store; the atlas of their machines."""
+"""Parameter studies of many designs in a Zarr store, and the atlas of transition graphs."""
 
 from stepwell.studies.blocks import DRIVES, Packed, packed
 from stepwell.studies.charting import charted

@@ -1,4 +1,4 @@
-"""Many designs at once, in closed form: their numbers as arrays, and what a block of them does."""
+"""Many designs in closed form: their parameters as arrays, and the results of a block."""
 
 import json
 from collections.abc import Sequence
@@ -11,52 +11,53 @@ from stepwell.base import Floats, InputError
 from stepwell.studies.designs import Block, Subject, changed, unit_in
 
 DRIVES = {"stroke": concave.STROKE, "force": concave.FORCE}
-# How many designs of a block closed form tells, and how many not, and why.
+# Columns with the numbers of designs by result of the closed form. Stores keep the names, so they
+# cannot change: "told" is the number of designs evaluated in closed form.
+CLOSED_FORM = "told"
 COUNTS = {
-    "told": concave.TOLD,
+    CLOSED_FORM: concave.TOLD,
     "not_proved": concave.NOT_PROVED,
     "ties": concave.TIES,
     "wakes": concave.WAKES,
 }
 
-# Designs that are computed together: their numbers stay in the processor's cache.
+# Designs computed together: their parameters fit into the processor's cache.
 _PIECE = 2**14
-# Different graphs that a block may hold.
+# Largest number of different graphs in a block.
 _GRAPHS = 2**17
-# Designs of a block that closed form does not tell and the engine may be asked for.
+# Largest number of designs without a closed form that a block lists for the engine.
 _ASKED = 50
-# Values at which a design is compared with what its numbers should be, and by how much of the
-# largest it may differ: rounding.
+# Points at which the linear formulas are compared with the design, and the allowed relative
+# difference (rounding).
 _LOOKS, _SAME = (0.3, 0.7, 1.1), 1e-12
 
 
 class Packed(NamedTuple):
-    """The numbers of a chain as a sum of what varies."""
+    """The parameters of a chain's cells as linear functions of the varied parameters."""
 
-    base: Floats  # (N, 6) cells as the fields of `Simple`, where all that varies is 0
-    slopes: Floats  # (axes, N, 6) by how much each number grows with each value
+    base: Floats  # (N, 6) cells as the fields of `Simple`, with all varied parameters 0
+    slopes: Floats  # (axes, N, 6) derivatives by the varied parameters
 
     def at(self, points: Floats) -> Floats:
-        """(m, N, 6) numbers of the designs at points (m, axes).
+        """(m, N, 6) parameters of the cells of the designs at points (m, axes).
 
-        Sums are taken one after the other: a product of matrices may round otherwise with another
-        number of threads, and a block is to have the same bytes whoever computes it.
+        Terms are added one after another, because the rounding of a matrix product may depend on
+        the number of threads, and a block must be bit-identical on all machines.
         """
-        found = np.empty((len(points), self.base.size))
-        found[:] = self.base.ravel()
+        numbers = np.empty((len(points), self.base.size))
+        numbers[:] = self.base.ravel()
         for values, slope in zip(points.T, self.slopes.reshape(len(self.slopes), -1), strict=True):
             hangs = np.flatnonzero(slope)
-            found[:, hangs] += values[:, None] * slope[hangs]
-        return found.reshape(len(points), *self.base.shape)
+            numbers[:, hangs] += values[:, None] * slope[hangs]
+        return numbers.reshape(len(points), *self.base.shape)
 
 
 def packed(chain: mechanism.Chain, names: Sequence[str]) -> Packed:
-    """The numbers of a chain by what varies, so that those of many designs are a few sums.
+    """Linear functions for the parameters of a chain's cells, fast for many designs.
 
-    What is found by two values of each name, as `unit_in` takes it, is compared with the chain
-    itself at others. The cells have one linear band each, without load or friction.
-    A `ValueError` refuses others, too many, or a number on which those of a cell do not hang in
-    proportion, such as an angle.
+    They are derived from two values of each name (see `unit_in`) and compared with the chain at
+    other values. The cells have one linear band each, without load or friction. A `ValueError` is
+    raised for other cells, too many cells, or a nonlinear parameter, such as an angle.
     """
     if len(chain) > concave.MOST_CELLS:
         raise InputError(f"{len(chain)} cells: must be at most {concave.MOST_CELLS}.")
@@ -67,21 +68,21 @@ def packed(chain: mechanism.Chain, names: Sequence[str]) -> Packed:
         for name, (now, step) in zip(names, steps, strict=True)
     ]
     slope = np.array(slopes).reshape(len(names), *here.shape)
-    found = Packed(here - np.tensordot(np.array([now for now, _ in steps]), slope, 1), slope)
+    result = Packed(here - np.tensordot(np.array([now for now, _ in steps]), slope, 1), slope)
     for look in _LOOKS:
         point = [now + (look + k) * step for k, (now, step) in enumerate(steps)]
         wanted = _numbers(changed(chain, names, point), ", ".join(names))
         size = np.max(np.abs(wanted), axis=0)
-        if np.any(np.abs(found.at(np.array([point]))[0] - wanted) > _SAME * size):
+        if np.any(np.abs(result.at(np.array([point]))[0] - wanted) > _SAME * size):
             raise InputError(
-                f"{', '.join(names)}: the numbers of a cell must be sums of what varies: vary "
-                f"anchors, stiffness, rest length and lever."
+                f"{', '.join(names)}: the closed form needs a linear dependence: vary anchors, "
+                f"stiffness, rest length and lever."
             )
-    return found
+    return result
 
 
 def _value(chain: mechanism.Chain, name: str) -> tuple[float, float]:
-    """What a number is, and a step of it that leaves a design possible."""
+    """Value of a parameter, and a small step of it that leaves the design possible."""
     from stepwell.design import parameter
 
     unit_in(chain, name)
@@ -91,20 +92,21 @@ def _value(chain: mechanism.Chain, name: str) -> tuple[float, float]:
 
 def _numbers(chain: Subject, what: str) -> Floats:
     assert isinstance(chain, mechanism.Chain)
-    found = [concave.simple(cell) for cell in chain.cells]
-    if any(one is None for one in found) or np.isfinite(chain.actuator_stiffness):
+    cells = [concave.simple(cell) for cell in chain.cells]
+    if any(one is None for one in cells) or np.isfinite(chain.actuator_stiffness):
         raise InputError(
             f"{what}: closed form needs cells of one linear band, without load or friction, and "
             f"no spring behind the actuator."
         )
-    return np.array(found, float)
+    return np.array(cells, float)
 
 
 def block_row(block: Block, numbers: Packed, drive: int) -> dict[str, Any]:
-    """What a block of designs does.
+    """Row of a block of designs: counts, graphs and cycles.
 
-    That is how many were told, and how many were not and why; and as JSON the graphs and the
-    cycles, each [key, how often, largest gap, the design that has it], and the first not told.
+    Counts are the designs in closed form, and the others by reason. Graphs and cycles are JSON
+    lists of [key, count, largest gap, design with that gap]; `asked` lists the first designs
+    without a closed form.
     """
     most = min(block.size, _GRAPHS)
     graphs, cycles = concave.KeyCounts(most), concave.KeyCounts(most)
@@ -112,12 +114,16 @@ def block_row(block: Block, numbers: Packed, drive: int) -> dict[str, Any]:
     asked: list[int] = []
     for first in range(block.first, block.first + block.size, _PIECE):
         last = min(first + _PIECE, block.first + block.size)
-        key, cycle, gap, told = concave.classed(numbers.at(block.space.points(first, last)), drive)
+        key, cycle, gap, verdict = concave.classed(
+            numbers.at(block.space.points(first, last)), drive
+        )
         graphs.add(key, gap[:, 0], first)
         cycles.add(cycle, gap[:, 1], first)
-        counts += np.bincount(told, minlength=4)
+        counts += np.bincount(verdict, minlength=4)
         if len(asked) < _ASKED:
-            asked += (first + np.flatnonzero(told != concave.TOLD)[: _ASKED - len(asked)]).tolist()
+            asked += (
+                first + np.flatnonzero(verdict != concave.TOLD)[: _ASKED - len(asked)]
+            ).tolist()
     lists = {"graphs": graphs.rows, "cycles": cycles.rows, "asked": asked}
-    told = {name: int(counts[code]) for name, code in COUNTS.items()}
-    return told | {name: json.dumps(rows) for name, rows in lists.items()}
+    verdict = {name: int(counts[code]) for name, code in COUNTS.items()}
+    return verdict | {name: json.dumps(rows) for name, rows in lists.items()}

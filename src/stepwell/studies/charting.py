@@ -1,4 +1,4 @@
-"""The store of an atlas read: machines with their memory, their yields, and what is proved."""
+"""Atlas from its store: transition graphs with their memory and yields, and proofs."""
 
 import json
 from collections import Counter
@@ -15,14 +15,14 @@ from stepwell.design import USUAL, Draws, Share, Tolerances, share_of
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, TransitionGraph
 from stepwell.studies import machines
-from stepwell.studies.blocks import COUNTS, DRIVES, Packed, packed
+from stepwell.studies.blocks import CLOSED_FORM, COUNTS, DRIVES, Packed, packed
 from stepwell.studies.designs import IndependentBlocks, changed
 from stepwell.studies.machines import Atlas, Machine, possible, proved_space
 from stepwell.studies.store import Study
 
-# Designs of a graph whose yields are compared: those with the largest gap in their blocks.
+# Candidate designs of a graph whose yields are compared: those with the largest gaps.
 _CANDIDATES = 8
-# Mechanisms built after each of these, until one of them is chosen.
+# Samples of each candidate, until one of them is selected.
 _FEW = 100
 
 _Best = list[tuple[float, int]]
@@ -36,16 +36,17 @@ def charted(
     checks: int = 100,
     progress: Progress = None,
 ) -> Atlas:
-    """The atlas of a store that `atlas` has begun, of all blocks that are done.
+    """The atlas of all finished blocks of a store that `atlas` has begun.
 
     Args:
-        tolerances: of anchors, stiffness and rest length, within which designs are built.
-        samples: mechanisms that are built after each design.
-        checks: designs that are told, and others that are not, that the engine follows; at most.
-        progress: called with (done, all) machines.
+        tolerances: tolerances of anchors, stiffness and rest length.
+        samples: number of samples of each design.
+        checks: largest number of designs with, and of designs without, a closed form that the
+            engine simulates.
+        progress: called with (done, total) graphs.
 
     Raises:
-        ValueError: another study, one of which nothing is done, or tolerances of what stays.
+        ValueError: another study, no finished block, or tolerances of other parameters.
     """
     designs, done = _require_blocks(study, tolerances), study.done_chunks()
     chain = study.subject
@@ -55,11 +56,12 @@ def charted(
     sums = {name: int(np.sum(study.values(name, done))) for name in COUNTS}
     graphs, cycles = (_merged(study.values(name, done)) for name in ("graphs", "cycles"))
     total = designs.size * sum(len(study.rows(chunk)) for chunk in done)
+    closed_form = sums.pop(CLOSED_FORM)
     machines = [
-        space.machine(key, share_of(count, sums["told"]), best, tolerances, samples)
+        space.machine(key, share_of(count, closed_form), best, tolerances, samples)
         for key, (count, best) in tracked(graphs.items(), progress)
     ]
-    known = sums["told"] + sums["wakes"]
+    known = closed_form + sums["wakes"]
     agreed, checked = space.agreement(checks)
     allowed = possible(len(chain), space.drive)
     return Atlas(
@@ -68,6 +70,7 @@ def charted(
         drive,
         designs.seed,
         total,
+        closed_form,
         **sums,
         tolerances=tolerances,
         machines=tuple(machines),
@@ -83,18 +86,19 @@ def charted(
 
 def _require_blocks(study: Study, tolerances: Tolerances) -> IndependentBlocks:
     if not isinstance(study.designs, IndependentBlocks) or study.what != "atlas":
-        raise InputError(f"{study.folder}: holds no atlas, but {study!r}.")
+        raise InputError(f"{study.folder}: must contain an atlas, but contains {study!r}.")
     if not study.done_chunks():
-        raise InputError(f"{study.folder}: no block is done yet.")
+        raise InputError(f"{study.folder}: no block is finished yet: run the same command again.")
     if tolerances.friction or tolerances.travel or tolerances.lever:
         raise InputError(
-            "tolerances: lever, friction and travel must be 0: cells of an atlas have one travel."
+            "tolerances: lever, friction and travel must be 0, because cells of an atlas have one "
+            "travel."
         )
     return study.designs
 
 
 def _merged(blocks: Iterable[str]) -> dict[int, tuple[int, _Best]]:
-    """By key, the most frequent first, how often it came, and its best designs by falling gap."""
+    """Count and best designs (by falling gap) of every key, the most frequent first."""
     counts, best = Counter[int](), dict[int, _Best]()
     for text in blocks:
         for key, count, gap, design in json.loads(str(text)):
@@ -107,9 +111,9 @@ def _merged(blocks: Iterable[str]) -> dict[int, tuple[int, _Best]]:
 
 
 def _unseen(study: Study, done: Sized[int]) -> Share | None:
-    """Of designs of the second half, those with a graph that none of the first half has.
+    """Fraction of designs of the second half with a graph that does not occur in the first half.
 
-    What the first half has not, all of it may have, so that this bounds what all of it has not.
+    It bounds the fraction of designs with a graph that occurs in neither half.
     """
     half = len(done) // 2
     if not half:
@@ -120,14 +124,14 @@ def _unseen(study: Study, done: Sized[int]) -> Share | None:
 
 
 def _asked(study: Study, done: Sized[int], most: int) -> list[int]:
-    """Designs that closed form does not tell: the first of every block, then the second."""
-    found = [json.loads(str(text)) for text in study.values("asked", done)]
-    turns = (design for turn in zip_longest(*found) for design in turn if design is not None)
+    """Designs without a closed form: the first of every block, then the second."""
+    designs = [json.loads(str(text)) for text in study.values("asked", done)]
+    turns = (design for turn in zip_longest(*designs) for design in turn if design is not None)
     return list(islice(turns, most))
 
 
 class _Space:
-    """Designs of a study by number, and what they do."""
+    """Designs of a study by number, and their graphs and yields."""
 
     def __init__(self, study: Study, numbers: Packed, drive: int):
         assert isinstance(study.designs, IndependentBlocks)
@@ -136,7 +140,7 @@ class _Space:
         self.names = [axis.name for axis in study.designs.axes]
 
     def chain(self, design: int) -> Chain:
-        """A design as the engine takes it."""
+        """A design as a chain."""
         return self.made(self.space.points(design, design + 1)[0].tolist())
 
     def made(self, point: Sized[float]) -> Chain:
@@ -148,18 +152,18 @@ class _Space:
         return chain.graph("force" if self.drive else None)
 
     def cells(self, design: int) -> Any:
-        """(N, 6) its cells."""
+        """(N, 6) parameters of the cells of a design."""
         return self.numbers.at(self.space.points(design, design + 1))[0]
 
     def name(self, chain: Chain) -> str:
-        """The name of the graph that the engine finds of a chain."""
+        """Name of a chain's graph, computed by the general engine."""
         return machines.name_of(machines.canonical(machines.ways_of(self.graph(chain)), len(chain)))
 
     def machine(
         self, key: int, share: Share, best: _Best, tolerances: Tolerances, samples: int
     ) -> Machine:
-        """A machine with the design of which most mechanisms keep its graph."""
-        # Chosen by mechanisms of their own: those that tell the yield know nothing of the choice.
+        """A graph with its most robust design: the candidate with the highest yield."""
+        # The selection uses its own samples, so that it does not bias the yield.
         other, few = self.space.seed + 1, min(samples, _FEW)
         kept = [
             self._kept(key, Draws(self.chain(design), tolerances, other), design, few)[0]
@@ -183,7 +187,7 @@ class _Space:
             for hand in (False, True)
         )
         loading, unloading = (order.tolist() for order in motion_orders(proved_ends(cells)[0]))
-        # Numbered as they load, the cells load in order.
+        # Cells are numbered in loading order.
         again = [loading.index(cell) for cell in unloading]
         cycle = Sequence.full_cycle(range(len(loading)), again)
         return Machine(
@@ -209,17 +213,17 @@ class _Space:
         )
 
     def _kept(self, key: int, draws: Draws, design: int, samples: int) -> tuple[int, list[int]]:
-        """Of mechanisms built after a design, how many have this graph, and which are not told."""
+        """Number of samples of a design with this graph, and the samples without a closed form."""
         cells, times, first, others = self.cells(design), 0, 0, list[int]()
         for piece in draws.chunks(samples):
-            found, _, _, told = classed(as_made(piece, cells, draws.spread), self.drive)
-            times += int(np.sum(found == key))
-            others += (first + np.flatnonzero(told != TOLD)).tolist()
+            keys, _, _, verdict = classed(as_made(piece, cells, draws.spread), self.drive)
+            times += int(np.sum(keys == key))
+            others += (first + np.flatnonzero(verdict != TOLD)).tolist()
             first += len(piece)
         return times, others
 
     def _followed(self, draws: Draws, number: int) -> str:
-        """The name of the graph that the engine finds of a mechanism; none if it cannot be."""
+        """Name of a sample's graph, computed by the general engine; "" if that fails."""
         try:
             return self.name(draws.sample(number))
         except StepwellError:
@@ -234,11 +238,11 @@ class _Space:
         return machines.Cycling(cycle, share, design, self.chain(design), gap)
 
     def agreement(self, most: int) -> tuple[int, int]:
-        """Of designs drawn anew that are told, how many the engine sees alike; and how many."""
+        """Number of new designs for which engine and closed form agree, and number of designs."""
         seed = self.space.seed + 1
         points = replace(self.space, seed=seed, count=max(self.space.count, most)).points(0, most)
-        _, _, _, told = classed(self.numbers.at(points), self.drive)
-        checked, agreed = points[told == TOLD], 0
+        _, _, _, verdict = classed(self.numbers.at(points), self.drive)
+        checked, agreed = points[verdict == TOLD], 0
         for point in checked:
             ways = machines.ways_of(self.graph(self.made(point.tolist())))
             agreed += sorted(ways) == sorted(
@@ -247,11 +251,11 @@ class _Space:
         return agreed, len(checked)
 
     def sampled(self, designs: Sized[int]) -> machines.Sampled:
-        """What the engine finds of these designs."""
-        found, failed = Counter[str](), 0
+        """Result of the engine for these designs."""
+        counts, failed = Counter[str](), 0
         for design in designs:
             try:
-                found[self.name(self.chain(design))] += 1
+                counts[self.name(self.chain(design))] += 1
             except StepwellError:
                 failed += 1
-        return machines.Sampled(len(designs), failed, dict(found.most_common()))
+        return machines.Sampled(len(designs), failed, dict(counts.most_common()))

@@ -1,4 +1,4 @@
-"""The designs of a study: each by its number, whoever asks and in whatever order."""
+"""The designs of a study, each reproducible from its number alone."""
 
 import csv
 import hashlib
@@ -21,13 +21,13 @@ from stepwell.files import key_unit, vary
 from stepwell.mechanism import Cell, Chain
 from stepwell.robot import Robot
 
-# What is varied, and what comes of it: a design, or why there is none.
+# A nominal design; varied values with the resulting design, or the error.
 Subject = Chain | Robot
 Made = tuple[Sequence[float], Subject | ValueError]
 
 
 class How(StrEnum):
-    """How designs lie in a space."""
+    """Distribution of designs in a space."""
 
     GRID = "grid"
     SOBOL = "sobol"
@@ -35,22 +35,22 @@ class How(StrEnum):
     RANDOM = "random"
 
 
-# Between keys of a robot that take a number together: a comma that is in no quoted name.
+# Separator of robot keys with a common value: a comma outside quoted names.
 _TOGETHER = re.compile(r',(?=(?:[^"]*"[^"]*")*[^"]*$)')
 
-# A Latin hypercube shuffles all of its designs, and every process holds them.
+# Every process stores all designs of a Latin hypercube.
 MOST_LATIN = 10_000_000
 
 
 @dataclass(frozen=True, eq=False)
 class Axis(ByValue):
-    """What varies, and between which values.
+    """A varied parameter with its range.
 
     Attributes:
-        name: of a parameter of the design, as `design.parameter` takes it.
-        low, high: in SI.
-        count: of values on a grid, both ends among them; elsewhere not looked at.
-        log: whether values lie in equal ratios.
+        name: name of the parameter, as in `design.parameter`.
+        low, high: range [SI].
+        count: number of values on a grid, both ends included; ignored by other distributions.
+        log: whether values are spaced in equal ratios.
     """
 
     name: str
@@ -62,27 +62,27 @@ class Axis(ByValue):
     def __post_init__(self):
         if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
             raise InputError(
-                f"{self.name}: goes from {self.low} to {self.high}: must rise, both finite."
+                f"{self.name}: from {self.low} to {self.high}: must rise, both finite."
             )
         check.whole(f"{self.name}: count", self.count, 2)
         if self.log and self.low <= 0:
-            raise InputError(f"{self.name}: starts at {self.low}: equal ratios take values > 0.")
+            raise InputError(f"{self.name}: starts at {self.low}: equal ratios need values > 0.")
 
     def at(self, share: Floats) -> Floats:
-        """Values (n,) at shares (n,) of the way from `low` to `high`."""
+        """Values (n,) at fractions (n,) of the range."""
         if self.log:
             return self.low * (self.high / self.low) ** share
         return self.low + (self.high - self.low) * share
 
 
 def unit_in(subject: Subject, name: str) -> str:
-    """The unit in which a store keeps a number: SI of a chain, that of the key of a robot.
+    """Unit of a stored parameter: SI for a chain, that of the key for a robot.
 
-    A `ValueError` refuses names that the design has no number of, or several in different units.
+    Unknown names, or several keys with different units, raise a `ValueError`.
     """
     if isinstance(subject, Chain):
         wanted = parameter(subject, name)
-        wanted.values([0.0, 1.0], 2)  # a place is no number
+        wanted.values([0.0, 1.0], 2)  # raises an error for a vector parameter
         return wanted.unit or "1"
     units = {key_unit(subject, key) or "1" for key in _keys(name)}
     if len(units) > 1:
@@ -91,36 +91,36 @@ def unit_in(subject: Subject, name: str) -> str:
 
 
 def _keys(name: str) -> dict[str, float]:
-    """The keys of a robot that take a number together, each with the sign that it takes it with."""
+    """The robot keys with a common value, each with its sign."""
     keys = _TOGETHER.split(name)
     return {key.removeprefix("-"): -1.0 if key.startswith("-") else 1.0 for key in keys}
 
 
 def changed(subject: Subject, names: Sequence[str], values: Sequence[float]) -> Subject:
-    """The design with other numbers, in the units of `unit_in`; a `ValueError` if none can be."""
-    told = zip(names, values, strict=True)
+    """The design with other parameters, in the units of `unit_in`; a `ValueError` if invalid."""
+    pairs = zip(names, values, strict=True)
     if isinstance(subject, Robot):
-        return vary(subject, {k: sign * v for name, v in told for k, sign in _keys(name).items()})
-    for name, value in told:
+        return vary(subject, {k: sign * v for name, v in pairs for k, sign in _keys(name).items()})
+    for name, value in pairs:
         subject = parameter(subject, name).changed(subject, value)
     return subject
 
 
 @dataclass(frozen=True, eq=False)
 class Space(ByValue):
-    """Designs between bounds, by number.
+    """Designs in a box of parameters, by number.
 
     Attributes:
-        axes: one or more, no name twice.
-        how: they lie in it.
-        count: of designs; on a grid as many as it has.
-        seed: of what is drawn.
+        axes: one or more, with unique names.
+        how: their distribution.
+        count: number of designs; a grid sets it.
+        seed: random seed.
 
     Raises:
-        ValueError: no axis, a name twice, no designs, or too many of a Latin hypercube.
+        ValueError: no axis, a repeated name, no designs, or too many for a Latin hypercube.
 
     Source: Latin hypercube, McKay, Beckman and Conover 1979; Sobol' sequence, scrambled as by Owen
-    1995; independent draws by a counter (Philox, Salmon et al. 2011), so that any can be had alone.
+    1995; independent draws by a counter (Philox, Salmon et al. 2011), so each can be drawn alone.
     """
 
     axes: tuple[Axis, ...]
@@ -138,22 +138,22 @@ class Space(ByValue):
         check.whole("count", self.count, 1)
         if self.how is How.LATIN and self.count > MOST_LATIN:
             raise InputError(
-                f"count = {self.count}: a Latin hypercube takes at most {MOST_LATIN}; take "
+                f"count = {self.count}: a Latin hypercube has at most {MOST_LATIN} designs; use "
                 f"{How.SOBOL} for more."
             )
         check.whole("seed", self.seed, 0)
 
     @property
     def grows(self) -> bool:
-        """Whether more designs leave those that there are as they are."""
+        """Whether designs can be added without a change of the others."""
         return self.how in (How.SOBOL, How.RANDOM)
 
     def names(self, _subject: Subject) -> tuple[str, ...]:
-        """What varies."""
+        """Names of the varied parameters."""
         return tuple(axis.name for axis in self.axes)
 
     def made(self, subject: Subject, first: int, last: int) -> Iterator[Made]:
-        """The designs from number `first` to before `last`: their numbers, and each itself."""
+        """Varied values and design for each number from `first` to before `last`."""
         return _each(subject, self.names(subject), self.points(first, last))
 
     def points(self, first: int, last: int) -> Floats:
@@ -180,7 +180,7 @@ def _sobol(space: Space, first: int, last: int) -> Floats:
 
     points = qmc.Sobol(len(space.axes), rng=np.random.default_rng(space.seed))
     with warnings.catch_warnings():
-        # Its balance is that of the whole; a stretch of it need not be a power of two long.
+        # A part of the sequence need not have a power of two of points.
         warnings.simplefilter("ignore", UserWarning)
         return (points.fast_forward(first) if first else points).random(last - first)
 
@@ -201,35 +201,35 @@ _SHARES = {How.RANDOM: _random, How.SOBOL: _sobol, How.LATIN: _latin}
 
 @dataclass(frozen=True, eq=False)
 class Workshop(ByValue):
-    """Mechanisms as a workshop makes them after one drawing, those that `yields` judges.
+    """Monte Carlo samples of a nominal design, the same as those of `yields`.
 
     Attributes:
-        tolerances: how far they may be from the drawing.
-        count: how many are made, >= 1 or a `ValueError`.
-        seed: which ones, >= 0 or a `ValueError`.
+        tolerances: manufacturing tolerances.
+        count: number of samples, >= 1 or a `ValueError`.
+        seed: random seed, >= 0 or a `ValueError`.
     """
 
     tolerances: Tolerances
     count: int
     seed: int = 0
     how: ClassVar[str] = "as built"
-    grows: ClassVar[bool] = True  # more mechanisms leave those that there are as they are
+    grows: ClassVar[bool] = True  # samples can be added without a change of the others
 
     def __post_init__(self):
         check.whole("count", self.count, 1)
         check.whole("seed", self.seed, 0)
 
     def names(self, subject: Subject) -> tuple[str, ...]:
-        """What differs from the drawing, of every cell."""
-        chain, found = _chain(subject), list[str]()
-        told = [str(i) for i in range(1, len(chain) + 1)]
-        for number, cell in zip(told, chain.cells, strict=True):
+        """Names of the parameters with a tolerance, of every cell."""
+        chain, names = _chain(subject), list[str]()
+        numbers = [str(i) for i in range(1, len(chain) + 1)]
+        for number, cell in zip(numbers, chain.cells, strict=True):
             parts = _OF_CELL if isinstance(cell, Cell) else _OF_ELEMENT
-            found += [f"{number}.{part}" for part, of in parts if getattr(self.tolerances, of)]
-        return tuple(found)
+            names += [f"{number}.{part}" for part, of in parts if getattr(self.tolerances, of)]
+        return tuple(names)
 
     def made(self, subject: Subject, first: int, last: int) -> Iterator[Made]:
-        """Mechanisms from number `first` to before `last`: what differs, and each itself."""
+        """Parameters and chain of each sample from number `first` to before `last`."""
         chain = _chain(subject)
         drawn, wanted = Draws(chain, self.tolerances, self.seed), self.names(subject)
         for number in range(first, last):
@@ -241,7 +241,7 @@ class Workshop(ByValue):
             yield [float(parameter(built, name).value(built)) for name in wanted], built  # type: ignore[arg-type]
 
 
-# What of a cell and of an element each tolerance moves.
+# Parameters of a cell and of an element, each with its tolerance.
 _OF_CELL = (
     *((part, "anchor") for part in ("p.x", "p.y", "q.x", "q.y")),
     ("stiffness", "stiffness"),
@@ -254,21 +254,21 @@ _OF_ELEMENT = (("force_scale", "stiffness"), ("travel_scale", "travel"), ("frict
 
 @dataclass(frozen=True, eq=False)
 class ListedDesigns(ByValue):
-    """Designs one by one, as somebody listed them.
+    """An explicit list of designs.
 
     Attributes:
-        columns: name of every number that differs.
-        rows: (n, columns) its values, in SI for a chain, in the keys' units for a robot.
+        columns: names of the varied parameters.
+        rows: (n, columns) values, in SI for a chain, in the keys' units for a robot.
 
     Raises:
-        ValueError: no rows, another shape, a name twice, or a value that is not finite.
+        ValueError: no rows, another shape, a repeated name, or a value that is not finite.
     """
 
     columns: tuple[str, ...]
     rows: Floats = field(repr=False)
     how: ClassVar[str] = "listed"
     grows: ClassVar[bool] = False
-    seed: ClassVar[int] = 0  # nothing is drawn
+    seed: ClassVar[int] = 0  # not random
 
     def __post_init__(self):
         object.__setattr__(self, "columns", tuple(self.columns))
@@ -289,7 +289,7 @@ class ListedDesigns(ByValue):
 
     @property
     def count(self) -> int:
-        """How many designs are listed."""
+        """Number of designs."""
         return len(self.rows)
 
     @property
@@ -298,15 +298,15 @@ class ListedDesigns(ByValue):
         return hashlib.sha256(self.rows.astype("<f8").tobytes()).hexdigest()
 
     def names(self, _subject: Subject) -> tuple[str, ...]:
-        """What differs."""
+        """Names of the varied parameters."""
         return self.columns
 
     def made(self, subject: Subject, first: int, last: int) -> Iterator[Made]:
-        """The designs from number `first` to before `last`: their numbers, and each itself."""
+        """Varied values and design for each number from `first` to before `last`."""
         return _each(subject, self.columns, self.rows[first:last])
 
     def to_csv(self, file: str | os.PathLike[str], subject: Subject) -> None:
-        """Write the list as `read_table` reads it; an `OSError` where it cannot be written."""
+        """Write the list in the format of `read_table`; an `OSError` if the write fails."""
         columns: list[tuple[Quantity, Any]] = [(Quantity("design"), range(self.count))]
         for name, values in zip(self.columns, self.rows.T, strict=True):
             unit = display_unit(unit_in(subject, name))[0] if isinstance(subject, Chain) else ""
@@ -315,7 +315,7 @@ class ListedDesigns(ByValue):
 
 
 class Block(NamedTuple):
-    """Many designs of one space at once, from number `first` on."""
+    """A block of `size` designs of one space, from number `first` on."""
 
     subject: Subject
     first: int
@@ -324,22 +324,22 @@ class Block(NamedTuple):
 
     @property
     def points(self) -> Floats:
-        """(size, axes) their numbers."""
+        """(size, axes) values of the varied parameters."""
         return self.space.points(self.first, self.first + self.size)
 
 
 @dataclass(frozen=True, eq=False)
 class IndependentBlocks(ByValue):
-    """Designs drawn independently, so many at a time that a row tells of a whole block of them.
+    """Independent random designs in blocks; a row of the study summarises one block.
 
     Attributes:
-        axes: one or more, no name twice.
-        size: designs in a block.
-        count: of blocks.
-        seed: of what is drawn.
+        axes: one or more, with unique names.
+        size: number of designs in a block.
+        count: number of blocks.
+        seed: random seed.
 
     Raises:
-        ValueError: what `Space` refuses, or blocks of nothing.
+        ValueError: errors of `Space`, or blocks without designs.
     """
 
     axes: tuple[Axis, ...]
@@ -352,15 +352,15 @@ class IndependentBlocks(ByValue):
     def __post_init__(self):
         check.whole("size", self.size, 1)
         check.whole("count", self.count, 1)
-        self.space  # noqa: B018  refuses what is no space
+        self.space  # noqa: B018  raises an error for an invalid space
 
     @property
     def space(self) -> Space:
-        """All of them, one by one."""
+        """All designs as a space."""
         return Space(tuple(self.axes), How.RANDOM, self.size * self.count, self.seed)
 
     def names(self, _subject: Subject) -> tuple[str, ...]:
-        """Nothing differs from block to block but the block."""
+        """Empty: a block has no single value of a parameter."""
         return ()
 
     def made(self, subject: Subject, first: int, last: int) -> Iterator[tuple[list[float], Block]]:
@@ -374,16 +374,16 @@ Designs = Space | Workshop | ListedDesigns | IndependentBlocks
 
 
 def read_table(file: str | os.PathLike[str], subject: Subject) -> ListedDesigns:
-    """The designs that a CSV file lists, a line each.
+    """The designs listed in a CSV file, one per line.
 
     Args:
-        file: its first line names what differs, as `unit_in` takes it, with or without the unit in
-            which people are told it: outer.q.x_mm, 1.stiffness_N_per_m. A column "design" is only a
-            number; any other is refused.
-        subject: the design in which it differs.
+        file: its first line contains names of parameters (see `unit_in`), with or without the
+            display unit: outer.q.x_mm, 1.stiffness_N_per_m. A column "design" is ignored; other
+            names raise an error.
+        subject: the nominal design.
 
     Raises:
-        ValueError: a column that is no number of the design, or a cell that is no number.
+        ValueError: a column that is no parameter of the design, or an entry that is no number.
         OSError: the file cannot be read.
     """
     with Path(file).open(encoding="utf-8-sig", newline="") as lines:
@@ -415,9 +415,9 @@ def _column(subject: Subject, head: str, file: str) -> tuple[str, float]:
         except ValueError as error:
             problem = problem or error
             continue
-        told, factor = display_unit(unit) if isinstance(subject, Chain) else (unit, 1.0)
-        # With the unit in which a table tells it, or without.
-        if head in (name, Quantity(name, "" if told == "1" else told).key):
+        unit_name, factor = display_unit(unit) if isinstance(subject, Chain) else (unit, 1.0)
+        # With the display unit, or without.
+        if head in (name, Quantity(name, "" if unit_name == "1" else unit_name).key):
             return name, factor
     raise InputError(f"{file}: column {head!r}: {problem}")
 
@@ -432,5 +432,5 @@ def _each(subject: Subject, names: Sequence[str], points: Floats) -> Iterator[Ma
 
 def _chain(subject: Any) -> Chain:
     if not isinstance(subject, Chain):
-        raise InputError("tolerances are those of a chain, and this design is a robot.")
+        raise InputError("tolerances need a chain, and this design is a robot.")
     return subject

@@ -1,4 +1,4 @@
-"""The work of a study: one chunk of it, and how fast all of them go."""
+"""Computation of one chunk of a study, and estimates of the run time."""
 
 import math
 import os
@@ -16,14 +16,14 @@ from stepwell.studies.screen import verdicts_of
 from stepwell.studies.store import PROBLEM, Study, StudyError, edition, opened, same_version
 from stepwell.studies.work import SCREEN_COLUMNS, TEXT
 
-# Designs that an estimate computes, and seconds after which it takes no more.
+# Largest number of designs that an estimate computes, and its time limit [s].
 _SAMPLE, _PATIENCE = 8, 10.0
 
 
 def fill(folder: str, identity: str, chunk: int) -> None:
-    """Compute a chunk and write it: the same bytes whoever does it, and however often.
+    """Compute a chunk and write it; the result is bit-identical for every worker.
 
-    A `StudyError` refuses a folder with another study than is meant, or one of another version.
+    Another study in the folder, or one of another version, raises a `StudyError`.
     """
     study = _meant(folder, identity, edition(folder))
     if not study.is_done(chunk):
@@ -32,16 +32,16 @@ def fill(folder: str, identity: str, chunk: int) -> None:
 
 @lru_cache(maxsize=1)
 def _meant(folder: str, identity: str, _edition: tuple[int, ...]) -> Study:
-    """The study, opened once for many chunks, as long as its description is the same file."""
+    """The study, opened once for many chunks while its description file is unchanged."""
     study = opened(folder)
     same_version(study, __version__)
     if study.identity != identity:
-        raise StudyError(f"{folder}: holds another study than the one that was begun.")
+        raise StudyError(f"{folder}: another study has replaced the one that was started.")
     return study
 
 
 def columns_of(study: Study, chunk: int) -> dict[str, np.ndarray[Any, Any]]:
-    """Every column of a chunk (rows,), in SI; a design that cannot be has a problem instead."""
+    """Every column of a chunk (rows,) [SI]; a design that fails has a problem instead."""
     rows = study.rows(chunk)
     columns: dict[str, list[Any]] = {name: [] for name in study.columns}
     made: Iterable[Any] = study.designs.made(study.subject, rows.start, rows.stop)
@@ -61,45 +61,45 @@ def columns_of(study: Study, chunk: int) -> dict[str, np.ndarray[Any, Any]]:
 def _computed(
     study: Study, rows: range, made: Iterable[Any], verdicts: Sequence[str] | None = None
 ) -> Any:
-    """What the columns of every row hold; after a screen, of the rows that `verdicts` leave."""
+    """Rows of the designs, as values by column; after a screen, only selected rows are computed."""
     nothing = {name: "" if unit == TEXT else math.nan for name, unit in study.columns.items()}
     for number, (values, design) in zip(rows, made, strict=True):
         row = nothing | dict(zip(study.varied, values, strict=True))
         if isinstance(design, ValueError):
-            yield row | {PROBLEM: _told(design)}
+            yield row | {PROBLEM: _error_text(design)}
             continue
         if verdicts is not None and (screen := study.work.screen):
-            told, lot = verdicts[number - rows.start], study.by_lot(number)
-            again = not told or screen.kept(told) or lot
-            row |= dict(zip(SCREEN_COLUMNS, (told, float(again), float(lot)), strict=True))
+            verdict, lot = verdicts[number - rows.start], study.by_lot(number)
+            again = not verdict or screen.kept(verdict) or lot
+            row |= dict(zip(SCREEN_COLUMNS, (verdict, float(again), float(lot)), strict=True))
             if not again:
                 yield row
                 continue
         try:
-            found = study.work.row(design, study.seed_of(number))
-            if found.keys() != study.work.columns.keys():
+            result = study.work.row(design, study.seed_of(number))
+            if result.keys() != study.work.columns.keys():
                 wanted = ", ".join(study.work.columns)
-                raise StudyError(f"gave {', '.join(found)}: must give {wanted}.")
+                raise StudyError(f"gave {', '.join(result)}: must give {wanted}.")
         except Exception as error:  # a function of one's own may raise anything
-            yield row | {PROBLEM: _told(error)}
+            yield row | {PROBLEM: _error_text(error)}
             continue
-        yield row | dict(found)
+        yield row | dict(result)
 
 
-def _told(error: Exception) -> str:
+def _error_text(error: Exception) -> str:
     return f"{type(error).__name__}: {error}"
 
 
 class StudyEstimate(NamedTuple):
-    """What a study will take, from a few of its designs.
+    """Estimated run time and disk space of a study.
 
     Attributes:
-        designs: in all.
-        sample: how many were computed.
-        each: time that one takes on one core [s].
-        seconds: all of them on `workers` cores [s].
-        workers: cores.
-        disk: at most, before compression [bytes].
+        designs: number of designs.
+        sample: number of designs computed for the estimate.
+        each: time per design on one core [s].
+        seconds: time of all designs on `workers` cores [s].
+        workers: number of cores.
+        disk: upper limit before compression [bytes].
     """
 
     designs: int
@@ -111,14 +111,17 @@ class StudyEstimate(NamedTuple):
 
 
 def estimate(study: Study, workers: int) -> StudyEstimate:
-    """What a study, begun or not, will take on so many cores.
+    """Estimated run time and disk space of a study, started or not, on `workers` cores.
 
-    A few of its designs, evenly over all, are computed here and now. The first of them is not
-    counted where there are others: it compiles and opens what the others find ready. A `ValueError`
-    says that nothing can be computed.
+    A few evenly spaced designs are computed immediately. The time of the first, which includes
+    compilation and imports, is ignored if there are others. A `ValueError` is raised if no design
+    can be computed.
     """
     if study.work.screen:
-        raise InputError("estimate: nobody knows beforehand how many designs a screen keeps.")
+        raise InputError(
+            "estimate: the number of designs selected by a screen is unknown in advance: estimate "
+            "with engine = 'cpu' for an upper limit."
+        )
     count = min(_SAMPLE, study.count)
     chosen = sorted({round(k * (study.count - 1) / max(count - 1, 1)) for k in range(count)})
     begin, spent, text = time.perf_counter(), list[float](), 0
@@ -137,17 +140,17 @@ def estimate(study: Study, workers: int) -> StudyEstimate:
     return StudyEstimate(study.count, len(spent), each, seconds, workers, disk)
 
 
-# So many chunks are looked at, and a pause is longer than these seconds and than so many gaps.
+# Largest number of chunks used; a pause is longer than these seconds and this multiple of a gap.
 _LAST, _PAUSE, _GAPS = 64, 20.0, 10.0
 
 
 class Pace(NamedTuple):
-    """How fast a study went when it was worked on last.
+    """Speed of a study's last run.
 
     Attributes:
-        rate: designs a second.
-        since: how long ago the last chunk was written [s].
-        at_work: whether that is not long ago, for chunks that take as long as its own.
+        rate: designs per second.
+        since: time since the last chunk was written [s].
+        at_work: whether that time is short enough for a run in progress.
     """
 
     rate: float
@@ -156,16 +159,16 @@ class Pace(NamedTuple):
 
 
 def pace(study: Study, now: float | None = None) -> Pace | None:
-    """How fast a study goes; None where fewer than two chunks were written without a pause.
+    """Speed of a study; None if fewer than two chunks were written without a pause.
 
-    Nothing but the times of its files is looked at, from `now` [s] since the epoch or by the clock.
+    It is computed from file times only, at `now` [s] since the epoch, or the current time.
     """
     try:
         with os.scandir(study.folder / PROBLEM / "c") as files:
-            found = [(one.stat().st_mtime, int(one.name)) for one in files if one.name.isdecimal()]
+            times = [(one.stat().st_mtime, int(one.name)) for one in files if one.name.isdecimal()]
     except OSError:
         return None
-    written = sorted(found)[-_LAST:]
+    written = sorted(times)[-_LAST:]
     gaps = [later[0] - earlier[0] for earlier, later in pairwise(written)]
     if not gaps:
         return None

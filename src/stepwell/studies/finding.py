@@ -1,4 +1,4 @@
-"""Machines of an atlas by what they do, and their neighbours in the space of designs."""
+"""Search in the transition graphs of an atlas, and their boundaries in the design space."""
 
 import re
 from collections.abc import Callable
@@ -15,21 +15,21 @@ from stepwell.studies.designs import IndependentBlocks
 from stepwell.studies.machines import Atlas, Machine, canonical, name_of
 from stepwell.studies.store import Study
 
-# Designs on every way, and how often the piece with the border is halved: to 3·10⁻⁵ of the way.
-# Nearer to a border the engine would see a tie.
+# Designs along each line, and number of bisections of the interval with the boundary: to 3·10⁻⁵ of
+# the line. Closer to a boundary the engine would find a tie.
 _STEPS, _HALVES = 32, 10
 
 
 class Border(NamedTuple):
-    """Where a machine becomes another one as one number of its most robust design is changed.
+    """Boundary to another transition graph along one parameter of a graph's most robust design.
 
     Attributes:
-        machine: its name.
-        parameter: the number, all others staying.
-        value: where it is another one already, just past the border, in SI; to some micrometres
-            where a snap lands by a flow of several cells.
-        step: from the design to there, in SI; its sign says which way.
-        beyond: name of the machine that begins there, one of the atlas or not.
+        machine: name of the graph.
+        parameter: the changed parameter; all others are constant.
+        value: its value just past the boundary [SI]; within micrometres if several cells move
+            together in a landing.
+        step: signed change from the design to that value [SI].
+        beyond: name of the graph past the boundary, in the atlas or not.
     """
 
     machine: str
@@ -39,51 +39,50 @@ class Border(NamedTuple):
     beyond: str
 
 
-def borders(study: Study, found: Atlas) -> tuple[Border, ...]:
-    """The neighbours of every machine of the atlas of a store: what one small change makes of it.
+def borders(study: Study, atlas: Atlas) -> tuple[Border, ...]:
+    """Nearest boundaries of every transition graph of an atlas, along each varied parameter.
 
-    From its most robust design every number that varies is changed by itself, down and up to the
-    ends of the space, until closed form tells another graph. A machine that takes up less than a
-    thirty-second of such a way may be passed over. Where closed form does not tell what lies at a
-    border, nothing is said. The order is of the atlas, then of the space, down before up.
-    A `ValueError` refuses a study of no atlas.
+    Each parameter of the most robust design is changed alone, down and up to the ends of the space,
+    until the closed form gives another graph. A graph within less than 1/32 of that range may be
+    missed. Boundaries without a closed form are left out. The order is that of the atlas, then of
+    the space, down before up. A study without an atlas raises a `ValueError`.
     """
     designs = study.designs
     if not isinstance(designs, IndependentBlocks):
-        raise InputError(f"{study.folder}: holds no atlas, but {study!r}.")
-    drive = DRIVES[found.drive]
-    numbers = packed(found.chain, [axis.name for axis in found.axes])
-    starts = np.array([designs.space.points(m.design, m.design + 1)[0] for m in found.machines])
-    # A way for every machine, number and end of the space.
+        raise InputError(f"{study.folder}: must contain an atlas, but contains {study!r}.")
+    drive = DRIVES[atlas.drive]
+    numbers = packed(atlas.chain, [axis.name for axis in atlas.axes])
+    starts = np.array([designs.space.points(m.design, m.design + 1)[0] for m in atlas.machines])
+    # A line for every graph, parameter and end of the space.
     machines, axes, ends = (
         each.ravel()
-        for each in np.indices((len(found.machines), len(found.axes), 2), dtype=np.int64)
+        for each in np.indices((len(atlas.machines), len(atlas.axes), 2), dtype=np.int64)
     )
-    reach = np.array([(axis.low, axis.high) for axis in found.axes])
+    reach = np.array([(axis.low, axis.high) for axis in atlas.axes])
     far = reach[axes, ends] - starts[machines, axes]
 
     def graphs(ways: Ints, shares: Floats) -> tuple[Ints, np.ndarray]:
-        """The key of the graph at a share of each of these ways, and whether it is told."""
+        """Key of the graph at a fraction of each line, and whether it is in closed form."""
         points = starts[machines[ways]]
         points[np.arange(len(ways)), axes[ways]] += shares * far[ways]
-        key, _, _, told = classed(numbers.at(points), drive)
-        return key, told == TOLD
+        key, _, _, decided = classed(numbers.at(points), drive)
+        return key, decided == TOLD
 
     own, _, _, _ = classed(numbers.at(starts), drive)
     all_ways, shares = np.arange(len(far)), np.arange(1, _STEPS + 1) / _STEPS
-    key, told = graphs(np.repeat(all_ways, _STEPS), np.tile(shares, len(far)))
-    key, told = (one.reshape(len(far), _STEPS) for one in (key, told))
-    other = (key != own[machines][:, None]) | ~told
+    key, decided = graphs(np.repeat(all_ways, _STEPS), np.tile(shares, len(far)))
+    key, decided = (one.reshape(len(far), _STEPS) for one in (key, decided))
+    other = (key != own[machines][:, None]) | ~decided
     first = np.argmax(other, axis=1)
-    # Behind what is not told may be anything.
-    ways = np.flatnonzero(other.any(axis=1) & told[all_ways, first] & (far != 0.0))
+    # Past a point without a closed form, the graph is unknown.
+    ways = np.flatnonzero(other.any(axis=1) & decided[all_ways, first] & (far != 0.0))
     high = shares[first[ways]]
     low = high - 1.0 / _STEPS
     for _ in range(_HALVES):
         half = 0.5 * (low + high)
-        key, told = graphs(ways, half)
-        ways, key = ways[told], key[told]
-        low, high, half = low[told], high[told], half[told]
+        key, decided = graphs(ways, half)
+        ways, key = ways[decided], key[decided]
+        low, high, half = low[decided], high[decided], half[decided]
         same = key == own[machines[ways]]
         low, high = np.where(same, half, low), np.where(same, high, half)
     past = starts[machines[ways]]
@@ -92,11 +91,11 @@ def borders(study: Study, found: Atlas) -> tuple[Border, ...]:
     names: dict[int, str] = {}
     for one, cells in zip(key.tolist(), numbers.at(past), strict=True):
         if one not in names:
-            names[one] = name_of(canonical(closed_graph(cells, drive), len(found.chain)))
+            names[one] = name_of(canonical(closed_graph(cells, drive), len(atlas.chain)))
     return tuple(
         Border(
-            found.machines[machines[way]].name,
-            found.axes[axes[way]].name,
+            atlas.machines[machines[way]].name,
+            atlas.axes[axes[way]].name,
             float(starts[machines[way], axes[way]] + share * far[way]),
             float(share * far[way]),
             names[one],
@@ -105,13 +104,13 @@ def borders(study: Study, found: Atlas) -> tuple[Border, ...]:
     )
 
 
-# The atlas that comes with Stepwell: 300,000 designs of three of the paper's cells, as
-# `stepwell atlas build --cells 3 --designs 3e5 --out three.zarr` makes it.
+# The atlas in the package: 300,000 designs of three of the paper's cells, made by
+# `stepwell atlas build --cells 3 --designs 3e5 --out three.zarr`.
 THREE = Path(__file__).with_name("three.zarr")
 
 _WORDS = {"one": 1, "two": 2, "three": 3, "four": 4, "five": 5}
 
-# What can be asked, and what it means.
+# Phrases of a query.
 QUERIES: dict[str, Callable[[Machine], bool]] = {
     "counts": lambda m: m.counts > 0,
     "counts by hand": lambda m: m.counts_by_hand > 0,
@@ -129,25 +128,25 @@ _COUNTS = re.compile(r"counts to (\w+)( by hand)?")
 
 
 def find(atlas: Atlas, query: str, least: float = 0.0) -> tuple[Machine, ...]:
-    """The machines that do all that is asked, the highest yield first.
+    """Transition graphs that satisfy a query, the highest yield first.
 
     Args:
-        query: phrases of `QUERIES`, "counts to two" and the like ("by hand" too), a cycle such as
-            "00>10>11>01>00" with cells numbered as they load, or a name; several with "and", each
-            with "not" before it or without.
-        least: yield that a machine must have, by the lower end of its interval.
+        query: phrases joined by "and", each optionally after "not": those of `QUERIES`, "counts to
+            two" ("by hand" too), a cycle such as "00>10>11>01>00" with cells numbered in loading
+            order, or a name.
+        least: least yield, compared with the lower end of its interval.
 
     Raises:
-        ValueError: a phrase that means nothing here; the text names the nearest.
+        ValueError: an unknown phrase; the error suggests the nearest known one.
     """
-    found = [one for one in atlas.machines if one.kept.low >= least]
+    matches = [one for one in atlas.machines if one.kept.low >= least]
     for holds in understood(query):
-        found = list(filter(holds, found))
-    return tuple(sorted(found, key=lambda one: (-one.kept.share, -one.share.share, one.name)))
+        matches = list(filter(holds, matches))
+    return tuple(sorted(matches, key=lambda one: (-one.kept.share, -one.share.share, one.name)))
 
 
 def understood(query: str) -> list[Callable[[Machine], bool]]:
-    """What a query asks of a machine; arguments and errors as for `find`."""
+    """Conditions of a query on a graph; arguments and errors are those of `find`."""
     return [_asked(one) for one in re.split(r"\s+and\s+|\s*,\s*", query.strip())]
 
 

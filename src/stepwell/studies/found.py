@@ -1,4 +1,4 @@
-"""What a study has found so far: how often each outcome occurs, the range of every number."""
+"""Summary of a study: frequencies of outcomes and ranges of numbers."""
 
 from collections import Counter
 from typing import NamedTuple
@@ -11,14 +11,14 @@ from stepwell.studies.designs import How
 from stepwell.studies.store import PROBLEM, Study
 from stepwell.studies.work import SCREEN_COLUMNS, TEXT
 
-# Of a column of words so many of the most frequent values are counted.
+# Largest number of values counted in a column of words, the most frequent first.
 _VALUES = 20
 
 
 class Varied(NamedTuple):
-    """A number that differs from design to design, between two values in a unit, "" for a ratio.
+    """A varied parameter with its range in a unit, "" for a ratio.
 
-    The ends of what is not bounded, such as samples, are those so far; None before any design.
+    Without prescribed bounds, the range is that of the finished designs; None if there are none.
     """
 
     parameter: str
@@ -28,10 +28,10 @@ class Varied(NamedTuple):
 
 
 class Frequency(NamedTuple):
-    """How often a column of words has one of its most frequent values.
+    """Frequency of one value of a column of words.
 
-    The share is of the designs that have a value; of a screened study of those drawn at random. Its
-    interval means nothing where the designs are no sample (`sampled`).
+    `share` is the fraction of the designs with a value; in a screened study, of those drawn at
+    random. Its interval is valid only if the designs are a random sample (`sampled`).
     """
 
     column: str
@@ -41,9 +41,9 @@ class Frequency(NamedTuple):
 
 
 class Extent(NamedTuple):
-    """The values of a column of numbers, in a unit, "" for a ratio or a count.
+    """Least, median and largest value of a column in a unit, "" for a ratio or a count.
 
-    Of the `designs` that have a value; least, median and most are None where none has.
+    `designs` is the number of designs with a value; if it is 0, the others are None.
     """
 
     column: str
@@ -55,52 +55,52 @@ class Extent(NamedTuple):
 
 
 def varied(study: Study) -> tuple[Varied, ...]:
-    """What differs from design to design."""
+    """The varied parameters of a study with their ranges."""
     axes = {axis.name: (axis.low, axis.high) for axis in getattr(study.designs, "axes", ())}
-    found: list[Varied] = []
+    parameters: list[Varied] = []
     for name in study.varied:
-        unit, factor = study.told(name)
+        unit, factor = study.display_unit(name)
         values = np.array(axes[name]) if name in axes else _finite(study, name)
         ends = [float(of(values)) * factor if len(values) else None for of in (np.min, np.max)]
-        found.append(Varied(name, unit, *ends))
-    return tuple(found)
+        parameters.append(Varied(name, unit, *ends))
+    return tuple(parameters)
 
 
 def frequencies(study: Study) -> tuple[Frequency, ...]:
-    """How often each outcome occurs, of every column of words the most frequent first."""
+    """Frequencies of the outcomes in every column of words, the most frequent first."""
     if study.what == "atlas":
-        # What an atlas counts is JSON.
+        # Columns of an atlas are JSON.
         return ()
     sampled = study.designs.how not in (How.GRID, "listed")
-    found: list[Frequency] = []
-    for name in (name for name, unit in _found(study).items() if unit == TEXT):
+    frequencies: list[Frequency] = []
+    for name in (name for name, unit in _result_units(study).items() if unit == TEXT):
         words = np.array([str(one) for one in study.values(name)], object)
         if study.work.screen:
-            # Those that a screen chose are no sample of the designs; those drawn at random are.
+            # Only designs drawn at random are a sample; a screen's choice is not.
             words = words[study.values("lot") == 1]
         counts = Counter(words.tolist())
         counts.pop("", None)
         of = sum(counts.values())
         often = sorted(counts.items(), key=lambda one: (-one[1], one[0]))[:_VALUES]
-        found += [Frequency(name, value, share_of(n, of), sampled) for value, n in often]
-    return tuple(found)
+        frequencies += [Frequency(name, value, share_of(n, of), sampled) for value, n in often]
+    return tuple(frequencies)
 
 
 def extents(study: Study) -> tuple[Extent, ...]:
-    """The range of every column of numbers that was found."""
-    found: list[Extent] = []
-    for name in (name for name, unit in _found(study).items() if unit != TEXT):
-        unit, factor = study.told(name)
+    """The range of every result that is a number."""
+    extents: list[Extent] = []
+    for name in (name for name, unit in _result_units(study).items() if unit != TEXT):
+        unit, factor = study.display_unit(name)
         values = _finite(study, name) * factor
         least, median, most = (
             float(of(values)) if len(values) else None for of in (np.min, np.median, np.max)
         )
-        found.append(Extent(name, unit, least, median, most, len(values)))
-    return tuple(found)
+        extents.append(Extent(name, unit, least, median, most, len(values)))
+    return tuple(extents)
 
 
-def _found(study: Study) -> dict[str, str]:
-    """Unit of every column that was found, by its name."""
+def _result_units(study: Study) -> dict[str, str]:
+    """Unit of every result column by its name."""
     others = {*study.varied, *SCREEN_COLUMNS, PROBLEM}
     return {name: unit for name, unit in study.columns.items() if name not in others}
 

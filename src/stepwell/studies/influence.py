@@ -1,4 +1,4 @@
-"""Which number decides what: how much of what a study found each number explains by itself."""
+"""First-order influence of each varied parameter on each result of a study."""
 
 from collections import Counter
 from dataclasses import dataclass, field
@@ -10,18 +10,18 @@ from stepwell.base import ByValue, Floats
 from stepwell.studies.store import PROBLEM, Study
 from stepwell.studies.work import TEXT
 
-# Designs below which nothing is said.
+# Least number of designs.
 _LEAST = 50
-# How often chance alone may lift any of the numbers above the floor.
+# Probability that chance alone lifts any parameter above the floor.
 _CHANCE = 0.05
 
 
 class Influence(NamedTuple):
-    """What one number decides of a column.
+    """Influence of one parameter on a column.
 
     Attributes:
-        name: of the number.
-        share: of the column's variance that it explains by itself, from below 0 (by chance) to 1.
+        name: name of the parameter.
+        share: first-order fraction of the column's variance, from below 0 (by chance) to 1.
         trend: rank correlation (Spearman 1904), from -1 to 1.
     """
 
@@ -32,15 +32,15 @@ class Influence(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class DecidingNumbers(ByValue):
-    """Which numbers decide a column.
+    """Influences of all parameters on a column.
 
     Attributes:
         column: its name.
-        value: of a column of words, the most frequent one: what is explained is whether a design
-            does this. "" of a column of numbers.
-        designs: that have a value.
-        floor: a share that chance lifts none of the numbers above, in 95 of 100 studies.
-        influences: by falling share.
+        value: most frequent value of a column of words, whose occurrence is explained; "" for a
+            column of numbers.
+        designs: number of designs with a value.
+        floor: fraction that chance exceeds for no parameter in 95 of 100 studies.
+        influences: by falling fraction.
     """
 
     column: str
@@ -51,22 +51,22 @@ class DecidingNumbers(ByValue):
 
     @property
     def sure(self) -> tuple[Influence, ...]:
-        """Those above the floor."""
+        """Influences above the floor."""
         return tuple(one for one in self.influences if one.share > self.floor)
 
     def __repr__(self):
-        told = ", ".join(f"{one.name} {one.share:.0%}" for one in self.sure[:3])
+        names = ", ".join(f"{one.name} {one.share:.0%}" for one in self.sure[:3])
         what = f"{self.column} = {self.value}" if self.value else self.column
-        return f"DecidingNumbers({what} by {told or 'none'}, of {self.designs} designs)"
+        return f"DecidingNumbers({what} by {names or 'none'}, of {self.designs} designs)"
 
 
 def decided(study: Study) -> tuple[DecidingNumbers, ...]:
-    """Which numbers decide what a study has found so far, of every column that differs.
+    """First-order influences of the varied parameters on every column of a study that differs.
 
-    Every number's values are cut into classes of as many designs each, and a column's variance
-    within them is compared with all of it. What numbers only do together is none's share. It takes
-    for granted that the numbers were varied independently, as a grid and every draw vary them. Of
-    fewer than 50 designs, and of those that a screen chose, nothing is said.
+    The values of a parameter are divided into classes of equal size, and a column's variance within
+    the classes is compared with its total variance. Interactions are not included. The parameters
+    must be varied independently, as by a grid or random draws. The result is empty for fewer than
+    50 designs and for screened studies.
 
     Source: first-order indices from given data, Plischke, Borgonovo and Smith 2013; without the
     bias of few designs a class, Kelley 1935; the floor by the F distribution.
@@ -75,43 +75,43 @@ def decided(study: Study) -> tuple[DecidingNumbers, ...]:
         return ()
     chunks = study.done_chunks()
     varied = {name: study.values(name, chunks) for name in study.varied}
-    found: list[DecidingNumbers] = []
+    results: list[DecidingNumbers] = []
     for name, unit in study.columns.items():
-        # What an atlas counts is JSON.
+        # Columns of an atlas are JSON.
         if name in varied or (unit == TEXT and study.what == "atlas"):
             continue
         values = study.values(name, chunks)
         what = _of_text(name, values) if unit == TEXT else ("", values, np.isfinite(values))
         if one := _decided(name, *what, varied):
-            found.append(one)
-    return tuple(found)
+            results.append(one)
+    return tuple(results)
 
 
 def _of_text(column: str, values: Any) -> tuple[str, Floats, np.ndarray]:
-    """The most frequent text, whether each is that one, and which designs have a text."""
+    """The most frequent text, whether each design has it (n,), and which designs have a text."""
     words = [str(one) for one in values]
     if column == PROBLEM:
         words = [one.partition(":")[0] for one in words]
     counts = Counter(one for one in words if one)
     common = max(sorted(counts), key=counts.__getitem__, default="")
-    # A design without a problem has none; an empty text in any other column is missing.
+    # An empty text means no problem in the column of problems, and a missing value in others.
     known = np.array([column == PROBLEM or one != "" for one in words])
     return common, np.array([one == common for one in words], float), known
 
 
 def _decided(
-    column: str, value: str, y: Floats, told: np.ndarray, varied: dict[str, Floats]
+    column: str, value: str, y: Floats, known: np.ndarray, varied: dict[str, Floats]
 ) -> DecidingNumbers | None:
     from scipy.stats import f as fisher
 
-    told = np.logical_and.reduce([told, *(np.isfinite(x) for x in varied.values())])
-    y, n = y[told], int(told.sum())
+    known = np.logical_and.reduce([known, *(np.isfinite(x) for x in varied.values())])
+    y, n = y[known], int(known.sum())
     if n < _LEAST or not varied or np.ptp(y) <= 1e-12 * np.max(np.abs(y)):
         return None
     influences, floors = list[Influence](), list[float]()
     for name, x in varied.items():
-        share, classes = explained(x[told], y)
-        influences.append(Influence(name, share, _trend(x[told], y)))
+        share, classes = explained(x[known], y)
+        influences.append(Influence(name, share, _trend(x[known], y)))
         if classes > 1:
             chance = fisher.ppf(1 - _CHANCE / len(varied), classes - 1, n - classes)
             odds = (classes - 1) / (n - classes) * chance
@@ -121,15 +121,15 @@ def _decided(
 
 
 def explained(x: Floats, y: Floats) -> tuple[float, int]:
-    """Share of the variance of y (n,) that x (n,) explains by itself, and by how many classes."""
+    """First-order fraction of the variance of y (n,) by x (n,), and the number of classes."""
     from scipy.stats import rankdata
 
     n = len(x)
-    # More classes follow a curve more closely, and hold fewer designs each.
+    # More classes resolve a curve better, but contain fewer designs each.
     most = round(n ** (1 / 3))
     levels, of = np.unique(x, return_inverse=True)
     if len(levels) > most:
-        # Equal values are in one class, the one where the first of them is.
+        # Equal values are in one class: that of the first of them.
         of = (rankdata(x, method="min").astype(int) - 1) * most // n
     counts = np.bincount(of)
     classes = int(np.count_nonzero(counts))

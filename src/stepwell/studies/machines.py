@@ -1,4 +1,4 @@
-"""An atlas of machines: what a space of designs holds, as values, and what cannot occur in it."""
+"""Atlas of transition graphs: the graphs that occur in a design space, and those possible."""
 
 import hashlib
 import os
@@ -22,16 +22,17 @@ _NAME = 8  # hex digits
 
 
 def ways_of(graph: TransitionGraph) -> tuple[Way, ...]:
-    """The ways of a graph: from, to, direction of the drive, whether it snaps."""
+    """The transitions of a graph: from, to, direction of the drive, whether it snaps."""
     return tuple(
         (a, b, one.direction, one.kind is TransitionKind.SNAP) for a, b, one in graph.transitions()
     )
 
 
 def canonical(ways: Iterable[Way], cells: int) -> str:
-    """A text that two graphs share exactly if one is the other with its cells renumbered.
+    """Canonical text of a graph: equal for two graphs if and only if they differ only by the
+    numbers of their cells.
 
-    Of all numberings the one is taken whose text comes first; ways as `concave.closed_graph` gives.
+    It is the alphabetically first text of all numberings; ways are those of `concave.closed_graph`.
     """
     return _canonical(frozenset(ways), cells)
 
@@ -40,7 +41,7 @@ def canonical(ways: Iterable[Way], cells: int) -> str:
 def _canonical(ways: frozenset[Way], cells: int) -> str:
     def text(places: tuple[int, ...]) -> str:
         def moved(label: str) -> str:
-            # What follows the cells tells nodes of one state apart.
+            # The characters after the cells distinguish nodes of one state.
             return "".join(label[place] for place in places) + label[cells:]
 
         return " ".join(
@@ -64,12 +65,12 @@ _MOST = 4
 
 @cache
 def possible(cells: int, drive: int) -> frozenset[str] | None:
-    """The canonical texts of all graphs that concave cells of one travel can have, proved.
+    """The canonical texts of all possible graphs of concave cells with one travel, proved.
 
-    Where end forces alone tell the graph, it is that of their order, and the orders can be listed:
-    every F1 is below its own F0, and which cell is which does not matter. Under a stroke that is so
-    of two cells; of more, a snap may land by forces in between, and None is returned. Chains with a
-    tie are none of these. The drive is STROKE or FORCE.
+    If the order of the critical forces determines the graph, all orders can be listed: every F1 is
+    below its own F0, and the numbers of the cells do not matter. Under displacement control this
+    holds for two cells. With more cells a landing may depend on intermediate forces, and None is
+    returned. Chains with ties are excluded. The drive is STROKE or FORCE.
 
     Source: ours (theory page, "Graphs in closed form").
     """
@@ -84,16 +85,16 @@ def possible(cells: int, drive: int) -> frozenset[str] | None:
 
 
 def proved_space(chain: Chain, axes: tuple[Axis, ...]) -> bool:
-    """Whether every design of a space has concave taut cells of one travel, proved.
+    """Whether every design of a space has concave cells in tension with one travel, proved.
 
-    The axes are anchors and stiffness, on which the proof does not hang.
+    The axes must be anchors and stiffness.
     """
     numbers = packed(chain, [axis.name for axis in axes])
     values = np.array([(axis.low, axis.high) for axis in axes])
     ends = numbers.slopes[..., None] * values[:, None, None, :]
     low = numbers.base + np.sum(np.min(ends, axis=-1), axis=0)
     high = numbers.base + np.sum(np.max(ends, axis=-1), axis=0)
-    # ℓ0, r and θc are those of the drawing, and k > 0 scales both sides of the certificate.
+    # ℓ0, r and θc are nominal, and k > 0 scales both sides of the certificate.
     if np.any(low[:, 3:] != high[:, 3:]) or np.any(low[:, 2] <= 0):
         return False
     travels = low[:, 4] * low[:, 5]
@@ -104,36 +105,36 @@ def proved_space(chain: Chain, axes: tuple[Axis, ...]) -> bool:
     )
 
 
-# Designs in a block: some tenths of a second of two cells, some seconds of three.
+# Designs in a block: a few tenths of a second for two cells, a few seconds for three.
 _SIZES = {2: 1_000_000, 3: 100_000}
 _FEW = 10_000
 
 
 @dataclass(frozen=True, eq=False)
 class Machine(ByValue):
-    """One transition graph that occurs, whichever cell is which.
+    """A transition graph that occurs in a design space, up to the numbers of the cells.
 
     Attributes:
         name: the first digits of the SHA-256 of its canonical text.
-        share: of the designs that closed form tells.
+        share: fraction of the designs evaluated in closed form.
         design, chain: number of its most robust design, and that design.
-        gap: by how much of the largest force two of its forces could come nearer before the graph
-            is another one.
-        kept: of so many mechanisms built after it within the tolerances, those with this graph; the
-            engine follows what closed form does not tell.
-        agrees: whether the engine finds the same graph of that design.
-        cycle: what a full stroke to and fro does; cells are numbered as they load.
-        states, reached: with every cell at a stop, and of these, how many one actuator reaches from
-            all cells at 0.
-        snaps: ways that cannot be turned back.
-        sub_loops: loops besides the main one.
+        gap: change of the difference of two forces, as a fraction of the largest force, up to which
+            the graph stays the same.
+        kept: yield of the most robust design: samples within the tolerances with this graph; a
+            sample without a closed form is simulated.
+        agrees: whether the general engine finds the same graph for that design.
+        cycle: sequence of a full cycle; cells are numbered in loading order.
+        states, reached: number of states with every cell at a stop, and number of these that are
+            reachable from all cells at 0.
+        snaps: number of snaps.
+        sub_loops: number of loops other than the main loop.
         remembers: whether it has return-point memory.
-        scrambled: pairs of cells that flip in either order.
-        counts, counts_by_hand: cycles of the drive that it takes to come into a rhythm, at most, 0
-            if it is in one at once; and from states that a hand sets.
-        gardens: states to which nothing leads, so that only a hand sets them.
-        latches: moves that no later drive takes back.
-        ways: of that design.
+        scrambled: number of pairs of cells that switch in either order.
+        counts, counts_by_hand: largest number of drive cycles before the motion is periodic, 0 if
+            it is periodic at once; the second starts from states set by hand.
+        gardens: number of Garden-of-Eden states, which only a hand can set.
+        latches: number of transitions that no later drive reverses.
+        ways: transitions of that design.
     """
 
     name: str
@@ -158,7 +159,7 @@ class Machine(ByValue):
 
     @property
     def memory(self) -> str:
-        """What it does with what was done to it before, in the words that `find` understands."""
+        """Its memory, in the phrases of `find`."""
         counts = max(self.counts, self.counts_by_hand)
         by_hand = "" if self.counts == counts else " by hand"
         words = {
@@ -178,14 +179,15 @@ class Machine(ByValue):
 
 @dataclass(frozen=True, eq=False)
 class Cycling(ByValue):
-    """One full cycle that occurs, inner cell first.
+    """A full cycle that occurs in a design space, inner cell first.
 
     Attributes:
         sequence: such as "00>10>11>01>00".
-        share: of the designs whose cells closed form tells.
-        design, chain: number of the one whose forces are farthest from another order, and itself.
-        gap: by how much of the largest force two of its forces could come nearer before the cycle
-            is another one.
+        share: fraction of the designs whose cells are evaluated in closed form.
+        design, chain: number of the design whose forces are farthest from another order, and that
+            design.
+        gap: change of the difference of two forces, as a fraction of the largest force, up to which
+            the cycle stays the same.
     """
 
     sequence: str
@@ -200,11 +202,11 @@ class Cycling(ByValue):
 
 @dataclass(frozen=True, eq=False)
 class Sampled(ByValue):
-    """What the engine found of a sample of the designs that closed form does not tell.
+    """Result of the general engine for a sample of the designs without a closed form.
 
     Attributes:
-        asked, failed: designs that it followed, and of these, those that it could not.
-        machines: how often each graph came, by name; those of `Atlas.machines` and others.
+        asked, failed: number of simulated designs, and of failed simulations.
+        machines: number of designs by name of the graph, in `Atlas.machines` or not.
     """
 
     asked: int
@@ -214,27 +216,27 @@ class Sampled(ByValue):
 
 @dataclass(frozen=True, eq=False)
 class Atlas(ByValue, Shown, Drawn):
-    """What a space of designs holds.
+    """Transition graphs and full cycles that occur in a design space.
 
     Attributes:
-        chain, axes: what was varied, and what of it, between which values.
+        chain, axes: the nominal design, and its varied parameters with their ranges.
         drive: "stroke" or "force".
-        seed, designs: of the draw, and how many were drawn, evenly over the space.
-        told: how many closed form tells.
-        not_proved: how many have a cell that is not proved concave and taut.
-        ties: how many have two forces that tie.
-        wakes: how many land by a flow of several cells that two step widths do not agree on.
-        tolerances: within which designs are built.
+        seed, designs: random seed, and number of designs, uniformly distributed over the space.
+        closed_form: number of designs evaluated in closed form.
+        not_proved: number of designs with a cell that is not proved concave and in tension.
+        ties: number of designs with two equal critical forces.
+        wakes: number of designs with a landing that two step sizes do not agree on.
+        tolerances: tolerances of the yields.
         machines, cycles: every graph and every full cycle that occurs, most frequent first.
-        unseen: of the designs in the second half of the blocks, those with a graph that none in the
-            first half has; the share of all designs with a graph that was not found is at most its
-            upper end, in 95 of 100 atlases. None of fewer than two blocks.
-        sampled: what the engine found of designs that are not told.
-        checked, agreed: designs drawn anew that closed form tells, and those of which the engine
-            finds the same graph.
-        possible: how many graphs concave cells can have at all, proved; None where not known.
-        space_proved: whether every design of the space is proved to have concave cells, not only
-            those that were drawn.
+        unseen: fraction of designs in the second half of the blocks with a graph that does not
+            occur in the first half. Its upper end bounds the fraction of all designs with an unseen
+            graph, at 95 % confidence. None with fewer than two blocks.
+        sampled: result of the engine for designs without a closed form.
+        checked, agreed: number of new designs with a closed form, and number of these for which the
+            engine finds the same graph.
+        possible: number of possible graphs of concave cells, proved; None if unknown.
+        space_proved: whether every design of the space, drawn or not, is proved to have concave
+            cells.
     """
 
     chain: Chain = field(repr=False)
@@ -242,7 +244,7 @@ class Atlas(ByValue, Shown, Drawn):
     drive: str
     seed: int
     designs: int
-    told: int
+    closed_form: int
     not_proved: int
     ties: int
     wakes: int
@@ -258,7 +260,7 @@ class Atlas(ByValue, Shown, Drawn):
 
     @property
     def whole(self) -> bool:
-        """Whether it is proved that no other graph occurs in the space, ties left aside."""
+        """Whether no other graph can occur in the space, ties excluded; proved."""
         return self.space_proved and self.possible == len(self.machines)
 
     def __repr__(self):
@@ -269,7 +271,7 @@ class Atlas(ByValue, Shown, Drawn):
 
 
 def atlas_blocks(cells: int, axes: tuple[Axis, ...], designs: int, seed: int) -> IndependentBlocks:
-    """At least so many designs of a space, in blocks of a size for chains of so many cells."""
+    """At least `designs` designs of a space, in blocks whose size suits the number of cells."""
     size = min(_SIZES.get(cells, _FEW), designs)
     return IndependentBlocks(axes, size, -(-designs // max(size, 1)), seed)
 
@@ -286,21 +288,21 @@ def atlas(
     scheduler: str | None = None,
     progress: Progress = None,
 ) -> Status:
-    """Draw designs evenly over a space and count what they do, into a store that loses nothing.
+    """Count the graphs and cycles of designs drawn uniformly from a space, in a resumable store.
 
-    A call with the same arguments goes on with what is missing. `charted` makes an atlas of the
-    store, finished or not. Other arguments and errors are those of `sweep`.
+    A call with the same arguments computes what is missing. `charted` makes an atlas of the store,
+    finished or not. Other arguments and errors are those of `sweep`.
 
     Args:
-        chain: that is varied: cells of one linear band each, without load or friction.
-        axes: what varies, as `Axis` tells: anchors, stiffness, rest length, lever.
-        designs: how many, rounded up to whole blocks.
+        chain: nominal design: cells of one linear band each, without load or friction.
+        axes: varied parameters: anchors, stiffness, rest length, lever.
+        designs: number of designs, rounded up to whole blocks.
         drive: "stroke" or "force".
 
     Raises:
-        ValueError: cells or numbers that closed form does not take.
+        ValueError: cells or parameters without a closed form.
     """
-    packed(chain, [axis.name for axis in axes])  # or refused, before there is a store
+    packed(chain, [axis.name for axis in axes])  # an error must come before the store is made
     of = atlas_blocks(len(chain), axes, designs, seed)
     return sweep(
         chain, "atlas", of, folder,

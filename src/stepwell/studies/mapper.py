@@ -1,4 +1,4 @@
-"""Calls spread over processes of this machine; a process that dies takes one call with it."""
+"""Parallel calls in processes of this machine or on a Dask cluster."""
 
 import logging
 import multiprocessing
@@ -14,32 +14,32 @@ from typing import Any
 
 from stepwell.base import StepwellError, need
 
-# A call whose process dies so often is what kills it.
+# After this number of deaths of its process, a call fails.
 DEATHS = 3
-# Calls that wait at each thread of a cluster, and for how long a scheduler may not answer.
+# Calls queued per thread of a cluster, and timeout of a scheduler's answer.
 _AHEAD, _PATIENCE = 3, "10s"
-_COMING = 60  # [s] until the first worker
+_COMING = 60  # timeout of the first worker [s]
 
 
 class WorkerError(StepwellError, RuntimeError):
-    """A call whose process died every time, or a cluster that is not there."""
+    """A call whose process died every time, or an unreachable cluster."""
 
 
 def mapped(
     call: Callable[..., Any], tasks: Iterable[Sequence[Any]], workers: int
 ) -> Generator[tuple[Sequence[Any], Exception | None]]:
-    """Make calls in processes of their own, and give each as it ends with what it raised.
+    """Make calls in separate processes, and yield each when it ends with its exception or None.
 
     Args:
-        call: importable; what it returns is not told.
-        tasks: its arguments; as many are waiting as there are processes, and no more.
-        workers: processes at once; 0 makes the calls in this one, which dies if they do.
+        call: importable function; its result is discarded.
+        tasks: its arguments; read only as fast as the processes need them.
+        workers: number of processes; 0 makes the calls in this process.
     """
     if workers == 0:
         yield from _here(call, tasks)
         return
     apart = multiprocessing.get_context("spawn")
-    # Calls with how often their process has died.
+    # Calls with the number of deaths of their process.
     left, dead = ((task, 0) for task in tasks), deque[tuple[Sequence[Any], int]]()
     busy: dict[Connection, tuple[BaseProcess, Sequence[Any], int]] = {}
     idle: list[tuple[BaseProcess, Connection]] = []
@@ -56,7 +56,7 @@ def mapped(
             while len(busy) < workers and (more := dead.popleft() if dead else next(left, None)):
                 process, pipe = idle.pop() if idle else begun()
                 task, deaths = more
-                with suppress(OSError):  # its end is heard below
+                with suppress(OSError):  # the death of the process is handled below
                     pipe.send(tuple(task))
                 busy[pipe] = process, task, deaths
             if not busy:
@@ -72,7 +72,9 @@ def mapped(
                     if deaths + 1 < DEATHS:
                         dead.append((task, deaths + 1))
                         continue
-                    raised = WorkerError(f"its process died {DEATHS} times ({_told(process)}).")
+                    raised = WorkerError(
+                        f"its process died {DEATHS} times ({_exit_text(process)})."
+                    )
                 else:
                     idle.append((process, pipe))
                 yield task, raised
@@ -98,18 +100,17 @@ def _here(
 def mapped_on(
     address: str, call: Callable[..., Any], tasks: Iterable[Sequence[Any]]
 ) -> Generator[tuple[Sequence[Any], Exception | None]]:
-    """Make calls on the workers of a Dask cluster, and give each as it ends with what it raised.
+    """Make calls on a Dask cluster, and yield each when it ends with its exception or None.
 
-    A call whose worker dies is made again elsewhere, as often as the scheduler allows; its memory
-    holds nothing that the next scheduler would need.
+    A call whose worker dies is repeated on another one, as often as the scheduler allows.
 
     Args:
         address: of the scheduler, such as tcp://10.0.0.1:8786.
-        call: importable by the workers.
-        tasks: its arguments; some for each thread are waiting there, and no more.
+        call: function that the workers can import.
+        tasks: its arguments; a few per thread are queued.
 
     Raises:
-        WorkerError: no scheduler answers there, or it is lost.
+        WorkerError: no scheduler answers at the address, or the connection is lost.
         ExtraError: the extra cluster is not installed.
     """
     client = _client(address)
@@ -130,12 +131,12 @@ def mapped_on(
                 gone = future.cancelled()
                 raised = None if gone else future.exception()
             except (OSError, TimeoutError) as error:
-                raise WorkerError(f"{address}: the scheduler is lost ({error}).") from None
+                raise WorkerError(f"{address}: the scheduler does not answer ({error}).") from None
             if gone:
-                raise WorkerError(f"{address}: the scheduler is lost, or was shut down.")
+                raise WorkerError(f"{address}: the scheduler does not answer, or was shut down.")
             task = going.pop(future.key)
             if isinstance(raised, KilledWorker):
-                raised = WorkerError(f"its worker died again and again ({raised}).")
+                raised = WorkerError(f"its worker died repeatedly ({raised}).")
             yield task, raised
 
 
@@ -143,7 +144,7 @@ def _client(address: str) -> Any:
     need("cluster")
     from distributed import Client
 
-    # What is lost is told by whoever asks, in a line.
+    # A lost connection is reported by the caller in one line.
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     try:
         return Client(address, timeout=_PATIENCE, set_as_default=False)
@@ -152,22 +153,22 @@ def _client(address: str) -> Any:
 
 
 def _room(client: Any, address: str) -> int:
-    """How many calls may wait there at once; an error where nobody comes to do them."""
+    """Largest number of queued calls; raises an error if no worker connects."""
     if not client.nthreads():
         try:
             client.wait_for_workers(1, timeout=_COMING)
         except TimeoutError:
-            raise WorkerError(f"{address}: no worker has come in {_COMING} s.") from None
+            raise WorkerError(f"{address}: no worker connected within {_COMING} s.") from None
     return _AHEAD * max(sum(client.nthreads().values()), 1)
 
 
 def dashboard(address: str) -> str:
-    """Where the page of a Dask cluster is; errors as for `mapped_on`."""
+    """Address of a Dask cluster's dashboard; errors are those of `mapped_on`."""
     with _client(address) as client:
         return client.dashboard_link or "none"
 
 
-def _told(process: BaseProcess) -> str:
+def _exit_text(process: BaseProcess) -> str:
     code = process.exitcode or 0
     if code < 0:
         return f"signal {-code}, {signal.Signals(-code).name}"
@@ -175,9 +176,9 @@ def _told(process: BaseProcess) -> str:
 
 
 def _work(pipe: Connection, call: Callable[..., Any]) -> None:
-    """Make one call after another until nobody asks any more."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for who asked, who then ends this
-    # Each process has one core; libraries that start threads would take those of the others.
+    """Make one call after another until the pipe is closed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent handles Ctrl-C and ends this process
+    # Each process has one core; threads of libraries would compete with the other processes.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     with suppress(EOFError, OSError):
         while True:
@@ -191,7 +192,7 @@ def _work(pipe: Connection, call: Callable[..., Any]) -> None:
 
 
 def _sendable(error: Exception) -> Exception:
-    """The error, or its words where it cannot leave its process."""
+    """The error, or its text if it cannot be pickled."""
     import pickle
 
     try:

@@ -1,4 +1,4 @@
-"""Run a study: what is missing in its store, on all cores of this machine."""
+"""Run a study: compute the missing chunks of its store in parallel."""
 
 import os
 from collections import Counter
@@ -20,7 +20,7 @@ from stepwell.studies.screen import Screened, aimed, screened
 from stepwell.studies.store import PROBLEM, Gap, Study, StudyError, begun, opened
 from stepwell.studies.work import WARP
 
-# Of a chunk that nobody has given the size of: some seconds, and files that are not too many.
+# Default size of a chunk (some seconds of work), and largest number of chunks.
 _CHUNK, _MOST_CHUNKS = 64, 10_000
 _CHUNKS_OF = {"walk": 16, "maze": 1}
 _WORLDS = 256
@@ -28,22 +28,22 @@ _CANCELLED = ".cancelled"
 
 
 class SweepError(StepwellError, RuntimeError):
-    """A study that could not be finished; what is done stays."""
+    """A study that could not be finished; finished chunks are kept."""
 
 
 class CancelledError(SweepError):
-    """A study that somebody has cancelled; what is done stays."""
+    """A cancelled study; finished chunks are kept."""
 
 
 @dataclass(frozen=True, eq=False)
 class Status(ByValue, Shown):
-    """How far a study is, and what it has found so far.
+    """Progress of a study, and its results so far.
 
     Attributes:
-        study: which.
-        done: chunks that are there and hold.
-        gaps: designs that are missing.
-        problems: how many designs could not be computed, by the kind of their problem.
+        study: the study.
+        done: number of finished chunks.
+        gaps: missing designs.
+        problems: number of failed designs by the kind of their problem.
     """
 
     study: Study
@@ -53,32 +53,32 @@ class Status(ByValue, Shown):
 
     @property
     def finished(self) -> bool:
-        """Whether nothing is missing."""
+        """Whether all chunks are finished."""
         return self.done == self.study.chunks
 
     @cached_property
     def varied(self) -> tuple[Varied, ...]:
-        """What differs from design to design."""
+        """The varied parameters with their ranges."""
         return varied(self.study)
 
     @cached_property
     def outcomes(self) -> tuple[Frequency, ...]:
-        """How often each outcome occurs, of every column of words the most frequent first."""
+        """Frequencies of the outcomes in every column of words, the most frequent first."""
         return frequencies(self.study)
 
     @cached_property
     def numbers(self) -> tuple[Extent, ...]:
-        """The range of every number that was found."""
+        """The range of every result that is a number."""
         return extents(self.study)
 
     @cached_property
     def decided(self) -> tuple[DecidingNumbers, ...]:
-        """Which number decides what, see `studies.decided`."""
+        """First-order influences of the parameters, see `studies.decided`."""
         return decided(self.study)
 
     @cached_property
     def screened(self) -> Screened | None:
-        """How a screen and what was computed agree, see `studies.screened`."""
+        """Agreement of a screen with the results, see `studies.screened`."""
         return screened(self.study)
 
     def __repr__(self):
@@ -101,30 +101,30 @@ def sweep(
     scheduler: str | None = None,
     progress: Progress = None,
 ) -> Status:
-    """Compute something of many designs, into a store that loses nothing.
+    """Run a parameter study in parallel, with results in a resumable Zarr store.
 
-    A call with the same arguments goes on with what is missing; whatever was killed in between, the
-    finished store has the same bytes.
+    A call with the same arguments computes what is missing; after any interruption the finished
+    store is bit-identical.
 
     Args:
-        design: the chain or robot that is varied.
-        what: is computed: "cycle", "margin", "yield", "graph" or "program" of chains, "walk" or
-            "maze" of robots, "call" of either.
-        designs: a `Space` of its numbers, a `Workshop`, or a `ListedDesigns`.
-        folder: of the store, which xarray opens as Zarr.
-        given: what `what` takes besides the design, as `work_of` says.
-        chunk: designs that are computed and written together; by default 64, or more where the
-            study has more than 640,000; 16 of walks, 1 of mazes, 256 of what is screened.
-        workers: processes at once; one for every core by default; 0 computes in this process, which
+        design: nominal chain or robot.
+        what: quantity to compute: "cycle", "margin", "yield", "graph" or "program" for chains,
+            "walk" or "maze" for robots, "call" for both.
+        designs: a `Space` of parameters, a `Workshop` (Monte Carlo), or a `ListedDesigns`.
+        folder: path of the store, which xarray opens as Zarr.
+        given: options of `what`, see `work_of`.
+        chunk: designs that are computed and written together; by default 64, or more if the study
+            has more than 640,000; 16 walks, 1 maze, 256 screened robots.
+        workers: number of processes; by default one per core. 0 computes in this process, which
             needs no `if __name__ == "__main__":` in a script.
-        scheduler: address of a running Dask scheduler, whose workers do it instead; they must see
-            the folder under this name, and have this version of Stepwell.
-        progress: called with (done, all) chunks.
+        scheduler: address of a running Dask scheduler to use instead. Its workers must see the
+            folder under the same path and have this version of Stepwell.
+        progress: called with (done, total) chunks.
 
     Raises:
-        ValueError: a number that the design does not have, or nothing of that name to compute.
-        StudyError: the folder holds another study, or one that another version has begun.
-        SweepError: chunks could not be computed or written; the text says why.
+        ValueError: a parameter that the design does not have, or an unknown `what`.
+        StudyError: the folder contains another study, or one of another version.
+        SweepError: chunks could not be computed or written; the text contains the reason.
         ExtraError: the extra studies, or for a scheduler the extra cluster, is not installed.
     """
     study = asked(design, what, designs, folder, given=given, chunk=chunk)
@@ -140,17 +140,17 @@ def asked(
     given: Mapping[str, Any] | None = None,
     chunk: int | None = None,
 ) -> Study:
-    """The study that `sweep` begins with these arguments, which it explains; nothing is written."""
+    """The study that `sweep` would start with these arguments; nothing is written."""
     from stepwell.files import dumps
 
     given = aimed(what, given or {}, design)
     least = _CHUNKS_OF.get(what, _CHUNK)
     if given.get("engine") == WARP:
-        # Robots that are screened together, each in all of its layouts.
+        # Robots screened together, each in all of its layouts.
         least = max(1, _WORLDS // max(given.get("layouts", 1), 1))
     size = chunk or max(least, -(-designs.count // _MOST_CHUNKS))
     study = Study(Path(folder), what, dumps(design), designs, size, given)
-    study.columns  # noqa: B018  refuses what cannot be computed
+    study.columns  # noqa: B018  raises an error for an invalid study
     return study
 
 
@@ -162,10 +162,10 @@ def resumed(
     progress: Progress = None,
     problems: Callable[[Sequence[str]], None] | None = None,
 ) -> Status:
-    """Compute what is missing of a study; arguments and errors as for `sweep`.
+    """Compute the missing chunks of a study; arguments and errors are those of `sweep`.
 
-    `problems` is called after every chunk with the kinds of the problems of its designs; after
-    `cancel` a `CancelledError` is raised.
+    `problems` is called after every chunk with the kinds of problems of its designs. After `cancel`
+    a `CancelledError` is raised.
     """
     wanted = cores() if workers is None else workers
     if wanted < 0:
@@ -186,7 +186,7 @@ def resumed(
             for task, raised in ended:
                 if raised is not None:
                     failed.append(f"chunk {task[-1]}: {raised}")
-                    # The disk is full, or this is another version: no other chunk can do better.
+                    # The disk is full, or the version differs: all other chunks would fail too.
                     if isinstance(raised, OSError | StudyError):
                         break
                     continue
@@ -206,18 +206,18 @@ def resumed(
 
 def _left(study: Study, done: int, why: str) -> str:
     return (
-        f"{study.folder}: {done} of {study.chunks} chunks are done. {why} The same command goes on "
-        f"with the others."
+        f"{study.folder}: {done} of {study.chunks} chunks are finished. {why} To resume, run the "
+        f"same command again."
     )
 
 
 def cancel(study: Study) -> None:
-    """Have whoever works on a study stop after the chunks that are being computed."""
+    """Ask all workers of a study to stop after their current chunk."""
     (study.folder / _CANCELLED).touch()
 
 
 def status(study: Study | str | os.PathLike[str]) -> Status:
-    """How far a study is, by what its store holds; a `StudyError` for a folder without one."""
+    """Progress of a study, from its store; a folder without a study raises a `StudyError`."""
     study = study if isinstance(study, Study) else opened(study)
     missing = study.missing()
     done = sorted({*range(study.chunks)} - {*missing})
@@ -226,5 +226,5 @@ def status(study: Study | str | os.PathLike[str]) -> Status:
 
 
 def _kinds(problems: Iterable[object]) -> list[str]:
-    """Of designs that could not be computed the kinds of their problems."""
+    """Kinds of the problems of failed designs."""
     return [str(one).partition(":")[0] for one in problems if one]

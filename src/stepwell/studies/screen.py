@@ -1,4 +1,4 @@
-"""A screen: many designs looked at at once, ranked, and those that are worth it computed."""
+"""Screens (prefilters in single precision): verdicts, selection and agreement with results."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -18,19 +18,19 @@ if TYPE_CHECKING:
 def ranked(columns: Mapping[str, Floats], by: Sequence[str]) -> list[int]:
     """Numbers of the designs from the best to the worst, by columns (n,) of these names.
 
-    Each name counts for its largest values first or, with - before it, its least; the next decides
-    where one has ties, and at last who stands first. Designs without a value in the first are none.
+    A name sorts by falling values or, with - before it, by rising values; later names break ties,
+    then the number of the design. Designs without a value in the first column are left out.
     """
     keys = [columns[one[1:]] if one.startswith("-") else -np.asarray(columns[one]) for one in by]
-    # A value that is missing sorts behind all others.
+    # Missing values are sorted last.
     order = np.lexsort(keys[::-1])
     return [int(k) for k in order if not np.isnan(keys[0][k])]
 
 
 def aimed(what: str, given: Mapping[str, Any], subject: Subject) -> dict[str, Any]:
-    """What a study is given, with what its screen keeps: what does as the design itself does.
+    """The options of a study, with the verdict of the nominal design as the target of its screen.
 
-    A `ValueError` refuses a design that does nothing that others could keep.
+    A `ValueError` is raised if the nominal design has no verdict to reproduce.
     """
     if given.get("engine") != WARP or "wanted" in given:
         return dict(given)
@@ -44,26 +44,26 @@ def aimed(what: str, given: Mapping[str, Any], subject: Subject) -> dict[str, An
 
 
 def verdicts_of(study: "Study", screen: Screen, chunk: int, made: Sequence[Any]) -> list[str]:
-    """What a screen says of the designs that a chunk is made of, once and for all."""
+    """Verdicts of a screen on the designs of a chunk, computed once and stored."""
 
     def find() -> list[str]:
         able = [k for k, one in enumerate(made) if not isinstance(one, ValueError)]
-        told = dict(zip(able, screen.verdicts([made[k] for k in able]), strict=True))
-        return [told.get(k, "") for k in range(len(made))]
+        verdicts = dict(zip(able, screen.verdicts([made[k] for k in able]), strict=True))
+        return [verdicts.get(k, "") for k in range(len(made))]
 
     return study.once(SCREENED, chunk, find)
 
 
 @dataclass(frozen=True, eq=False)
 class Screened(ByValue):
-    """How a screen and what was computed agree.
+    """Agreement of a screen with the computed results.
 
     Attributes:
-        designs, kept: of which the screen could tell something, and of these, worth it by it.
-        computed: designs that were computed.
-        alike: of designs drawn by lot, those of which both say the same.
-        held: of those kept, those that are worth it by what was computed.
-        missed: of designs not kept but drawn by lot, those that are worth it after all.
+        designs, kept: number of designs with a verdict, and of designs selected by the screen.
+        computed: number of computed designs.
+        alike: of designs drawn at random, the fraction with equal verdicts.
+        held: of selected designs, the fraction that meets the target when computed.
+        missed: of designs drawn at random and not selected, the fraction that meets the target.
     """
 
     designs: int
@@ -75,27 +75,27 @@ class Screened(ByValue):
 
 
 def screened(study: "Study") -> Screened | None:
-    """How a study's screen and what it computed agree so far; None where it has none.
+    """Agreement of a study's screen with its results so far; None without a screen.
 
-    What is drawn by lot is drawn by number, whatever the screen says, so the share of those alike
-    is that of all designs; its interval is Clopper and Pearson's.
+    Random designs are drawn by number, independent of the screen, so the fraction of equal verdicts
+    is unbiased; its interval is Clopper and Pearson's.
     """
     screen = study.work.screen
     if screen is None:
         return None
     chunks = study.done_chunks()
     columns = {name: study.values(name, chunks) for name in study.columns}
-    told = [str(one) for one in columns[SCREENED]]
+    verdicts = [str(one) for one in columns[SCREENED]]
     rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
-    kept = np.array([one != "" and screen.kept(one) for one in told], bool)
+    kept = np.array([one != "" and screen.kept(one) for one in verdicts], bool)
     again = columns["again"] == 1
-    both = again & np.array([one != "" for one in told], bool)
-    found = [screen.verdict(row) if one else "" for row, one in zip(rows, both, strict=True)]
-    alike = np.array([a == b for a, b in zip(told, found, strict=True)], bool)
-    worth = np.array([one != "" and screen.kept(one) for one in found], bool)
+    both = again & np.array([one != "" for one in verdicts], bool)
+    computed = [screen.verdict(row) if one else "" for row, one in zip(rows, both, strict=True)]
+    alike = np.array([a == b for a, b in zip(verdicts, computed, strict=True)], bool)
+    worth = np.array([one != "" and screen.kept(one) for one in computed], bool)
     lot = both & (columns["lot"] == 1)
     return Screened(
-        sum(one != "" for one in told),
+        sum(one != "" for one in verdicts),
         int(kept.sum()),
         int(again.sum()),
         _share(alike, lot),

@@ -1,7 +1,7 @@
-"""A study on disk: what was asked is written once, what was found chunk by chunk.
+"""A study on disk: its description is written once, its results chunk by chunk.
 
-A chunk is done when all of its files are there and their checksums hold; nothing else is remembered
-anywhere, so whoever dies loses what was not written yet and nothing else.
+A chunk is finished when all of its files exist with valid checksums. There is no other state, so an
+interruption loses only what was not yet written.
 """
 
 import hashlib
@@ -36,28 +36,28 @@ from stepwell.studies.work import ONE_OF, SCREEN_COLUMNS, TEXT, Work, work_of
 if TYPE_CHECKING:
     import xarray as xr
 
-# What is wrong with a design is a row's last column; empty where nothing is.
+# The last column of a row is the problem of a design, empty without one.
 PROBLEM = "problem"
 _FORMAT = 1
-# Stretches of missing designs that a message names.
+# Largest number of gaps named in a message.
 _MOST_NAMED = 6
-# The designs that somebody listed, beside the columns.
+# Array with the list of designs, stored next to the columns.
 _LISTED = "listed"
 
 
 class StudyError(base.InputError):
-    """A folder that holds no study, another one, or one that this version cannot go on with."""
+    """A folder without a study, with another one, or with one that this version cannot resume."""
 
 
 class GapError(base.StepwellError, RuntimeError):
-    """A store that lacks designs of its study; the text says which, and what to do."""
+    """A store that lacks designs of its study; the text lists them, with a remedy."""
 
 
 @dataclass(frozen=True, eq=False)
 class Gap(base.ByValue):
     """Designs that a store lacks, from `first` to `last`.
 
-    `damaged` tells a file whose checksum does not hold from one that is not there (yet).
+    `damaged` is true for an invalid checksum, and false for a missing file.
     """
 
     first: int
@@ -66,24 +66,24 @@ class Gap(base.ByValue):
 
     def __str__(self):
         which = f"{self.first} to {self.last}" if self.last > self.first else f"{self.first}"
-        return f"{which} ({'damaged' if self.damaged else 'not there'})"
+        return f"{which} ({'damaged' if self.damaged else 'missing'})"
 
 
 @dataclass(frozen=True, eq=False)
 class Study(base.ByValue):
-    """What is asked, and where its answers are.
+    """Description of a study, and the path of its store.
 
     Attributes:
-        folder: of the store.
-        what: is computed of each design.
-        text: of the design file that is varied.
-        designs: that it is computed of.
-        chunk: designs that are computed and written together.
-        given: what `what` takes besides the design.
-        version: of Stepwell that fills it.
+        folder: path of the store.
+        what: quantity computed for each design.
+        text: text of the nominal design file.
+        designs: the designs.
+        chunk: number of designs that are computed and written together.
+        given: options of `what`.
+        version: version of Stepwell that computes it.
 
     Raises:
-        ValueError: chunks of nothing, or the folder is an address.
+        ValueError: chunks smaller than 1, or a folder that is an URL.
     """
 
     folder: Path
@@ -93,7 +93,7 @@ class Study(base.ByValue):
     chunk: int
     given: Mapping[str, Any] = field(default_factory=dict, repr=False)
     version: str = base.__version__
-    # The columns that were opened, and what was read last of each: of which chunks, and what.
+    # Opened columns, and the last read chunks and values of each.
     _opened: dict[str, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
     _known: dict[str, tuple[tuple[int, ...], np.ndarray[Any, Any]]] = field(
         default_factory=dict, init=False, repr=False, compare=False
@@ -107,41 +107,41 @@ class Study(base.ByValue):
 
     @property
     def count(self) -> int:
-        """Designs in all."""
+        """Number of designs."""
         return self.designs.count
 
     @property
     def chunks(self) -> int:
-        """Chunks in all."""
+        """Number of chunks."""
         return -(-self.count // self.chunk)
 
     @cached_property
     def varied(self) -> dict[str, str]:
-        """Unit of every number that differs, by its name."""
+        """Unit of every varied parameter, by its name."""
         return {name: unit_in(self.subject, name) for name in self.designs.names(self.subject)}
 
     @cached_property
     def columns(self) -> dict[str, str]:
-        """Unit of every column by its name: what differs, what is found, what was wrong."""
-        found = (SCREEN_COLUMNS if self.work.screen else {}) | dict(self.work.columns)
-        if twice := sorted({PROBLEM, *self.varied} & found.keys()):
+        """Unit of every column by its name: varied parameters, results, problem."""
+        results = (SCREEN_COLUMNS if self.work.screen else {}) | dict(self.work.columns)
+        if twice := sorted({PROBLEM, *self.varied} & results.keys()):
             raise base.InputError(
-                f"{self.what}: gives {', '.join(twice)}, which is a column already."
+                f"{self.what}: returns {', '.join(twice)}, which is already a column."
             )
-        columns = self.varied | found | {PROBLEM: TEXT}
+        columns = self.varied | results | {PROBLEM: TEXT}
         for name in columns:
-            # Each is a folder of the store.
+            # Each column is a folder of the store.
             if set(name) & {"/", "\\"} or not name.isprintable() or name.startswith((".", "__")):
                 raise base.InputError(
-                    f"{name!r}: cannot be the name of a column: / and \\ may not be in it, nor . "
-                    f"and __ begin it. A cell has a number too, as in 1.q.x."
+                    f"{name!r}: cannot be the name of a column: it must not contain / or \\, nor "
+                    f"begin with . or __. Refer to the cell by its number, as in 1.q.x."
                 )
         return columns
 
-    def told(self, name: str) -> tuple[str, float]:
-        """In which unit people are told a column, and how many of it make one as it is kept.
+    def display_unit(self, name: str) -> tuple[str, float]:
+        """Display unit of a column, and the factor from its stored unit.
 
-        A key of a robot has its unit in its name, and is told as it is kept.
+        A key of a robot has its unit in its name and is not converted.
         """
         unit = self.columns[name]
         if unit in (TEXT, "1") or (name in self.varied and isinstance(self.subject, robot.Robot)):
@@ -150,21 +150,21 @@ class Study(base.ByValue):
 
     @cached_property
     def work(self) -> Work:
-        """What is computed."""
+        """The computation of a row."""
         return work_of(self.what, self.given, self.subject)
 
     @cached_property
     def subject(self) -> Subject:
-        """The design that is varied."""
+        """The nominal design."""
         from stepwell.files import loads
 
         return loads(self.text).subject
 
     @cached_property
     def identity(self) -> str:
-        """SHA-256 of all that is asked; two studies of one identity hold the same bytes.
+        """SHA-256 of the description; two studies with one identity have bit-identical results.
 
-        Where more designs leave the others as they are, their number is none of it.
+        It does not depend on the number of designs if a study can be extended.
         """
         asked = self.asked()
         if self.designs.grows:
@@ -172,12 +172,12 @@ class Study(base.ByValue):
         return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()
 
     def seed_of(self, number: int) -> int:
-        """The seed of a design: of the study and its number, and of nothing else."""
+        """Random seed of a design; it depends only on the study and the number."""
         digest = hashlib.sha256(f"{self.identity}:{number}".encode()).digest()
         return int.from_bytes(digest[:4], "big")
 
     def by_lot(self, number: int) -> bool:
-        """Whether a design is computed in any case, whatever a screen says of it."""
+        """Whether a design belongs to the random sample that a screen does not skip."""
         return self.seed_of(number) % ONE_OF == 0
 
     def rows(self, chunk: int) -> range:
@@ -185,39 +185,39 @@ class Study(base.ByValue):
         return range(chunk * self.chunk, min((chunk + 1) * self.chunk, self.count))
 
     def missing(self) -> list[int]:
-        """Chunks that are not done: a file is not there, or its checksum does not hold."""
+        """Unfinished chunks: a file is missing, or its checksum is invalid."""
         return [chunk for chunk in range(self.chunks) if not self.is_done(chunk)]
 
     def gaps(self, missing: Sequence[int] | None = None) -> list[Gap]:
-        """Designs that are missing, in stretches of one kind; `missing` are chunks known to be."""
-        found: list[Gap] = []
+        """Missing designs as gaps of one kind; `missing` are known missing chunks."""
+        gaps: list[Gap] = []
         for chunk in self.missing() if missing is None else missing:
             rows = self.rows(chunk)
             files = (self.folder / name / "c" / str(chunk) for name in self.columns)
             gap = Gap(rows[0], rows[-1], any(one.exists() and not _holds(one) for one in files))
-            last = found[-1] if found else None
+            last = gaps[-1] if gaps else None
             if last and (last.last + 1, last.damaged) == (gap.first, gap.damaged):
-                found[-1] = replace(last, last=gap.last)
+                gaps[-1] = replace(last, last=gap.last)
             else:
-                found.append(gap)
-        return found
+                gaps.append(gap)
+        return gaps
 
     def require_whole(self) -> None:
-        """Refuse a store that lacks designs with a `GapError`."""
+        """Raise a `GapError` if designs are missing."""
         if gaps := self.gaps():
             raise GapError(
-                f"{self.folder}: {gaps_text(gaps, self.count)}. `stepwell sweep resume "
-                f"{self.folder}` computes them; --partial (in Python partial=True) goes without."
+                f"{self.folder}: {gaps_text(gaps, self.count)}. Compute them with `stepwell sweep "
+                f"resume {self.folder}`, or leave them out with --partial (in Python partial=True)."
             )
 
     def is_done(self, chunk: int) -> bool:
-        """Whether all columns of a chunk are there and hold."""
+        """Whether all columns of a chunk exist with valid checksums."""
         return all(_holds(self.folder / name / "c" / str(chunk)) for name in self.columns)
 
     def write(self, chunk: int, columns: dict[str, np.ndarray[Any, Any]]) -> None:
-        """Write (rows,) of every column of a chunk; each column's file is replaced as a whole.
+        """Write (rows,) of every column of a chunk; each file is replaced completely.
 
-        After an `OSError` what is there is no chunk.
+        After an `OSError` the chunk is unfinished.
         """
         rows = self.rows(chunk)
         for name in self.columns:
@@ -225,9 +225,10 @@ class Study(base.ByValue):
             _sync(self.folder / name / "c" / str(chunk))
 
     def once(self, name: str, chunk: int, find: Callable[[], Sequence[str]]) -> list[str]:
-        """What is found of a chunk and need not come out alike twice: who is first decides it.
+        """Texts for a chunk that may differ between two computations; the first result is kept.
 
-        It is kept beside the chunks of the column for which it is found, or an `OSError` is raised.
+        The file is next to the chunks of its column; an `OSError` is raised if it cannot be
+        written.
         """
         rows = self.rows(chunk)
         place = self.folder / name / f".found-{rows.start}-{rows.stop}.json"
@@ -236,24 +237,24 @@ class Study(base.ByValue):
         draft = place.with_name(f".{uuid.uuid4().hex}")
         try:
             base.write_atomic(draft, json.dumps(list(find())))
-            with suppress(FileExistsError):  # somebody else was faster
+            with suppress(FileExistsError):  # another worker was faster
                 os.link(draft, place)
             base.sync_folder(place.parent)
         finally:
             draft.unlink(missing_ok=True)
-        found = _read(place)
-        assert found is not None
-        return found
+        texts = _read(place)
+        assert texts is not None
+        return texts
 
     def to_xarray(self) -> "xr.Dataset":
-        """What is there so far, over "row"; NaN and empty words where nothing is yet."""
+        """The results so far over "row"; NaN and empty texts where they are missing."""
         base.need("tables")
         import xarray as xr
 
         return xr.open_zarr(self.folder, consolidated=False, chunks=None)
 
     def done_chunks(self) -> list[int]:
-        """Chunks that are done."""
+        """Finished chunks."""
         missing = set(self.missing())
         return [k for k in range(self.chunks) if k not in missing]
 
@@ -264,69 +265,71 @@ class Study(base.ByValue):
         return list(range(self.chunks))
 
     def values(self, name: str, chunks: Sequence[int] | None = None) -> np.ndarray[Any, Any]:
-        """What a column holds, row after row, as it is kept.
-
-        Of these chunks, all of them done; by default of all that hold.
-        """
+        """Stored values of a column in these finished chunks; by default in all finished chunks."""
         if chunks is None:
             files = self.folder / name / "c"
             chunks = [k for k in range(self.chunks) if _holds(files / str(k))]
         wanted = tuple(chunks)
-        # A chunk that is done never changes.
-        known, found = self._known.get(name, ((), None))
-        if found is None or known != wanted:
+        # A finished chunk never changes.
+        known, values = self._known.get(name, ((), None))
+        if values is None or known != wanted:
             column = self.column(name)
             if len(wanted) == self.chunks:  # at once, which is much faster
-                found = column[:]
+                values = column[:]
             else:
                 parts = [column.get_block_selection(k) for k in wanted]
-                found = np.concatenate(parts) if parts else column[:0]
-            found.flags.writeable = False
-            self._known[name] = wanted, found
-        return found
+                values = np.concatenate(parts) if parts else column[:0]
+            values.flags.writeable = False
+            self._known[name] = wanted, values
+        return values
 
     def best(self, count: int, by: Sequence[str], *, partial: bool = False) -> ListedDesigns:
-        """The best of the designs that are done, best first, as a list of designs.
+        """The best of the finished designs, best first, as a list of designs.
 
         Args:
-            count: how many at most.
-            by: columns of numbers, each by its largest values or, with - before it, its least; the
-                next decides where one has ties, and the design's number at last.
+            count: largest number of designs.
+            by: columns of numbers, sorted by falling values or, with - before the name, by rising
+                values; later columns break ties, then the number of the design.
+            partial: ignore missing designs.
 
         Raises:
-            ValueError: no such column of numbers, or no design that has a value in the first.
-            GapError: designs are missing; not where `partial` is set.
+            ValueError: an unknown column, or no design with a value in the first.
+            GapError: designs are missing, and `partial` is not set.
         """
         if count < 1 or not by:
             raise base.InputError(
-                f"best {count} by {list(by)}: must be 1 or more, by a column or more."
+                f"best {count} by {list(by)}: the number must be at least 1, with a column."
             )
         chunks = self._chunks(partial)
         columns = {}
         for name in dict.fromkeys(one.removeprefix("-") for one in by):
             if self.columns.get(name, TEXT) == TEXT:
                 known = ", ".join(name for name, unit in self.columns.items() if unit != TEXT)
-                raise base.InputError(f"{name}: is no column of numbers: must be one of {known}.")
+                raise base.InputError(f"{name}: no column of numbers: must be one of {known}.")
             columns[name] = self.values(name, chunks)
         order = ranked(columns, by)[:count]
         if not order:
-            raise base.InputError(f"{self.folder}: no design has a value of {by[0]} yet.")
+            raise base.InputError(
+                f"{self.folder}: no finished design has a value of {by[0]}: choose another column."
+            )
         rows = [self.values(name, chunks)[order] for name in self.varied]
         return ListedDesigns(tuple(self.varied), np.column_stack(rows))
 
     def to_csv(self, file: str | os.PathLike[str], *, partial: bool = False) -> int:
-        """Write a study as CSV, a line for every design, units in the headings; returns how many.
+        """Write a study as CSV with a line per design and units in the headings.
+
+        Returns the number of designs.
 
         Raises:
-            GapError: designs are missing, and `partial` does not allow it.
-            OSError: it cannot be written.
+            GapError: designs are missing, and `partial` is not set.
+            OSError: the file cannot be written.
         """
         done, columns = self._table(partial)
         base.write_csv(file, columns)
         return len(done)
 
     def to_parquet(self, file: str | os.PathLike[str], *, partial: bool = False) -> int:
-        """Write a study as Parquet, all as for `to_csv`; an `ExtraError` without that extra."""
+        """Write a study as Parquet, otherwise as `to_csv`; needs the extra parquet."""
         base.need("parquet")
         import pyarrow as pa
         from pyarrow import parquet
@@ -344,8 +347,8 @@ class Study(base.ByValue):
         columns: list[tuple[base.Quantity, Any]] = [(base.Quantity("design"), done)]
         for name, unit in self.columns.items():
             values = self.values(name, chunks)
-            told = list(map(str, values)) if unit == TEXT else values
-            columns.append((base.Quantity(name, self.told(name)[0]), told))
+            shown = list(map(str, values)) if unit == TEXT else values
+            columns.append((base.Quantity(name, self.display_unit(name)[0]), shown))
         return done, columns
 
     @cached_property
@@ -356,28 +359,28 @@ class Study(base.ByValue):
         return zarr.open_group(self.folder, mode="r+")
 
     def column(self, name: str) -> Any:
-        """The Zarr array of a column (count,), in which a chunk of empty words is there too."""
+        """The Zarr array of a column (count,); chunks of empty texts are written too."""
         import zarr
 
         if name not in self._opened:
-            # An array takes what holds when it is opened, in every version of Zarr.
+            # In every version of Zarr, an array uses the configuration at its opening.
             with zarr.config.set({"array.write_empty_chunks": True}):
                 self._opened[name] = self.group[name]
         return self._opened[name]
 
     def asked(self) -> dict[str, Any]:
-        """All that is asked, as the store holds it."""
+        """The description of the study, as stored."""
         designs = self.designs
         if isinstance(designs, ListedDesigns):
-            told: Any = {"columns": designs.columns, "sha256": designs.digest}
+            described: Any = {"columns": designs.columns, "sha256": designs.digest}
         else:
-            told = _DESIGNS.dump_python(designs, mode="json")
+            described = _DESIGNS.dump_python(designs, mode="json")
         return {
             "format": _FORMAT,
             "what": self.what,
             "given": dict(self.given),
             "design": self.text,
-            "designs": told,
+            "designs": described,
             "chunk": self.chunk,
             "version": self.version,
         }
@@ -397,7 +400,7 @@ class _Listed(BaseModel):
 
 
 class _Asked(BaseModel):
-    """What a store holds of a study, so that nothing of it is believed unseen."""
+    """The stored description of a study, for validation."""
 
     model_config = ConfigDict(extra="forbid")
     format: int
@@ -410,7 +413,7 @@ class _Asked(BaseModel):
 
 
 def opened(folder: str | os.PathLike[str]) -> Study:
-    """The study that a folder holds; a `StudyError` if none, or its description is damaged."""
+    """The study in a folder; a `StudyError` if there is none, or its description is damaged."""
     base.need("studies")
     import zarr
 
@@ -419,8 +422,8 @@ def opened(folder: str | os.PathLike[str]) -> Study:
         group = zarr.open_group(place, mode="r")
         held: Any = group.attrs["stepwell_study"]
         if isinstance(held, dict) and held.get("format", _FORMAT) != _FORMAT:
-            problem = f"is of format {held['format']}, and this version reads {_FORMAT}"
-            raise StudyError(f"{place}: {problem}.")
+            problem = f"has format {held['format']}, and this version reads format {_FORMAT}"
+            raise StudyError(f"{place}: {problem}: use the version that wrote it.")
         asked = _Asked.model_validate(held)
         designs = asked.designs
         if isinstance(designs, _Listed):
@@ -432,16 +435,16 @@ def opened(folder: str | os.PathLike[str]) -> Study:
         study = Study(
             place, asked.what, asked.design, designs, asked.chunk, asked.given, asked.version
         )
-        study.subject  # noqa: B018  the design is read, or refused
+        study.subject  # noqa: B018  raises an error for an invalid design
     except StudyError:
         raise
     except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
-        raise StudyError(f"{place}: holds no study ({type(error).__name__}: {error}).") from None
+        raise StudyError(f"{place}: contains no study ({type(error).__name__}: {error}).") from None
     return study
 
 
 def edition(folder: str | os.PathLike[str]) -> tuple[int, ...]:
-    """Of the description that a folder holds what differs once it is written anew."""
+    """Inode, size and time of the description in a folder, which differ after it is rewritten."""
     try:
         held = (Path(folder) / "zarr.json").stat()
     except OSError:
@@ -450,11 +453,11 @@ def edition(folder: str | os.PathLike[str]) -> tuple[int, ...]:
 
 
 def begun(study: Study) -> Study:
-    """The study with its store: made where there is none, the same where it was begun before.
+    """The study with its store, which is created if it does not exist.
 
     Raises:
-        StudyError: the folder holds another study, or the same by another version.
-        OSError: it cannot be written.
+        StudyError: the folder contains another study, or the same study of another version.
+        OSError: the store cannot be written.
     """
     base.need("studies")
     if not study.folder.exists():
@@ -463,48 +466,48 @@ def begun(study: Study) -> Study:
     same_version(there, study.version)
     if there.identity != study.identity:
         raise StudyError(
-            f"{study.folder}: holds another study: {there!r}. Name another folder, or remove it."
+            f"{study.folder}: contains another study: {there!r}. Use another folder, or remove it."
         )
     if there.count != study.count:
         raise StudyError(
-            f"{study.folder}: holds this study with {there.count} designs, not {study.count}: "
-            f"extend it, or name another folder."
+            f"{study.folder}: contains this study with {there.count} designs, not {study.count}: "
+            f"extend it, or use another folder."
         )
     return there
 
 
 def same_version(study: Study, version: str) -> None:
-    """Refuse to go on with what another version of Stepwell has begun, with a `StudyError`."""
+    """Raise a `StudyError` if another version of Stepwell has started the study."""
     if study.version != version:
         raise StudyError(
-            f"{study.folder}: was begun by Stepwell {study.version}, and this is {version}: "
-            f"numbers of two versions are not mixed. Go on with that version, or name another "
+            f"{study.folder}: started with Stepwell {study.version}, and this is {version}: "
+            f"results of two versions are not mixed. Resume with that version, or use another "
             f"folder."
         )
 
 
 def extended(study: Study, count: int) -> Study:
-    """The study with more designs; those that there are stay. Nobody may be working on it.
+    """The study with more designs; existing results are kept. No worker may be running.
 
     Raises:
-        StudyError: fewer designs, or designs of which more would move the others: only those of a
-            Sobol' sequence, at random or as built were drawn one by one.
-        OSError: it cannot be written; the same call goes on.
+        StudyError: fewer designs, or designs whose values depend on their number: only Sobol',
+            random and Monte Carlo designs can be extended.
+        OSError: the store cannot be written; repeat the same call.
     """
     designs = study.designs
     if isinstance(designs, ListedDesigns) or not designs.grows:
         raise StudyError(
-            f"{study.folder}: its designs are {designs.how}: more of them would move the others. "
-            f"Those that are sobol, random or as built can be extended."
+            f"{study.folder}: its designs are {designs.how}: more designs would change them. Only "
+            f"designs that are sobol, random or as built can be extended."
         )
     if count < study.count:
         raise StudyError(f"{study.folder}: has {study.count} designs: {count} would be fewer.")
     larger = replace(study, designs=replace(designs, count=count))
     if study.count % study.chunk and count > study.count:
-        # The last chunk was not full: it is computed again with what now belongs to it.
+        # The last chunk was not full: it is recomputed with its new designs.
         for name in study.columns:
             (study.folder / name / "c" / str(study.chunks - 1)).unlink(missing_ok=True)
-    # Columns first: whoever dies in between leaves a study of as many designs as before.
+    # Columns first: an interruption then leaves the study with its previous number of designs.
     for name in study.columns:
         if study.column(name).shape[0] < count:
             study.column(name).resize((count,))
@@ -514,7 +517,7 @@ def extended(study: Study, count: int) -> Study:
 
 
 def _make(study: Study) -> None:
-    """Write the description into a sibling, which then takes the name."""
+    """Write the description into a temporary folder and rename it."""
     import zarr
     from zarr.codecs import Crc32cCodec, ZstdCodec
 
@@ -540,13 +543,13 @@ def _make(study: Study) -> None:
                 _LISTED, data=np.array(rows), chunks=rows.shape, dimension_names=dims
             )
         design = hashlib.sha256(study.text.encode()).hexdigest()
-        told = {"stepwell_study": study.asked(), "design_sha256": design}
-        # What xarray then has as coordinates.
-        group.attrs.update(told | {"coordinates": " ".join(study.varied)})
+        attributes = {"stepwell_study": study.asked(), "design_sha256": design}
+        # Coordinates for xarray.
+        group.attrs.update(attributes | {"coordinates": " ".join(study.varied)})
         try:
             draft.rename(study.folder)
         except OSError:
-            if not study.folder.exists():  # else somebody else was faster
+            if not study.folder.exists():  # otherwise another process was faster
                 raise
         base.sync_folder(study.folder.parent)
     finally:
@@ -554,14 +557,14 @@ def _make(study: Study) -> None:
 
 
 def gaps_text(gaps: Sequence[Gap], count: int) -> str:
-    """How many designs of a study are missing, and which."""
+    """Text with the number of missing designs of a study, and the gaps."""
     lacking = sum(gap.last - gap.first + 1 for gap in gaps)
     named = base.join_first([*map(str, gaps)], _MOST_NAMED, "more stretches")
     return f"{lacking} of {count} designs are missing: {named}"
 
 
 def _holds(file: Path) -> bool:
-    """Whether a chunk's file is there and ends in the checksum of what is before it."""
+    """Whether a chunk's file exists and ends in a valid checksum."""
     from google_crc32c import value
 
     try:
@@ -576,7 +579,7 @@ def _read(file: Path) -> list[str] | None:
 
 
 def _sync(file: Path) -> None:
-    """Have the disk hold a file before anybody counts on it."""
+    """Flush a file and its folder to the disk."""
     with file.open("rb") as written:
         os.fsync(written.fileno())
     base.sync_folder(file.parent)

@@ -1,4 +1,4 @@
-"""What a study computes of every design: its columns, and the function that fills a row."""
+"""Quantities that a study can compute: columns, and the function that computes a row."""
 
 import hashlib
 import inspect
@@ -17,38 +17,38 @@ from stepwell.studies.designs import Block, Subject
 Row = Mapping[str, Any]
 TEXT = "text"
 ENGINES = CPU, WARP = ("cpu", "warp")
-# What a screened study has besides: the screen's verdict; whether the row was computed; whether it
-# is one of those that are computed in any case, one of `ONE_OF` by lot.
+# Further columns of a screened study: the screen's verdict; whether the row was computed; whether
+# it belongs to the random sample, one of `ONE_OF`, that is always computed.
 SCREENED, ONE_OF = "screened", 10
 SCREEN_COLUMNS = {SCREENED: TEXT, "again": "1", "lot": "1"}
 RobotParameter = Mapping[str, Any]
 
 
 class Screen(NamedTuple):
-    """What looks at many designs at once beforehand, and leaves to `Work.row` those worth it."""
+    """A prefilter of many designs, which selects those that `Work.row` computes."""
 
-    verdicts: Callable[[Sequence[Any]], list[str]]  # of designs, "" where nothing can be told
-    verdict: Callable[[Row], str]  # the same of a row that was computed
-    kept: Callable[[str], bool]  # whether a design of this verdict is worth it
-    aim: Callable[[str], Any]  # what `kept` wants, by the verdict of the design that is varied
+    verdicts: Callable[[Sequence[Any]], list[str]]  # of designs, "" if undecided
+    verdict: Callable[[Row], str]  # the verdict of a computed row
+    kept: Callable[[str], bool]  # whether a design with this verdict is selected
+    aim: Callable[[str], Any]  # the target of `kept`, from the verdict of the nominal design
 
 
 class Work(NamedTuple):
-    """What is computed."""
+    """Columns of a study, and the computation of a row."""
 
-    columns: Mapping[str, str]  # unit by name; `TEXT` for words, "1" for ratios and counts
+    columns: Mapping[str, str]  # unit by name; `TEXT` for texts, "1" for ratios and counts
     row: Callable[[Any, int], Row]  # the values of a design, from the design and its own seed
-    screen: Screen | None = None  # what chooses the designs that are computed, else all
+    screen: Screen | None = None  # selects the designs to compute; None: all
 
 
 def work_of(what: str, given: RobotParameter, subject: Subject) -> Work:
-    """What is computed under a name, one of `WORKS`, of a design; "atlas" takes blocks of designs.
+    """The computation with a name in `WORKS`; "atlas" takes blocks of designs.
 
-    Besides the design there is `given` by name: of a program `start` and `target`; of a walk
-    `cycles`; of a maze `arena` (the text of its file), `limit` [s], `layouts`, the `first` of them,
-    and the largest `place` [m] and `angle` [rad] by which their walls differ; of both `engine`
-    ("cpu", or "warp" to screen them) and what is `wanted` of those kept; of a call what
-    `function_of` gives. A `ValueError` refuses other names, kinds of design and what is not taken.
+    Options `given` by name: for a program `start` and `target`; for a walk `cycles`; for a maze
+    `arena` (the text of its file), `limit` [s], `layouts`, the `first` of them, and the largest
+    `place` [m] and `angle` [rad] by which their walls differ; for both `engine` ("cpu", or "warp"
+    for a screen) and `wanted`, the target of the screen; for a call the result of `function_of`.
+    Other names, designs and options raise a `ValueError`.
     """
     if what not in WORKS:
         near = nearest_word(what, WORKS)
@@ -57,7 +57,7 @@ def work_of(what: str, given: RobotParameter, subject: Subject) -> Work:
     kind, make = WORKS[what]
     if not isinstance(subject, kind):
         wanted = "a robot" if kind is Robot else "a chain"
-        raise InputError(f"{what}: takes {wanted}, and this design is none.")
+        raise InputError(f"{what}: needs {wanted}, and this design is another type.")
     parameters = inspect.signature(make).parameters.keys()
     takes = parameters - {"subject"}
     if unknown := given.keys() - takes:
@@ -74,7 +74,7 @@ def work_of(what: str, given: RobotParameter, subject: Subject) -> Work:
 
 
 def _filled(columns: Mapping[str, str], values: Callable[[Any, int], Sequence[Any]]) -> Work:
-    """Work whose rows are the values of its columns in their order."""
+    """Work whose function returns the values of a row in the order of the columns."""
     return Work(columns, lambda design, seed: dict(zip(columns, values(design, seed), strict=True)))
 
 
@@ -82,10 +82,16 @@ def _cycle() -> Work:
     from stepwell.sequences import cycle
 
     def values(chain: Chain, _seed: int) -> Sequence[Any]:
-        found = cycle(chain)
-        # Of two forces of one size either way, rounding would choose the sign.
-        peak = abs(found.peak_force)
-        return str(found.sequence), len(found.snaps), peak, found.dissipated, len(found.degenerate)
+        result = cycle(chain)
+        # Absolute, because for two equal extremes rounding would determine the sign.
+        peak = abs(result.peak_force)
+        return (
+            str(result.sequence),
+            len(result.snaps),
+            peak,
+            result.dissipated,
+            len(result.degenerate),
+        )
 
     columns = {"sequence": TEXT, "snaps": "1", "peak_force": "N", "dissipated": "J", "ties": "1"}
     return _filled(columns, values)
@@ -96,8 +102,8 @@ def _margin() -> Work:
     from stepwell.sequences import cycle
 
     def values(chain: Chain, _seed: int) -> Sequence[Any]:
-        found = margin(chain)
-        least = (float(one.min(initial=math.inf)) for one in (found.anchors, found.stiffness))
+        result = margin(chain)
+        least = (float(one.min(initial=math.inf)) for one in (result.anchors, result.stiffness))
         return str(cycle(chain).sequence), *least
 
     return _filled({"sequence": TEXT, "anchor": "m", "stiffness": "1"}, values)
@@ -107,8 +113,8 @@ def _yield() -> Work:
     from stepwell.design import yields
 
     def values(chain: Chain, seed: int) -> Sequence[Any]:
-        found = yields(chain, seed=seed)
-        return found.target, found.share, *found.interval
+        result = yields(chain, seed=seed)
+        return result.target, result.share, *result.interval
 
     return _filled({"sequence": TEXT, "share": "1", "share_low": "1", "share_high": "1"}, values)
 
@@ -130,10 +136,10 @@ def _program(subject: Chain, start: str | None = None, target: str | None = None
 
     def values(chain: Chain, _seed: int) -> Sequence[Any]:
         try:
-            found = chain.program(target, start=start)
+            result = chain.program(target, start=start)
         except Unreachable as why:
             return 0, why.proved, math.nan, math.nan, math.nan
-        return 1, found.shortest, found.strokes, found.slack, found.end
+        return 1, result.shortest, result.strokes, result.slack, result.end
 
     columns = {"found": "1", "proved": "1", "strokes": "1", "slack": unit, "end": unit}
     return _filled(columns, values)
@@ -146,35 +152,35 @@ def _walk(cycles: int = 4, engine: str = "cpu", wanted: str = "") -> Work:
         raise InputError(f"walk: cycles = {cycles}: must be from 1 to 1000.")
 
     def row(robot: Robot, _seed: int) -> Row:
-        return told(Trial.of(walk(robot, cycles)))
+        return outcome_row(Trial.of(walk(robot, cycles)))
 
-    def told(found: Trial) -> Row:
-        gaits = " | ".join(gait or "none" for gait in found.gaits)
-        numbers = {name: getattr(found, name) for name in ("advance", "sideways", "turn", "work")}
-        return {**numbers, "gaits": gaits, "stopped": found.stopped}
+    def outcome_row(trial: Trial) -> Row:
+        gaits = " | ".join(gait or "none" for gait in trial.gaits)
+        numbers = {name: getattr(trial, name) for name in ("advance", "sideways", "turn", "work")}
+        return {**numbers, "gaits": gaits, "stopped": trial.stopped}
 
-    def verdict(found: Row) -> str:
-        return "stopped" if found["stopped"] else str(found["gaits"])
+    def verdict(row: Row) -> str:
+        return "stopped" if row["stopped"] else str(row["gaits"])
 
     def verdicts(robots: Sequence[Robot]) -> list[str]:
         from stepwell.simulation import screen_walks
 
         trials = screen_walks(robots, cycles=cycles)
-        return ["" if trial is None else verdict(told(trial)) for trial in trials]
+        return ["" if trial is None else verdict(outcome_row(trial)) for trial in trials]
 
     numbers = {"advance": "1", "sideways": "1", "turn": "rad", "work": "J"}
 
-    def aim(told: str) -> str:
-        if told == "stopped":
-            raise InputError("the design itself stops early, so no other can keep its gait.")
-        return told
+    def aim(verdict: str) -> str:
+        if verdict == "stopped":
+            raise InputError("the nominal design stops early: choose one that walks to the end.")
+        return verdict
 
-    screen = Screen(verdicts, verdict, lambda told: told == wanted, aim)
+    screen = Screen(verdicts, verdict, lambda one: one == wanted, aim)
     return Work({**numbers, "gaits": TEXT, "stopped": TEXT}, row, _with(engine, screen))
 
 
 def _with(engine: str, screen: Screen) -> Screen | None:
-    """What an engine screens by."""
+    """The screen, if the engine is "warp"."""
     if engine not in ENGINES:
         raise InputError(f"engine = {engine!r}: must be one of {', '.join(ENGINES)}.")
     return screen if engine == WARP else None
@@ -208,9 +214,9 @@ def _maze(
         if not 0 <= value < math.inf:
             raise InputError(f"maze: {name} = {value}: must be >= 0.")
     if most and not layouts:
-        raise InputError(f"maze: {', '.join(most)}: is of layouts, and layouts = 0.")
+        raise InputError(f"maze: {', '.join(most)}: applies to layouts, and layouts = 0.")
     loaded = loads_arena(arena, "arena")
-    # The same for every design, so that what differs is the design.
+    # All designs have the same layouts.
     seeds = range(first, first + layouts)
     moved = [other_start(other_layout(loaded, seed, **most), seed) for seed in seeds]
     places = moved or [loaded]
@@ -222,10 +228,10 @@ def _maze(
         return {
             "reached": len(there) / len(ways),
             "time": sum(times) / len(times) if times else math.nan,
-            "outcomes": told([way.outcome for way in ways]),
+            "outcomes": outcome_text([way.outcome for way in ways]),
         }
 
-    def told(outcomes: Sequence[Outcome]) -> str:
+    def outcome_text(outcomes: Sequence[Outcome]) -> str:
         return ", ".join(outcome.name.lower().replace("_", " ") for outcome in outcomes)
 
     def verdicts(robots: Sequence[Robot]) -> list[str]:
@@ -234,18 +240,21 @@ def _maze(
         entries = [(robot, one) for robot in robots for one in places]
         ends, n = screen_mazes(entries, limit=limit), len(places)
         of_each = ([e for e in ends[k : k + n] if e is not None] for k in range(0, len(ends), n))
-        return [told(ways) if len(ways) == n else "" for ways in of_each]
+        return [outcome_text(ways) if len(ways) == n else "" for ways in of_each]
 
-    def reached(told: str) -> int:
-        return told.split(", ").count("reached")
+    def reached(outcomes: str) -> int:
+        return outcomes.split(", ").count("reached")
 
-    def aim(told: str) -> int:
-        if not reached(told):
-            raise InputError("the design itself reaches no goal, so every other does as well.")
-        return reached(told)
+    def aim(outcomes: str) -> int:
+        if not reached(outcomes):
+            raise InputError("the nominal design reaches no goal: choose another design or arena.")
+        return reached(outcomes)
 
     screen = Screen(
-        verdicts, lambda found: str(found["outcomes"]), lambda told: reached(told) >= wanted, aim
+        verdicts,
+        lambda row: str(row["outcomes"]),
+        lambda outcomes: reached(outcomes) >= wanted,
+        aim,
     )
     columns = {"reached": "1", "time": "s", "outcomes": TEXT}
     return Work(columns, row, _with(engine, screen))
@@ -275,34 +284,36 @@ def _call(
 ) -> Work:
     function, digest = _loaded(file, name)
     if digest != sha256:
-        raise InputError(f"{file}: is not the file that the study was begun with (SHA-256).")
+        raise InputError(f"{file}: differs from the file with which the study started (SHA-256).")
     if units is None:
-        raise InputError("call: units: must name what the function gives.")
+        raise InputError("call: units: must contain a unit for each value of the function.")
     return Work(dict(units), function)
 
 
 def function_of(where: str, subject: Subject) -> dict[str, Any]:
-    """What a study takes to call a function of one's own, FILE.py:NAME, on every design.
+    """Options of a study that calls a user's function, FILE.py:NAME, on every design.
 
-    The function takes a design and a seed, and gives a number or a text by name, the same ones for
-    every design. It is called once, on the design as it is. An attribute `units` of it may give SI
-    units by name. The file is found again by whoever fills the study. A `ValueError` refuses what
-    is no such file or function, or gives no mapping of numbers and texts.
+    The function takes a design and a seed and returns numbers or texts by name, with the same names
+    for every design. It is called once on the nominal design. Its attribute `units` may contain SI
+    units by name. All workers need the file. A missing file or function, or another result, raises
+    a `ValueError`.
     """
     file, _, name = where.rpartition(":")
     path = str(Path(file).resolve())
     function, digest = _loaded(path, name)
-    found = function(subject, 0)
-    if not isinstance(found, Mapping) or not found:
-        raise InputError(f"{where}: gave {found!r}: must give values by name, as in {{'x': 1.0}}.")
-    told = getattr(function, "units", {})
+    result = function(subject, 0)
+    if not isinstance(result, Mapping) or not result:
+        raise InputError(
+            f"{where}: returned {result!r}: must give values by name, as in {{'x': 1.0}}."
+        )
+    units_of = getattr(function, "units", {})
     units = {}
-    for key, value in found.items():
+    for key, value in result.items():
         if not (
             isinstance(key, str) and key.isidentifier() and isinstance(value, str | float | int)
         ):
             raise InputError(f"{where}: {key!r} = {value!r}: must be a number or a text by a name.")
-        units[key] = TEXT if isinstance(value, str) else str(told.get(key, "1"))
+        units[key] = TEXT if isinstance(value, str) else str(units_of.get(key, "1"))
     return {"file": path, "name": name, "sha256": digest, "units": units}
 
 
@@ -312,14 +323,14 @@ def _loaded(file: str, name: str) -> tuple[Any, str]:
         raise InputError(f"function {file}:{name}: must be FILE.py:NAME, and the file there.")
     source = path.read_bytes()
     digest = hashlib.sha256(source).hexdigest()
-    # What runs is what was hashed, and nothing is left beside the file.
+    # Exactly the hashed source runs, and no bytecode is written next to the file.
     module = ModuleType(f"stepwell_call_{digest[:12]}")
     module.__file__ = str(path)
     try:
         exec(compile(source, path, "exec"), module.__dict__)
     except Exception as error:
-        told = f"{type(error).__name__}: {error}"
-        raise InputError(f"function {file}:{name}: the file cannot be run: {told}.") from None
+        reason = f"{type(error).__name__}: {error}"
+        raise InputError(f"function {file}:{name}: the file cannot be run: {reason}.") from None
     function: Any = getattr(module, name, None)
     if not callable(function):
         raise InputError(f"function {file}:{name}: the file has no function of that name.")

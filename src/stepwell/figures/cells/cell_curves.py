@@ -10,16 +10,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stepwell.base import Floats, InputError
-from stepwell.figures.common import legends, marks, sheet, style, words as told
+from stepwell.figures.common import legends, marks, sheet, style, words
 from stepwell.figures.common.words import literal, minus
 from stepwell.mechanism import Cell, Element, Phase
 
 _SAMPLES = 241
-# What is shown past an open end and past a stop, as shares of the full travel.
+# Travel shown past an open end and past a stop, as fractions of the full travel.
 _BEYOND, _WALL = 0.08, 0.03
 _BOLD, _THIN, _PAST = 2.2, 0.9, 1.5
 _DOTS = (0, (1, 1.6))
-# What the axes of one element, and an entry of the key of several, need at least [mm].
+# Least width of the axes of one element, and of a legend entry of several [mm].
 _LEAST, _ENTRY = 44.0, 30.0
 _COLOUR = style.cell_colours(1)[0]
 _PALE = style.pale(_COLOUR)
@@ -28,18 +28,18 @@ _SHADE: dict[str, Any] = {"alpha": 0.8, "linewidth": 0}
 
 @style.styled
 def element_curve(element: Element, *, source: str = "", ax: Axes | None = None) -> Figure:
-    """Force and energy of an element against its travel, with phases and switching fields.
+    """Force and energy of an element against its travel, with phases and critical forces.
 
-    Phases are shaded, numbered and bold; between them the element stands under a prescribed
-    travel only. Circles are where it leaves a phase, with the force at which it does, friction
-    included. Past an open end the curve goes on straight, dotted; a stop is hatched. Where the
-    curve folds back, arrows lead from where a sheet ends to where the element lands. All is in the
-    units of the element's measure.
+    Phases are shaded, numbered and bold; between them the element is stable only under a prescribed
+    travel. Circles mark the critical forces, friction included: snap-through on loading, snap-back
+    on unloading. The curve is extrapolated past an open end as a dotted straight line; a stop is
+    hatched. Where the curve folds back, arrows mark the snaps at constant travel. Units are those
+    of the element's measure.
 
     Args:
-        element: any.
-        source: where its curve is from, to be written below.
-        ax: for the force; by default a new figure of one column's width, with the energy below.
+        element: the element to plot.
+        source: origin of its curve, printed below the plot.
+        ax: axes of the force; by default a new figure of one column's width, with the energy below.
     """
     own = ax is None
     key = _key([element])
@@ -68,13 +68,13 @@ def element_curve(element: Element, *, source: str = "", ax: Axes | None = None)
 
 @style.styled
 def element_curves(elements: Mapping[str, Element]) -> Figure:
-    """The force curves of several elements over two columns, each as for `element_curve`.
+    """The force curves of several elements over two columns, each as in `element_curve`.
 
     Args:
-        elements: what to show, by the name to write above it.
+        elements: the elements by the titles of their panels.
 
     Raises:
-        ValueError: nothing to show.
+        ValueError: no elements.
     """
     if not elements:
         raise InputError("elements is empty: give one element or more, by name.")
@@ -104,13 +104,13 @@ class _Curve:
 
     def __init__(self, ax: Axes, element: Element):
         self.ax, self.element = ax, element
-        self.travel, self.force = told.travel(element.measure), told.force(element.measure)
+        self.travel, self.force = words.travel(element.measure), words.force(element.measure)
         past = [(_WALL if stop else _BEYOND) * element.full_travel for stop in element.stopped]
         self.left, self.right = element.low - past[0], element.high + past[1]
         ax.set_xlim(self.left * self.travel.factor, self.right * self.travel.factor)
 
     def draw_force(self) -> None:
-        """The force and all that belongs to it but the names of its fields."""
+        """Draw the force with its error band, friction, snaps and phases, without force labels."""
         marks.zero_line(self.ax)
         rubs, band = self.element.friction, self.element.error_band
         for number, one in enumerate(self.element.laws):
@@ -134,14 +134,14 @@ class _Curve:
 
     @property
     def fields(self) -> list[tuple[float, float, str]]:
-        """Where it leaves its phases, loading and unloading, as drawn, and in which colour."""
+        """Travel and critical force of each phase end, in drawn units, and the colour."""
         phases, rubs = self.element.phases, self.element.friction
-        found = [(phase.high, phase.force_high + rubs, style.LOADING) for phase in phases[:-1]]
-        found += [(phase.low, phase.force_low - rubs, style.UNLOADING) for phase in phases[1:]]
-        return [(s * self.travel.factor, f * self.force.factor, colour) for s, f, colour in found]
+        fields = [(phase.high, phase.force_high + rubs, style.LOADING) for phase in phases[:-1]]
+        fields += [(phase.low, phase.force_low - rubs, style.UNLOADING) for phase in phases[1:]]
+        return [(s * self.travel.factor, f * self.force.factor, colour) for s, f, colour in fields]
 
     def name_fields(self) -> None:
-        """Their forces, beside their marks; on axes that have their final place."""
+        """Label the critical forces, on axes that have their final position."""
         sign = self.force.sign
         names = (
             legends.Label((x, f), minus(f"{f:.3g} {sign}"), colour) for x, f, colour in self.fields
@@ -149,7 +149,7 @@ class _Curve:
         legends.beside(self.ax, names)
 
     def draw_law(self, law: Callable[[Floats, int], Floats], factor: float) -> None:
-        """A law of travel, bold in its phases, dotted past its ends; the phases shaded."""
+        """Draw a law of travel: bold in its phases, dotted past its ends; shade the phases."""
         element = self.element
         low, high = element.low, element.high
 
@@ -171,7 +171,7 @@ class _Curve:
             begin, end = self._shown(phase)
             self._shade(begin, end, {"facecolor": style.PHASE} | _SHADE, "phases")
             draw(phase.sheet, max(begin, low), min(end, high), linewidth=_BOLD, zorder=4)
-            past = {"linewidth": _PAST, "linestyle": _DOTS, "zorder": 3, "gid": "goes on"}
+            past = {"linewidth": _PAST, "linestyle": _DOTS, "zorder": 3, "gid": "extrapolated"}
             for first, last in ((begin, low), (high, end)):
                 if first < last:
                     draw(phase.sheet, first, last, **past)
@@ -182,7 +182,7 @@ class _Curve:
                 self._shade(inner, outer, wall, "stop")
                 x = inner * self.travel.factor
                 self.ax.axvline(x, color=style.INK, linewidth=1.0, zorder=1.5)
-        # What lies past the ends does not set the scale.
+        # Curves past the ends do not set the scale.
         least, most = heights.min(), heights.max()
         room = 0.2 * (most - least)
         self.ax.set_ylim(least - room, most + room)
@@ -195,7 +195,7 @@ class _Curve:
         self.ax.axvspan(*ends, **look, zorder=0, gid=gid)
 
     def _draw_jumps(self, number: int) -> None:
-        """Arrows from the ends of a sheet to where the element lands at that travel."""
+        """Draw arrows from the ends of a sheet to the landings at the same travel."""
         one = self.element.laws[number]
         ends = (one.begin, one.below, style.UNLOADING), (one.end, one.above, style.LOADING)
         for travel, leads, colour in ends:
@@ -208,7 +208,7 @@ class _Curve:
                 marks.head(self.ax, (x, start), (x, end), colour)
 
     def _number_phases(self) -> None:
-        """The digit of every phase at the top, lower by a row where it overlaps the one before."""
+        """Write the digit of each phase at the top, one row lower if it overlaps the last one."""
         look: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "va": "center"}
         row, reached = 0, -np.inf
         look |= {"xycoords": ("data", "axes fraction"), "zorder": 9, "gid": "digit"}
@@ -226,28 +226,28 @@ def _circle(colour: str) -> dict[str, Any]:
 
 
 def _key(elements: Iterable[Element]) -> list[Artist]:
-    """What lines and marks mean, as far as they occur."""
+    """Legend entries for the lines and marks that occur."""
     shown = list(elements)
-    leaves = any(len(element.phases) > 1 for element in shown)
-    jumps = any(len(element.laws) > 1 for element in shown)
-    goes_on = not all(stop for element in shown for stop in element.stopped)
-    within = any(element.error_band for element in shown)
-    rubs = any(element.friction for element in shown)
+    bistable = any(len(element.phases) > 1 for element in shown)
+    folds = any(len(element.laws) > 1 for element in shown)
+    open_end = not all(stop for element in shown for stop in element.stopped)
+    error_band = any(element.error_band for element in shown)
+    friction = any(element.friction for element in shown)
     return legends.those(
         (True, legends.shade("phase", style.PHASE, **_SHADE)),
-        (leaves, legends.mark("leaves, loading", **_circle(style.LOADING))),
-        (leaves, legends.mark("leaves, unloading", **_circle(style.UNLOADING))),
-        (jumps, legends.line("jump", width=1.1, linestyle=marks.SNAP_DASHES)),
-        (goes_on, legends.line("goes on", _COLOUR, _PAST, linestyle=_DOTS)),
-        (within, legends.shade("points within", _PALE, **_SHADE)),
-        (rubs, legends.line("friction", style.LOADING, _THIN)),
+        (bistable, legends.mark("snap-through (loading)", **_circle(style.LOADING))),
+        (bistable, legends.mark("snap-back (unloading)", **_circle(style.UNLOADING))),
+        (folds, legends.line("snap", width=1.1, linestyle=marks.SNAP_DASHES)),
+        (open_end, legends.line("extrapolated", _COLOUR, _PAST, linestyle=_DOTS)),
+        (error_band, legends.shade("error band", _PALE, **_SHADE)),
+        (friction, legends.line("friction", style.LOADING, _THIN)),
     )
 
 
 Curve = Callable[[Cell, Floats], Floats]
 
 _ANGLES = 181
-# What a name takes, and between names and marks [mm].
+# Width of a name, and distance between names and marks [mm].
 _NAME, _BETWEEN = 35.0, 0.3
 _END_0, _END_1, _PEAK = "<", ">", "D"
 _GIDS = {_END_0: "end <", _END_1: "end >", _PEAK: "peak"}
@@ -255,11 +255,12 @@ _GIDS = {_END_0: "end <", _END_1: "end >", _PEAK: "peak"}
 
 @style.styled
 def unit_cell_force(cells: Sequence[Cell | Element], *, ax: Axes | None = None) -> Figure:
-    """F/(k r) of each cell against lever angle, with F0, F1 and θmax marked; k is the stiffness of
-    the cell's stiffest band.
+    """F/(k r) of each cell against lever angle, with F0, F1 and θmax marked.
+
+    k is the stiffness of the cell's stiffest band.
 
     Args:
-        cells: any number; the legend calls each by its name, or else by its anchor.
+        cells: any number; the legend shows the name of each, or else its anchor.
         ax: axes to draw into; a new figure of one column's width by default.
 
     Raises:
@@ -272,8 +273,9 @@ def unit_cell_force(cells: Sequence[Cell | Element], *, ax: Axes | None = None) 
 
 @style.styled
 def unit_cell_energy(cells: Sequence[Cell | Element], *, ax: Axes | None = None) -> Figure:
-    """E/(k r²) of each cell against lever angle, with θmax marked; all else as for
-    `unit_cell_force`.
+    """E/(k r²) of each cell against lever angle, with θmax marked.
+
+    Arguments and errors are those of `unit_cell_force`.
 
     Source: Kamp et al. 2024, Fig. 1E.
     """
@@ -283,7 +285,7 @@ def unit_cell_energy(cells: Sequence[Cell | Element], *, ax: Axes | None = None)
 def _curves(
     cells: Sequence[Cell | Element], law: Curve, power: int, ax: Axes | None, label: str
 ) -> Figure:
-    """A law over k and this power of r; of a force with its ends marked, and zero."""
+    """Curves of a law divided by k and this power of r; a force has its ends and zero marked."""
     if not cells:
         raise InputError("cells is empty: give one cell or more.")
     levers: list[Cell] = []
@@ -298,7 +300,7 @@ def _curves(
         return law(cell, theta) / (max(band.stiffness for band in cell.bands) * cell.lever**power)
 
     ends = law is Cell.force
-    # Names beside each other where there is room, the marks in a row of their own.
+    # Names are side by side if there is room; the marks have their own row.
     columns, rows = legends.laid(len(levers), sheet.page_width(style.COLUMN), _NAME, 2)
     top = 8.0 + 3.75 * rows
     own = ax is None
@@ -334,14 +336,14 @@ def _mark(ax: Axes, cell: Cell, curve: Curve, colour: str, *, ends: bool) -> Non
 
 
 def _explain_marks(ax: Axes, *, ends: bool) -> float:
-    """Add the legend of the marks; the room that it takes above the axes [mm]."""
-    words = {_END_0: "$F_0$", _END_1: "$F_1$", _PEAK: "$\\theta_\\mathrm{max}$"}
-    shown = {mark: word for mark, word in words.items() if ends or mark == _PEAK}
+    """Add the legend of the marks and return its height above the axes [mm]."""
+    symbols = {_END_0: "$F_0$", _END_1: "$F_1$", _PEAK: "$\\theta_\\mathrm{max}$"}
+    shown = {mark: symbol for mark, symbol in symbols.items() if ends or mark == _PEAK}
     legends.above(ax, [legends.mark(w, m, **_look(m, style.INK)) for m, w in shown.items()])
     lower = ax.get_legend()
     assert lower is not None
     ax.add_artist(lower)
-    # In mm, for the axes may have to make room for more rows.
+    # In mm, because the axes may shrink to make room for more rows.
     high = lower.get_window_extent().y1 - ax.get_window_extent().y1
     return 25.4 * high / sheet.sheet_of(ax).dpi + _BETWEEN
 
@@ -354,8 +356,8 @@ def _look(mark: str, colour: str) -> dict[str, Any]:
 
 def _names(cells: Sequence[Cell]) -> list[str]:
     letter = "q" if len({cell.bands[0].p for cell in cells}) == 1 else "d"
-    found: list[str] = []
+    names: list[str] = []
     for i, cell in enumerate(cells, 1):
         anchor = f"${letter}$ = {marks.mm_pair(getattr(cell.bands[0], letter))} mm"
-        found.append(literal(cell.name) or (anchor if len(cell.bands) == 1 else f"cell {i}"))
-    return found
+        names.append(literal(cell.name) or (anchor if len(cell.bands) == 1 else f"cell {i}"))
+    return names

@@ -1,4 +1,4 @@
-"""The plane of what switches a cell there and back, whose order on each axis is that of motion."""
+"""The force plane: snap-through against snap-back force of each cell; ranks give the sequence."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -13,7 +13,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike, NDArray
 
 from stepwell.base import Floats, InputError
-from stepwell.figures.common import legends, sheet, style, words as told
+from stepwell.figures.common import legends, sheet, style, words
 from stepwell.figures.common.words import literal, shortened
 from stepwell.mechanism import Chain
 
@@ -23,18 +23,18 @@ _ROW = 3.6
 # Side of the plane itself [mm].
 _LEAST = 28.0
 _LEFT, _BOTTOM, _BETWEEN, _RIGHT = 17.0, 10.0, 1.5, 2.0
-# A normal distribution has 95 % of its draws within so many deviations in two dimensions.
+# Radius, in standard deviations, that contains 95 % of a normal distribution in two dimensions.
 _ELLIPSE = 2.4477
 _FILL = "#EFEFEF"
 _CENTRAL = (2.5, 97.5)
-# Least half width of the plane, as a share of the mean force.
+# Least half width of the plane, as a fraction of the mean force.
 _ROOM = 0.25
 # Characters that a row's name has room for.
 _NAME = 9
 
 
 class _Switch(NamedTuple):
-    """A cell's way from one phase to the next, and the forces there and back [N]."""
+    """Critical forces [N] between two neighbouring phases of a cell: snap-through and snap-back."""
 
     name: str
     colour: str
@@ -52,39 +52,39 @@ def force_plane(
     places: ArrayLike | None = None,
     clouds: ArrayLike | None = None,
 ) -> Figure:
-    """F0 against F1 of every cell, what else could be reached, and the orders they give.
+    """F0 against F1 of every cell, feasible anchors, and the loading and unloading orders.
 
-    Cells of one taut band with falling force load by rising F0 and unload by falling F1. With
-    friction f it is F0 + f and F1 - f, and these are drawn. An element has a point for each two
-    neighbouring phases: the forces at which it goes from one to the other and back. The loading
-    order is above the plane, the unloading order to the right: each cell in a row of its own, its
-    cloud's central 95 % as a bar. A right order makes a staircase; the narrowest step is marked.
+    Cells of one band in tension with negative stiffness load by rising F0 and unload by falling F1.
+    With friction f the figure shows F0 + f and F1 - f. An element has one point for each two
+    neighbouring phases: its snap-through and snap-back force. The loading order is above the plane,
+    the unloading order at its right; each cell has a row, with the central 95 % of its samples as a
+    bar. A correct order makes a staircase; the smallest force gap is marked.
 
     Args:
-        chain: up to 16 cells, and switches of elements.
-        loading, unloading: the orders wanted, cell numbers from 0, or with elements numbers of
-            switches, cell by cell; those that the chain has by default.
-        region: closed curves (m, 2) [N] round the pairs (F0, F1) that a cell can have.
-        places: (m, 2) single pairs that a cell can have [N], such as those of drilled holes.
-        clouds: (n, N, 2) pairs of each cell as it may be built [N]; NaN is left out. Their
-            ellipses hold 95 % of a normal distribution of the same mean and covariance.
+        chain: up to 16 cells, or 16 transitions of elements.
+        loading, unloading: target orders as cell numbers from 0; with elements, numbers of
+            transitions, cell by cell. By default the orders of the chain.
+        region: closed curves (m, 2) [N] round the feasible pairs (F0, F1) of a cell.
+        places: (m, 2) single feasible pairs [N], such as those of drilled holes.
+        clouds: (n, N, 2) pairs of the samples of each cell [N]; NaN is left out. Ellipses contain
+            95 % of a normal distribution of the same mean and covariance.
 
     Raises:
-        ValueError: too many cells, a panel too narrow, or an order not of each cell once.
+        ValueError: too many cells, a panel too narrow, or an order that lacks or repeats a cell.
 
     Source: sorting theorem, theory page.
     """
     switches = _switches(chain)
     count, colours = len(switches), [switch.colour for switch in switches]
-    of = told.force(chain.measure)
-    # As drawn, like everything below.
+    of = words.force(chain.measure)
+    # In drawn units, like everything below.
     forces = np.array([(switch.up, switch.down) for switch in switches]) * of.factor
     up, down = np.argsort(forces * (1, -1), axis=0, kind="stable").T
     orders = _order("loading", loading, up), _order("unloading", unloading, down)
     cloud = None if clouds is None else np.asarray(clouds, float) * of.factor
     strip = _ROW * count + 1.5
     width = sheet.page_width(style.COLUMN if count <= 4 else _WIDE)
-    # The names of switches are longer.
+    # Names of transitions are longer.
     edge = _LEFT + 3.0 * (count > len(chain))
     side = width - edge - _BETWEEN - strip - _RIGHT
     if side < _LEAST:
@@ -93,18 +93,18 @@ def force_plane(
             f"the force plane of {count} {what} needs {width + _LEAST - side:.0f} mm of width, and "
             f"has {width:.4g} mm."
         )
-    step, way, ends = _narrowest(forces, orders)
-    words, shade = "narrowest step", style.pale(style.YELLOW, 0.0)
+    step, axis, ends = _smallest_gap(forces, orders)
+    gap_label, shade = "smallest force gap", style.pale(style.YELLOW, 0.0)
     if step <= 0:
-        words, shade = "wrong by", style.pale(style.VERMILLION, 0.3)
+        gap_label, shade = "order violated by", style.pale(style.VERMILLION, 0.3)
     key = legends.those(
-        (region, legends.shade("can be reached", _FILL, edgecolor=style.FAINT, linewidth=0.8)),
-        (places is not None, legends.mark("can be reached", ".", 3.0, color=style.FAINT)),
-        (cloud is not None, legends.line("95 % as built", width=1.0)),
+        (region, legends.shade("feasible anchors", _FILL, edgecolor=style.FAINT, linewidth=0.8)),
+        (places is not None, legends.mark("feasible anchors", ".", 3.0, color=style.FAINT)),
+        (cloud is not None, legends.line("95 % of samples", width=1.0)),
     )
     if ends:
-        words = f"{words} {abs(step):.3g} {of.sign}"
-        key.append(legends.shade(words, shade, alpha=0.6, linewidth=0))
+        gap_label = f"{gap_label} {abs(step):.3g} {of.sign}"
+        key.append(legends.shade(gap_label, shade, alpha=0.6, linewidth=0))
     narrow = width < _WIDE
     columns = 2 if narrow else 3
     height = _BOTTOM + side + _BETWEEN + strip + 4.2 * -(-len(key) // columns) + 3.0
@@ -122,56 +122,54 @@ def force_plane(
     ax.locator_params(nbins=5 if narrow else 8)
     ax.set(xlabel=_name(chain, 0), ylabel=_name(chain, 1))
     if ends:
-        # The narrowest step, as a band across the plane.
-        look = {"color": shade, "alpha": 0.6, "linewidth": 0, "gid": "narrowest"}
-        (ax.axvspan, ax.axhspan)[way](*ends, **look, zorder=0.5)
+        # A band across the plane.
+        look = {"color": shade, "alpha": 0.6, "linewidth": 0, "gid": "smallest force gap"}
+        (ax.axvspan, ax.axhspan)[axis](*ends, **look, zorder=0.5)
     ax.autoscale(False)
     for half, strip_ax in enumerate((above, right)):
         _Order(strip_ax, ax, half, orders[half]).draw(forces, cloud, switches)
     _name_cells(ax, forces, switches)
     middle = {"ha": "center", "va": "center", "rotation": 90}
-    sheet.text_at(figure, 3.0, base + strip / 2, "loads", **middle)
-    # Over one narrow column the word would leave the page.
-    sheet.text_at(figure, width - _RIGHT, 4.8, "unloads", ha="right", va="top")
+    sheet.text_at(figure, 3.0, base + strip / 2, "loading", **middle)
+    # Centred over a narrow column, the text would leave the page.
+    sheet.text_at(figure, width - _RIGHT, 4.8, "unloading", ha="right", va="top")
     legends.above(above, key, columns)
     return figure
 
 
 def _switches(chain: Chain) -> list[_Switch]:
-    """Of every cell one, or as many as an element has phases but one; friction is in it."""
-    found: list[_Switch] = []
+    """Transitions of all cells: one fewer than the phases of each; forces include friction."""
+    switches: list[_Switch] = []
     colours = style.cell_colours(len(chain))
     for cell, name, colour in zip(chain.cells, chain.names, colours, strict=True):
         pairs = list(pairwise(cell.phases))
         for k, (before, after) in enumerate(pairs):
             numbered = f"{shortened(name, _NAME - 4)} {k}>{k + 1}" if len(pairs) > 1 else name
             up, down = before.force_high + cell.friction, after.force_low - cell.friction
-            found.append(_Switch(numbered, colour, up, down))
-    if not found:
-        raise InputError("the chain has no cell with two phases: nothing in it switches.")
-    if len(found) > MOST_CELLS:
+            switches.append(_Switch(numbered, colour, up, down))
+    if not switches:
+        raise InputError("the chain has no cell with two phases: give it a bistable cell.")
+    if len(switches) > MOST_CELLS:
         what = "switches" if chain.elements else "cells"
-        raise InputError(
-            f"the chain has {len(found)} {what}: at most {MOST_CELLS} can be told apart."
-        )
-    return found
+        raise InputError(f"the chain has {len(switches)} {what}: at most {MOST_CELLS} are legible.")
+    return switches
 
 
 def _order(name: str, wanted: Sequence[int] | None, own: NDArray[np.intp]) -> tuple[int, ...]:
     order = tuple(int(i) for i in (own if wanted is None else wanted))
     if sorted(order) != list(range(len(own))):
         raise InputError(
-            f"{name} = {wanted!r}: must name each of the cells 0..{len(own) - 1} once, first the "
-            f"one that moves first."
+            f"{name} = {wanted!r}: must contain each of the cells 0..{len(own) - 1} once, in the "
+            f"order of motion."
         )
     return order
 
 
-def _narrowest(
+def _smallest_gap(
     forces: Floats, orders: tuple[Sequence[int], Sequence[int]]
 ) -> tuple[float, int, list[float]]:
-    """Of the steps between neighbours the smallest, or that farthest the wrong way: its size, its
-    side and its ends, none where nothing has a neighbour.
+    """Smallest force gap between neighbours in the orders: size (negative if the order is
+    violated), axis and ends; no ends for a single cell.
     """
     steps = (
         ((1 - 2 * k) * float(forces[j, k] - forces[i, k]), k, sorted(forces[[i, j], k].tolist()))
@@ -182,7 +180,7 @@ def _narrowest(
 
 
 def _name(chain: Chain, side: int) -> str:
-    of = told.force(chain.measure)
+    of = words.force(chain.measure)
     if chain.elements:
         return f"{of.word} {('up to the next phase', 'back down')[side]} [{of.sign}]"
     rubs = ("+f", "-f")[side] if any(cell.friction > 0 for cell in chain.cells) else ""
@@ -192,7 +190,7 @@ def _name(chain: Chain, side: int) -> str:
 def _draw_reachable(
     ax: Axes, region: Sequence[ArrayLike], places: ArrayLike | None, factor: float
 ) -> None:
-    """The pairs of forces that a cell can have: as an area, and as single points."""
+    """Draw the feasible force pairs of a cell as an area and as single points."""
     for curve in region:
         points = np.asarray(curve, float) * factor
         ax.add_patch(Polygon(points, facecolor=_FILL, linewidth=0, zorder=0))
@@ -204,13 +202,13 @@ def _draw_reachable(
 
 
 def _draw_cells(ax: Axes, forces: Floats, colours: Sequence[str]) -> None:
-    """A dot for every switch, and limits of the axes that leave room around all of them."""
+    """Draw a dot for each transition and set axis limits with room around all dots."""
     dot = {"markersize": 5.0, "markeredgecolor": "white", "zorder": 6, "gid": "cells"}
     for (x, y), colour in zip(forces.tolist(), colours, strict=True):
         ax.plot(x, y, "o", color=colour, **dot)
     ax.margins(0.12)
     ax.autoscale_view()
-    # Round one cell some room, or its ticks would have more digits than the page has room for.
+    # Without room round a single cell, its tick labels would be too long for the page.
     for middle, (low, high), limit in zip(
         forces.mean(axis=0), (ax.get_xlim(), ax.get_ylim()), (ax.set_xlim, ax.set_ylim), strict=True
     ):
@@ -219,7 +217,7 @@ def _draw_cells(ax: Axes, forces: Floats, colours: Sequence[str]) -> None:
 
 
 def _name_cells(ax: Axes, forces: Floats, switches: Sequence[_Switch]) -> None:
-    # In the colour of their dots and clouds, so that every outline has its owner.
+    # Each name has the colour of its dot and its ellipse.
     named = zip(forces.tolist(), switches, strict=True)
     labels = [legends.Label(at, literal(one.name), one.colour) for at, one in named]
     for text in legends.beside(ax, labels, leaders=True):
@@ -227,7 +225,7 @@ def _name_cells(ax: Axes, forces: Floats, switches: Sequence[_Switch]) -> None:
 
 
 def _draw_cloud(ax: Axes, points: Floats, colour: str) -> None:
-    """Single mechanisms as dots, and the ellipse that holds most of them."""
+    """Draw samples as dots, and the ellipse that contains 95 % of them."""
     points = points[np.isfinite(points).all(axis=1)]
     ax.scatter(*points.T, s=0.8, color=colour, alpha=0.35, linewidth=0, zorder=2, rasterized=True)
     if len(points) < 3:
@@ -240,7 +238,7 @@ def _draw_cloud(ax: Axes, points: Floats, colour: str) -> None:
 
 
 class _Order(NamedTuple):
-    """A strip beside the plane with a row for every cell, the first to move on top."""
+    """A strip next to the plane with one row per cell, the first to move on top."""
 
     ax: Axes
     main: Axes
@@ -248,7 +246,7 @@ class _Order(NamedTuple):
     cells: Sequence[int]
 
     def draw(self, forces: Floats, cloud: Floats | None, switches: Sequence[_Switch]) -> None:
-        """Draw every cell at its force, or over the range of it, and name the rows."""
+        """Draw each cell at its force with the range of its samples, and label the rows."""
         ax, main, side, count = self.ax, self.main, self.side, len(self.cells)
 
         def turned(values: Sequence[float], rows: Sequence[float]) -> Floats:

@@ -1,4 +1,4 @@
-"""A unit cell and a chain with the letters that theory and design files use."""
+"""A unit cell and a chain with the symbols of the theory and the design files."""
 
 import math
 from itertools import accumulate, pairwise
@@ -19,14 +19,14 @@ from stepwell.figures.common.marks import along_x, along_y, arrow, limits, mm, m
 from stepwell.figures.common.words import literal
 from stepwell.mechanism import Band, Cell, Chain, Element
 
-# More than this have no room for their letters in a column.
+# More cells have no room for their symbols in a column.
 _MOST_CELLS = 4
-# What is shown of the cell's travel, and of each cell's in a chain.
+# Drawn travel of the cell, and of each cell in a chain, as fractions of the full travel.
 _SHOWN, _SHARES = 0.72, (1.0, 0.5, 0.75, 0.5)
 _EDGE, _GAP, _FOOT = 2.0, 4.0, 10.0  # round, between and below the drawings [mm of the page]
 _WIDE = style.COLUMN - 2 * _EDGE
 _BIG = 9.0
-_LEFT, _RIGHT = 12.0, 26.0  # of the cell, for words and dimensions
+_LEFT, _RIGHT = 12.0, 26.0  # margins of the cell for text and dimensions
 _DASHES = (0, (3.0, 2.0))
 _Look = dict[str, Any]
 _GHOST: _Look = {"edgecolor": style.FAINT, "linewidth": 0.6, "linestyle": _DASHES}
@@ -34,14 +34,14 @@ _GHOST: _Look = {"edgecolor": style.FAINT, "linewidth": 0.6, "linestyle": _DASHE
 
 @style.styled
 def labelled_cell(cell: Cell | None = None) -> Figure:
-    """A unit cell with its letters, and below it the triangle that gives the band's length.
+    """A unit cell with its symbols, and below it the triangle of the band's length.
 
-    The inner block is held and the outer one pulled along y; dashed is where it is at its stops.
-    Below, the lever r, then d = q - p from its end: the third side is as long as the band. Both
-    are true to scale, lengths in mm and angles in degrees, in one column's width.
+    The inner block is held and the outer block is pulled along y; its positions at the stops are
+    dashed. The triangle has the lever r, then d = q - p from its end; the third side is the length
+    of the band. Both are true to scale, with lengths in mm and angles in degrees. One column wide.
 
     Args:
-        cell: one with a single band; the paper's with q = (10, -15) mm by default.
+        cell: a cell with a single band; by default that of the paper with q = (10, -15) mm.
 
     Raises:
         ValueError: an element, or a cell with several bands.
@@ -54,7 +54,7 @@ def labelled_cell(cell: Cell | None = None) -> Figure:
         raise InputError("cell is an Element, which has no levers: draw it with element_curve.")
     if len(cell.bands) != 1:
         raise InputError(
-            f"cell has {len(cell.bands)} bands: the letters are those of one. Give a cell of one "
+            f"cell has {len(cell.bands)} bands: the figure shows one band. Give a cell of one "
             f"band, such as Cell(cell.bands[0], cell.lever, cell.limit)."
         )
     shown = _Shown(cell)
@@ -69,29 +69,30 @@ def labelled_cell(cell: Cell | None = None) -> Figure:
 
 @style.styled
 def labelled_chain(chain: Chain) -> Figure:
-    """A chain with the names of its parts, and how the travels of its cells add up to the stroke.
+    """A chain with the names of its parts, and the travels of its cells that sum to the stroke.
 
-    Above, every cell is at 0. Below, the actuator has pulled. One column wide, lengths in mm.
+    In the upper drawing every cell is at 0; in the lower one the actuator has pulled. One column
+    wide, lengths in mm.
 
     Args:
         chain: up to four cells of levers and bands.
 
     Raises:
-        ValueError: elements, or more cells than have room for their letters.
+        ValueError: elements, or more than four cells.
     """
     if chain.elements:
         raise InputError("the chain has elements, which have no levers: draw it with mechanism.")
     if len(chain) > _MOST_CELLS:
         raise InputError(
             f"the chain has {len(chain)} cells: at most {_MOST_CELLS} have room for their "
-            f"letters; draw a part of it, Chain(chain.cells[:{_MOST_CELLS}])."
+            f"symbols; draw a part of it, Chain(chain.cells[:{_MOST_CELLS}])."
         )
     linkage = LinkageDrawing(chain)
     pulled = [part * s for part, s in zip(_SHARES, chain.full_travels, strict=False)]
     states = [[0.0] * len(chain), pulled]
     boxes = np.array([linkage.bounds([travels]) for travels in states])
     left, right = min(boxes[:, 0].min(), -1.8 * linkage.reach), boxes[:, 2].max()
-    # From metres to the page's mm; at the right is the arrow.
+    # From metres to the page's mm, with room for the arrow at the right.
     scale = (_WIDE - 22.0) / (right - left)
     room = np.array([(5.0, 9.0), (17.0, 3.0)])
     high = np.ptp(boxes[:, [1, 3]], axis=1) * scale + room.sum(axis=1)
@@ -114,7 +115,7 @@ def labelled_chain(chain: Chain) -> Figure:
 
 
 class _Shown:
-    """A cell on the page, part of its way out; all lengths are the page's mm."""
+    """A partly opened cell on the page; all lengths are the page's mm."""
 
     def __init__(self, cell: Cell):
         self.cell, self.band = cell, cell.bands[0]
@@ -133,12 +134,12 @@ class _Shown:
 
     @staticmethod
     def _joint(theta: float, lever: float) -> Floats:
-        # Where the outer block's joint midpoint is, from that of the inner one.
+        # Joint midpoint of the outer block, relative to that of the inner block.
         return lever * np.array([math.cos(theta), math.sin(theta)])
 
     @property
     def box(self) -> sheet.Box:
-        """left, right, bottom, top of what is drawn."""
+        """left, right, bottom, top of the drawing."""
         points = [self.p, self.q, self.stops[0] - self.half, self.stops[1] + self.half]
         low, high = np.min(points, axis=0)[1], np.max(points, axis=0)[1]
         low = min(float(low), float(-self.half[1]) - 9.0)
@@ -208,14 +209,14 @@ class _Shown:
         ax.text(*at, r"$\theta$", **words, zorder=9)
 
     def _name(self, ax: Axes) -> None:
-        """Everything by its letter or its word."""
+        """Label all parts with their symbols or names."""
         ax.text(0.0, -self.half[1] - 2.5, "inner block,\nheld", ha="center", va="top")
         top = float(self.stops[1][1] + self.half[1])
         x, y = float(self.outer[0]), float(self.outer[1] + self.half[1])
         arrow(ax, (x, y), (x, top + 8.5), style.INK, 1.4)
         ax.text(x - 2.0, top + 6.5, "outer block,\npulled", ha="right", va="center")
         ax.text(x / 2 - 1.0, self.outer[1] / 2 + self.pair + 1.0, "$r$", va="bottom", fontsize=_BIG)
-        # Which way x and y go.
+        # The axes x and y.
         corner = np.array([self.box[0] + 1.0, self.box[2] + 1.0])
         for way, name in (((8.0, 0.0), "$x$"), ((0.0, 8.0), "$y$")):
             arrow(ax, corner, corner + way, style.FAINT, 0.8)
@@ -262,7 +263,7 @@ class _Shown:
 
 
 def _name_blocks(ax: Axes, blocks: Floats, *, first: bool) -> None:
-    """What is held and what is pulled."""
+    """Label the held block and the pulled block."""
     left, low = blocks[0, :2]
     ax.text(left + 1.5, low - 1.0, "held", ha="right", va="top", zorder=9)
     _, low, right, high = blocks[-1]
@@ -276,7 +277,7 @@ def _name_blocks(ax: Axes, blocks: Floats, *, first: bool) -> None:
 
 
 def _name_cells(ax: Axes, chain: Chain, x: float, y: float) -> None:
-    """The state, and which cell has which colour, side by side."""
+    """Write the state, and the names of the cells in their colours, side by side."""
     words = [("state " + "0" * len(chain), style.INK)]
     names = [name if name.startswith("cell") else f"{name} cell" for name in chain.names]
     words += zip(names, style.cell_colours(len(chain)), strict=True)
@@ -287,7 +288,7 @@ def _name_cells(ax: Axes, chain: Chain, x: float, y: float) -> None:
 
 
 def _name_anchors(ax: Axes, bands: Floats) -> None:
-    """p and q at the ends of every band."""
+    """Write p and q at the ends of every band."""
     for ends in bands:
         for name, (x, y), other in zip("pq", ends, ends[::-1], strict=True):
             up = y > other[1]
@@ -296,7 +297,7 @@ def _name_anchors(ax: Axes, bands: Floats) -> None:
 
 
 def _add_up(ax: Axes, rest: float, pulled: list[float], y: float, feet: float) -> None:
-    """The travels one after the other, from where the last block rests, and the stroke below."""
+    """Draw the travels end to end from the rest of the last block, and the stroke below."""
     marks = list(accumulate(pulled, initial=rest))
     colours = style.cell_colours(len(pulled))
     for i, (a, b) in enumerate(pairwise(marks)):

@@ -1,4 +1,4 @@
-"""Where the parts of a chain are, drawn flat on the page, and as artists that can be moved."""
+"""Positions of the parts of a chain on the page, and movable artists that draw them."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -17,13 +17,14 @@ from stepwell.figures.common.sheet import Box, Point
 from stepwell.mechanism import Cell, Chain, Element, Phase
 
 _SAMPLES = 97
-# Between the curve and the box, as a share of the box.
+# Margin between curve and box, as a fraction of the box.
 _EDGE = 0.14
 
 
 class Symbol:
-    """The force curve of an element in a square of side 1, travel to the right, force upwards;
-    travels [m] that are `reached` past an open end are shown too.
+    """The force curve of an element in a square of side 1, travel to the right, force upwards.
+
+    Travels [m] that are `reached` past an open end are included.
     """
 
     def __init__(self, element: Element, reached: Sequence[float] | Floats = ()):
@@ -36,18 +37,18 @@ class Symbol:
             last = high if sheet.above is None and sheet.end == element.high else sheet.end
             travel = np.linspace(first, last, _SAMPLES)
             samples.append((travel, element.force_at(travel, number)))
-        # What lies past the ends of the curve does not set the scale.
+        # Points past the ends of the curve do not set the scale.
         inside = [f[(s >= element.low) & (s <= element.high)] for s, f in samples]
         least, most = min(f.min() for f in inside), max(f.max() for f in inside)
         self._origin = np.array([self.low, least])
         self._size = np.array([high - self.low, (most - least) or 1.0])
         self.curves = [self._inside(np.column_stack(curve)) for curve in samples]
         zero = float(self._inside(np.array([self.low, 0.0]))[1])
-        # Of no force; outside there is no line.
+        # Height of zero force; NaN outside the square.
         self.zero = zero if 0.0 < zero < 1.0 else math.nan
 
     def at(self, travel: float, sheet: int | None = None) -> Floats:
-        """(2,) where the element stands: on this sheet, else on the first that has the travel."""
+        """(2,) position of the element: on this sheet, else on the first with this travel."""
         laws, within = self.element.laws, min(max(travel, self.element.low), self.element.high)
         holds = [k for k, one in enumerate(laws) if one.begin <= within <= one.end]
         if sheet not in holds:
@@ -60,7 +61,7 @@ class Symbol:
 
 
 def rest_of(element: Element, phase: Phase) -> float:
-    """Where an element stands in a phase without force, or with the least there is [m]."""
+    """Travel [m] of an element in a phase at zero, or the smallest possible, force."""
     if phase.force_high < 0.0:
         return phase.high
     if phase.force_low > 0.0:
@@ -74,13 +75,13 @@ def rest_of(element: Element, phase: Phase) -> float:
         if way * force(end) < 0.0:
             if math.isfinite(limit):
                 return end
-            # Past an open end the curve goes on straight.
+            # Past an open end the curve is extrapolated as a straight line.
             further = way * element.full_travel
             return end - force(end) * further / (force(end + further) - force(end))
     return bisected(lambda travel: force(travel) <= 0.0, low, high, 60)[0]
 
 
-# Of chains without levers, which have no size of their own: a lever, and the longest travel [m].
+# Drawn lever and longest travel of chains without levers, which have no size of their own [m].
 _LEVER, _TRAVEL = 0.0141, 0.020
 
 
@@ -100,7 +101,7 @@ class Pose:
 
     @property
     def points(self) -> Floats:
-        """(n, 2) corners of blocks and symbols, ends of all else but the posts [m]."""
+        """(n, 2) corners of blocks and symbols, ends of bands and levers [m]."""
         parts = (self.blocks, self.bands, self.levers, self.boxes)
         return np.concatenate([part.reshape(-1, 2) for part in parts])
 
@@ -112,11 +113,11 @@ _SHAPES |= dict.fromkeys(("levers", "bands", "posts", "rods"), (-1, 2, 2))
 class LinkageDrawing:
     """Places a chain on the page: stroke to the right, fixed block at the left.
 
-    Every second cell is mirrored across the stroke, which changes no band length: a chain of any
-    length stays as slender as one cell. The length of the middle blocks is free in the model; here
-    each clears its neighbours in every state. An element is a box on the rod between two blocks,
-    true in its travel. Without levers nothing has a size, and the longest travel is 20 mm.
-    `reached` are (n, N) travels [m] that will be drawn, for elements that go past an open end.
+    Every second cell is mirrored across the stroke, which changes no band length and keeps a chain
+    as slender as one cell. The length of the middle blocks is free in the model; here each clears
+    its neighbours in every state. An element is a box on the rod between two blocks, to scale in
+    its travel. Without levers the longest travel is drawn 20 mm long. `reached` are (n, N) travels
+    [m] to be drawn, for elements that move past an open end.
     """
 
     def __init__(self, chain: Chain, reached: Sequence[Sequence[float] | Floats] = ()):
@@ -125,13 +126,13 @@ class LinkageDrawing:
         lever = max((cell.lever for cell in cells), default=_LEVER)
         # Drawn metres by one of travel.
         self.unit = 1.0 if cells else _TRAVEL / max(chain.full_travels)
-        # Half the distance between the two levers, and what a block has beyond its joint midpoint.
+        # Half the distance of the two levers, and the reach of a block beyond its joint midpoint.
         self.half_pair = 0.30 * lever
         self.reach = 0.52 * lever
         self.half_block = 0.26 * min([lever, *(c.lever * math.cos(c.limit) * 1.4 for c in cells)])
         room = 2 * self.reach + 0.25 * lever
         halves = [c.full_travel / 2 if isinstance(c, Cell) else 0.0 for c in chain.cells]
-        # Nothing can come near a block beside an element.
+        # Blocks next to an element need no clearance.
         self.spans = [a + b + room * bool(a and b) for a, b in pairwise(halves)]
         self.owner = np.repeat(
             range(len(chain)), [len(c.bands) if isinstance(c, Cell) else 0 for c in chain.cells]
@@ -147,8 +148,8 @@ class LinkageDrawing:
     def pose(
         self, travels: Sequence[float] | Floats, sheets: Sequence[int | None] | None = None
     ) -> Pose:
-        """Everything in its place at these travels (N,) [m] on these sheets (N,) of the curves, by
-        default the first that have them.
+        """Positions of all parts at these travels (N,) [m] on these sheets (N,) of the curves, by
+        default the first sheets with these travels.
         """
         reach, half = self.reach, self.half_block
         inner, pair = np.zeros(2), np.array([self.half_pair, 0.0])
@@ -190,21 +191,21 @@ class LinkageDrawing:
         return Pose(**parts | {"slack": np.array(of["slack"], bool)})
 
     def bounds(self, states: Iterable[Sequence[float] | Floats], room: float = 0.0) -> Box:
-        """left, bottom, right, top [m] of the chain at all these travels (N,), with room around."""
+        """left, bottom, right, top [m] of the chain at all these travels (N,), with a margin."""
         points = np.concatenate([self.pose(travels).points for travels in states])
         low, high = points.min(axis=0) - room, points.max(axis=0) + room
         return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
     def greatest_tension(self) -> float:
-        """The largest tension or thrust [N] any band has between the stops."""
-        found = 0.0
+        """The largest tension or compression [N] of any band between the stops."""
+        greatest = 0.0
         for cell in self.chain.cells:
             if isinstance(cell, Cell):
                 theta = np.linspace(-cell.limit, cell.limit, 65)
                 for band in cell.bands:
                     tension = band.tension(band.length(theta, cell.lever))
-                    found = max(found, float(np.max(np.abs(tension))))
-        return found
+                    greatest = max(greatest, float(np.max(np.abs(tension))))
+        return greatest
 
 
 THINNEST, THICKEST = 0.7, 3.0
@@ -212,8 +213,9 @@ SLACK_DASHES = (0, (2.0, 1.6))
 
 
 class Drawing:
-    """The artists of one chain, the fixed block's joint midpoint at the origin, in page units of
-    which a metre has `scale`; `weight` is a factor on all line widths.
+    """The artists of one chain, with the fixed block's joint midpoint at the origin.
+
+    `scale` is page units per metre; `weight` is a factor on all line widths.
     """
 
     def __init__(
@@ -257,7 +259,7 @@ class Drawing:
     def move(
         self, travels: Sequence[float] | Floats, sheets: Sequence[int | None] | None = None
     ) -> Pose:
-        """Put every part where it is at these travels (N,) [m]; sheets as for `pose`."""
+        """Move all parts to these travels (N,) [m]; sheets as in `pose`."""
         pose = self.linkage.pose(travels, sheets)
         self.blocks.set_verts(list(self._page(corners(pose.blocks))))
         self.posts.set_segments(list(self._page(pose.posts)))

@@ -1,4 +1,4 @@
-"""The mechanism itself, drawn in one state after another."""
+"""Drawings of the mechanism in a sequence of states."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -15,18 +15,18 @@ from stepwell.figures.common import legends, marks, style, words
 from stepwell.figures.common.sheet import Box, Point, canvas, page_width
 from stepwell.mechanism import Chain, Element
 
-# More than this is too small to see on a page.
+# More cells or states are too small to see on a page.
 MOST_CELLS = 12
 MOST_STATES = 30
 
-# On the page [mm]: between two drawings, above and below each, and for the key under them all.
+# On the page [mm]: between two drawings, above and below each, and for the legend at the bottom.
 _BETWEEN, _ABOVE, _BELOW, _KEY = 7.0, 4.8, 7.4, 6.0
-# Of the key: what an entry takes, and the height of each row but the first [mm].
+# Legend: width of an entry, and height of each row after the first [mm].
 _ENTRY, _MORE = 25.0, 3.8
-# The scale bar is no longer [mm].
+# Largest length of the scale bar [mm].
 _BAR = 12.0
 _LARGEST, _SMALLEST_WANTED = 0.9, 0.21
-# A page has no more; rather than leave it, drawings become smaller.
+# Height of a page; drawings shrink to stay within it.
 _TALLEST = 270.0
 
 State = str | Sequence[float]
@@ -36,22 +36,22 @@ State = str | Sequence[float]
 def mechanism(
     chain: Chain, states: Iterable[State], *, columns: int | None = None, ax: Axes | None = None
 ) -> Figure:
-    """The chain in one state after another, with an arrow between and the stroke below each.
+    """The chain in a sequence of states, with arrows between them and the stroke below each.
 
-    The stroke runs to the right and the fixed block is at the left. States that load follow each
-    other to the right, those that unload to the left. Every second cell is mirrored across the
-    stroke, which changes no length and no force. A band is as thick as its tension, and dashed
-    where it is slack. An element is a box with its force curve, and a mark on the curve where it
-    stands: in a phase, where that is without force or has the least.
+    The stroke runs to the right and the fixed block is at the left. Loading proceeds to the right,
+    unloading to the left. Every second cell is mirrored across the stroke, which changes no length
+    and no force. The thickness of a band shows its tension; a slack band is dashed. An element is a
+    box with its force curve and a mark at its travel: in a phase, the travel of zero or smallest
+    force.
 
     Args:
         chain: up to 12 cells.
         states: up to 30, each as "010" or as (N,) travels [m]; `cycle.sequence` is one.
-        columns: drawings side by side; by default as many as stay legible.
+        columns: drawings side by side; by default as many as are legible.
         ax: axes to draw into; a new figure of two columns' width by default.
 
     Raises:
-        ValueError: a state that is none of this chain, or more cells or states than can be seen.
+        ValueError: a state that this chain does not have, or too many cells or states.
 
     Source: Kamp et al. 2024, Figs. 1A and 2A.
     """
@@ -63,18 +63,18 @@ def mechanism(
 
 @dataclass(frozen=True)
 class DrawingPlan:
-    """Where each drawing goes on a page of this width and height [mm]."""
+    """Positions of the drawings on a page of this width and height [mm]."""
 
     linkage: LinkageDrawing
-    # Travel and sheet of every cell, and what is written above.
+    # Travel and sheet of every cell, and the title above.
     places: list[list[tuple[float, int | None]]]
     titles: list[str]
     origins: list[Point]
     scale: float
     bounds: Box
-    # Where the outermost block's right edge is at no stroke [m drawn].
+    # Right edge of the outermost block at zero stroke [m drawn].
     rest: float
-    # Of every drawing but the first, whether the stroke grows to it, 1, or falls, -1.
+    # Change of stroke before every drawing but the first: 1 loading, -1 unloading.
     ways: list[int]
     width: float
     height: float
@@ -83,7 +83,7 @@ class DrawingPlan:
 def arrange(
     chain: Chain, states: Iterable[State], *, columns: int | None = None, tallest: float = _TALLEST
 ) -> DrawingPlan:
-    """Lay the drawings out in rows, where that can be no higher together than `tallest` [mm]."""
+    """Lay the drawings out in rows, if possible within the height `tallest` [mm]."""
     wanted = list(states)
     refuse_long(chain)
     if not 0 < len(wanted) <= MOST_STATES:
@@ -98,11 +98,11 @@ def arrange(
     strokes = [*map(math.fsum, travels)]
     ways = [1 if b >= a else -1 for a, b in pairwise(strokes)]
     page = page_width(style.PAGE)
-    # Cells, what a band's width means, and one that is slack.
+    # Entries: cells, the thickness of a band, and a slack band.
     key = _KEY + _MORE * (legends.laid(len(chain) + 2, page, _ENTRY)[1] - 1)
 
     def sized(c: int) -> tuple[list[tuple[int, int]], tuple[bool, bool], float, float]:
-        """Places, room for arrows at the left and right, scale and height with c columns."""
+        """Cells of the grid, arrows at the left and right edge, scale and height of c columns."""
         grid = _grid(ways, c)
         entered = {(way, column) for way, (_, column) in zip(ways, grid[1:], strict=True)}
         edges = (1, 0) in entered, (-1, c - 1) in entered
@@ -113,7 +113,7 @@ def arrange(
     if columns is None:
         most = 1 + max((len(list(run)) for _, run in groupby(ways)), default=0)
         columns = max((c for c in range(2, most + 1) if sized(c)[2] >= _SMALLEST_WANTED), default=1)
-        # As many rows as that needs, filled evenly.
+        # Rows are filled evenly.
         columns = math.ceil(most / math.ceil(most / columns))
         while columns < most and sized(columns)[3] > tallest:
             columns += 1
@@ -130,25 +130,27 @@ def arrange(
 
 
 def refuse_long(chain: Chain) -> None:
-    """Refuse a chain of more cells than can be seen."""
+    """Raise an error if the chain has too many cells to draw."""
     if len(chain) > MOST_CELLS:
         raise InputError(
-            f"the chain has {len(chain)} cells: at most {MOST_CELLS} can be seen; "
+            f"the chain has {len(chain)} cells: at most {MOST_CELLS} can be drawn; "
             f"draw a part of it, Chain(chain.cells[:{MOST_CELLS}])."
         )
 
 
 def _grid(ways: Sequence[int], columns: int) -> list[tuple[int, int]]:
-    """Row and column of every state, which go on by these ways; each turn begins a row."""
-    found = [(0, columns - 1 if ways[:1] == [-1] else 0)]
+    """Row and column of every state; `ways` are the directions between states, and each change of
+    direction begins a row.
+    """
+    places = [(0, columns - 1 if ways[:1] == [-1] else 0)]
     for before, way in zip([*ways[:1], *ways], ways, strict=False):
-        row, column = found[-1][0], found[-1][1] + way
+        row, column = places[-1][0], places[-1][1] + way
         if not 0 <= column < columns:
             row, column = row + 1, 0 if way > 0 else columns - 1
         elif way != before:
             row += 1
-        found.append((row, column))
-    return found
+        places.append((row, column))
+    return places
 
 
 def draw(ax: Axes, plan: DrawingPlan) -> None:
@@ -169,10 +171,10 @@ def draw(ax: Axes, plan: DrawingPlan) -> None:
         above = {"ha": "center", "va": "bottom", "fontweight": "bold", "fontsize": 8}
         ax.text(middle, origin[1] + top + 1.0, title, **above)
         stroke = math.fsum(travels)
-        # Elements rest where a root was found, and a rounding error is no stroke.
+        # Elements rest at numerical roots, so a stroke of rounding errors is set to 0.
         if abs(stroke) < 1e-9 * linkage.chain.full_stroke:
             stroke = 0.0
-        # From where the outermost block's edge is at zero stroke to where it is now.
+        # From the outermost block's edge at zero stroke to its current position.
         start = origin[0] + plan.rest * per_metre
         now = start + stroke * linkage.unit * per_metre
         y = origin[1] + bottom - 1.6
@@ -182,7 +184,7 @@ def draw(ax: Axes, plan: DrawingPlan) -> None:
             marks.head(ax, (start, y), (now, y), style.INK, size=5)
         ax.text(middle, y - 1.4, stroke_of.value(stroke), ha="center", va="top", fontsize=7)
         if way:
-            # From the state before, the way that the stroke goes.
+            # An arrow from the previous state, in the direction of the stroke.
             x = origin[0] + (left - _BETWEEN / 2 if way > 0 else right + _BETWEEN / 2)
             y = origin[1] + (bottom + top) / 2
             colour = style.direction_colour(way)
@@ -193,7 +195,7 @@ def draw(ax: Axes, plan: DrawingPlan) -> None:
 
 
 def ground(ax: Axes, linkage: LinkageDrawing, origin: Point, scale: float) -> None:
-    """The wall that holds the fixed block."""
+    """Draw the wall that holds the fixed block."""
     x = origin[0] - linkage.reach * scale
     half = 1.2 * linkage.half_block * scale
     y = origin[1] + np.linspace(-half, half, 6)
@@ -214,8 +216,8 @@ def _key(ax: Axes, plan: DrawingPlan, slack: bool) -> None:
     columns, _ = legends.laid(len(handles), plan.width, _ENTRY)
     legends.above(ax, handles, columns, bbox_to_anchor=(0.02, 0.6 / plan.height))
     if not len(linkage.owner):
-        return  # Nothing but elements: no length to compare with.
-    # A round length, so that no reader needs the design file.
+        return  # Only elements: the drawing has no length scale.
+    # A round length.
     bar, x = marks.round_length(_BAR / scale), plan.width - 4.0
     look = {"color": style.INK, "linewidth": 1.4, "solid_capstyle": "butt", "gid": "scale bar"}
     ax.plot([x - bar * scale, x], [2.4, 2.4], **look)
@@ -223,27 +225,27 @@ def _key(ax: Axes, plan: DrawingPlan, slack: bool) -> None:
 
 
 def _place(chain: Chain, state: State) -> list[tuple[float, int | None]]:
-    """Travel and sheet of every cell; None where any sheet that has the travel will do."""
+    """Travel and sheet of every cell; None selects the first sheet with this travel."""
     if isinstance(state, str):
         known = [{str(k): phase for k, phase in enumerate(cell)} for cell in chain.phases]
         phases = [own.get(digit) for own, digit in zip(known, state, strict=False)]
         if len(state) != len(chain) or None in phases:
-            raise InputError(f"state {state!r}: must be {_allowed(chain)}, innermost first.")
+            raise InputError(f"state {state!r}: must be {_state_format(chain)}, innermost first.")
         return [
             (rest_of(cell, phase) if isinstance(cell, Element) else phase.low, phase.sheet)
             for cell, phase in zip(chain.cells, phases, strict=True)
             if phase is not None
         ]
     if len(state) != len(chain):
-        raise InputError(f"a state has {len(state)} travels: must be {len(chain)}, one a cell.")
+        raise InputError(f"a state has {len(state)} travels: must be {len(chain)}, one per cell.")
     return [(float(travel), None) for travel in state]
 
 
-def _allowed(chain: Chain) -> str:
-    """What a state of this chain may be."""
+def _state_format(chain: Chain) -> str:
+    """Description of the allowed states of this chain."""
     counts = [len(phases) for phases in chain.phases]
     ranges = ", ".join("0" if n == 1 else f"0 to {n - 1}" for n in counts)
-    each = "each 0 or 1" if set(counts) == {2} else f"one a cell ({ranges})"
+    each = "each 0 or 1" if set(counts) == {2} else f"one per cell ({ranges})"
     return f"{len(chain)} characters, {each}"
 
 

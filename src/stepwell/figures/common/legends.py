@@ -1,4 +1,4 @@
-"""Legends, and labels put where they cover neither curves nor other text."""
+"""Legends, and labels placed where they cover neither curves nor other text."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
@@ -20,7 +20,7 @@ from stepwell.figures.common.words import literal
 
 _DIRECTIONS = [(np.cos(a), np.sin(a)) for a in np.deg2rad([90, 270, 45, 135, 315, 225, 0, 180])]
 _DISTANCES = (4.0, 8.0, 13.0, 20.0, 28.0, 38.0, 50.0, 65.0)
-# From here on a label needs a line to its point [pt].
+# From this distance on, a label needs a line to its point [pt].
 _FAR = 13.0
 
 
@@ -35,9 +35,11 @@ class Label(NamedTuple):
 def beside(
     ax: Axes, labels: Iterable[Label], *, keep_clear: Sequence[Bbox] = (), leaders: bool = False
 ) -> list[Annotation]:
-    """Write each label, the most important first, near its point and no nearer to another one's,
-    away from lines, labels, the edges of `ax`, whose limits are final, and these boxes [pixels];
-    `leaders` are lines from those that had to go away from their points.
+    """Write labels near their points, the most important first.
+
+    A label is nearest to its own point and avoids lines, labels, the edges of `ax` (with final
+    limits) and the boxes `keep_clear` [pixels]. `leaders` adds lines from distant labels to their
+    points.
     """
     labels = list(labels)
     spots = ax.transData.transform(np.array([label.at for label in labels]).reshape(-1, 2))
@@ -49,7 +51,7 @@ def beside(
     done: list[tuple[str, float, float]] = []
     for label, here in zip(labels, spots, strict=True):
         others = spots[np.hypot(*(spots - here).T) > 1.0 * point]
-        # One label serves all points of that name around it.
+        # One label serves all nearby points with its text.
         if any(t == label.text and np.hypot(*(here - at)) < 14 * point for t, *at in done):
             continue
         done.append((label.text, *here))
@@ -89,7 +91,7 @@ def inside(frame: Bbox, box: Bbox) -> bool:
 
 
 def _distances(box: Bbox, points: Floats) -> Floats:
-    """How far each point (n, 2) lies outside a box."""
+    """Distance of each point (n, 2) from a box; 0 inside."""
     return np.hypot(*(points - np.clip(points, box.min, box.max)).T)
 
 
@@ -100,33 +102,33 @@ def _cost(box: Bbox, frame: Bbox, taken: Sequence[Bbox], curves: Floats) -> floa
 
 def _curves(ax: Axes, step: float) -> Floats:
     """Points every `step` pixels along every line of the axes, (n, 2)."""
-    found = [np.empty((0, 2))]
+    points = [np.empty((0, 2))]
     for line in ax.get_lines():
         xy = line.get_transform().transform(np.column_stack(line.get_data()))
-        found.append(xy[np.isfinite(xy).all(axis=1)])
+        points.append(xy[np.isfinite(xy).all(axis=1)])
         start, along = xy[:-1], np.diff(xy, axis=0)
         drawn = np.isfinite(along).all(axis=1) & (line.get_linestyle() != "None")
         start, along = start[drawn], along[drawn]
         parts = np.ceil(np.hypot(*along.T) / step).astype(int)
         which = np.repeat(np.arange(len(parts)), parts)
         part = np.arange(len(which)) - np.repeat(np.cumsum(parts) - parts, parts)
-        found.append(start[which] + along[which] * (part / parts[which])[:, None])
-    return np.concatenate(found)
+        points.append(start[which] + along[which] * (part / parts[which])[:, None])
+    return np.concatenate(points)
 
 
 def line(label: str, colour: ColorType = style.INK, width: float = 1.4, **look: Any) -> Line2D:
-    """What a line means."""
+    """Legend entry of a line."""
     return Line2D([], [], color=colour, linewidth=width, label=label, **look)
 
 
 def mark(label: str, marker: str = "o", size: float = 4.5, **look: Any) -> Line2D:
-    """What a mark without a line means."""
+    """Legend entry of a mark without a line."""
     look = {"color": style.INK, "markersize": size, "marker": marker} | look
     return Line2D([], [], linestyle="none", label=label, **look)
 
 
 def shade(label: str, colour: ColorType, **look: Any) -> Patch:
-    """What a shade means."""
+    """Legend entry of a shade."""
     return Patch(facecolor=colour, label=label, **look)
 
 
@@ -138,7 +140,7 @@ def cells(
     dashed: bool = False,
     **look: Any,
 ) -> list[Line2D]:
-    """The colour of every cell of these names, inner first, and its dashes if lines have them."""
+    """Legend entries of the cells with these names, inner first, `dashed` if their lines are."""
     count = len(names)
     dashes = style.cell_dashes(count) if dashed else ["-"] * count
     return [
@@ -148,12 +150,12 @@ def cells(
 
 
 def those(*handles: tuple[object, Artist]) -> list[Artist]:
-    """The handles of which what is said before them holds."""
+    """The handles whose condition, the first of each pair, is true."""
     return [handle for holds, handle in handles if holds]
 
 
 def laid(count: int, room: float, entry: float, most: int = 100) -> tuple[int, int]:
-    """Columns, `most` at most, and rows of so many entries of this width in so much room [mm]."""
+    """Columns (at most `most`) and rows of `count` entries of width `entry` in `room` [mm]."""
     columns = max(1, min(count, most, int(room / entry)))
     return columns, -(-count // columns)
 
@@ -167,10 +169,11 @@ def above(
     lift: float = 1.2,
     **look: Any,
 ) -> None:
-    """A legend `lift` mm above the axes, of these handles or of all that has a label; with `fit`,
-    and in a panel, of as many columns as have room, and the axes make room for its rows.
+    """Put a legend `lift` mm above the axes, of these handles or of all labelled artists.
+
+    With `fit`, and in a panel, the columns suit the width and the axes make room for the rows.
     """
-    # In mm, not as a share of the axes: on high ones that would leave the page.
+    # In mm, not as a fraction of the axes: on high axes that would leave the page.
     lifted = ax.transAxes + ScaledTranslation(0.0, lift / 25.4, sheet.sheet_of(ax).dpi_scale_trans)
     place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "bbox_transform": lifted}
     given = {} if handles is None else {"handles": list(handles)}
@@ -189,7 +192,7 @@ def above(
 
 
 def _shorten(legend: Legend, right: float) -> None:
-    """Leave out the ends of names that would leave the page."""
+    """Shorten names that would leave the page."""
     for text in legend.get_texts():
         words = text.get_text()
         while len(words) > 4 and "$" not in words and text.get_window_extent().x1 > right:
@@ -200,7 +203,7 @@ def _shorten(legend: Legend, right: float) -> None:
 def on_top(
     figure: Figure, handles: Sequence[Artist], left: float, gap: float = 1.5, columns: int = 0
 ) -> None:
-    """A legend at the top of the figure, `left` and `gap` mm from its edges; in one row if 0."""
+    """Put a legend at the top of the figure, `left` and `gap` mm from its edges; 0: one row."""
     width, height = sheet.size_of(figure)
     place = {"loc": "upper left", "bbox_to_anchor": (left / width, 1 - gap / height)}
     figure.legend(handles=handles, ncols=columns or len(handles), **place)
@@ -209,7 +212,7 @@ def on_top(
 def below(
     figure: Figure, handles: Sequence[Artist], columns: int, left: float | None = None, **look: Any
 ) -> Legend:
-    """A legend 1.5 mm above the figure's lower edge, in its middle or `left` mm from its edge."""
+    """Put a legend 1.5 mm above the figure's lower edge, centred or `left` mm from its edge."""
     width, height = sheet.size_of(figure)
     place, x = ("lower center", 0.5) if left is None else ("lower left", left / width)
     look |= {"loc": place, "bbox_to_anchor": (x, 1.5 / height)}

@@ -1,4 +1,4 @@
-"""Marks that recur on plots of a path, and dimensions and scale bars of drawings."""
+"""Marks of paths, and dimensions and scale bars of drawings."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -20,7 +20,7 @@ _BOTH = {"arrowstyle": "<|-|>", "linewidth": 0.6, "mutation_scale": 5, "shrinkA"
 def along_x(
     ax: Axes, ends: Point, heights: Point, text: str, colour: str = INK, gid: str | None = None
 ) -> None:
-    """A dimension along x at the second height [mm]; thin lines lead to it from the first."""
+    """Draw a dimension along x at the second height [mm], with thin lines from the first."""
     (left, right), (feet, y) = ends, heights
     look = {"color": colour, "linewidth": 0.4, "zorder": 2.5, "gid": gid}
     for x in (left, right):
@@ -33,7 +33,7 @@ def along_x(
 def along_y(
     ax: Axes, ends: Point, places: Point, text: str, colour: str = INK, gid: str | None = None
 ) -> None:
-    """The same along y: thin lines lead from the first place along x to the second."""
+    """Draw a dimension along y at the second place along x [mm], with thin lines from the first."""
     (low, high), (feet, x) = ends, places
     look = {"color": colour, "linewidth": 0.4, "zorder": 2.5, "gid": gid}
     for y in (low, high):
@@ -49,14 +49,14 @@ def arrow(
     colour: str = INK,
     width: float = 0.6,
 ) -> None:
-    """An arrow from tail to tip [mm]; one of no width is a head alone."""
+    """Draw an arrow from tail to tip [mm]; width 0 draws the head alone."""
     size = 5.0 + 2.0 * (width == 0 or width >= 1)
     props = {"arrowstyle": "-|>", "color": colour, "linewidth": width, "mutation_scale": size}
     ax.annotate("", (tip[0], tip[1]), (tail[0], tail[1]), arrowprops=_BOTH | props, zorder=8)
 
 
 def scale_bar(ax: Axes, right: float, y: float, length: float) -> None:
-    """A bar of this length [mm] that ends at `right`, with its length above it."""
+    """Draw a bar of this length [mm] that ends at `right`, with its length above it."""
     look = {"color": INK, "linewidth": 1.6, "solid_capstyle": "butt", "gid": "scale bar"}
     ax.plot([right - length, right], [y, y], **look, zorder=9)
     label = f"{length:g} mm" if length < 1000 else f"{length / 1000:g} m"
@@ -65,20 +65,20 @@ def scale_bar(ax: Axes, right: float, y: float, length: float) -> None:
 
 
 def round_length(longest: float) -> float:
-    """The longest of 10, 20, 50, 100, ... that is no longer than this [mm]."""
+    """The largest of 10, 20, 50, 100, ... that does not exceed `longest` [mm]."""
     decade = 10.0 ** np.floor(np.log10(longest))
     return float(max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= longest))
 
 
 def limits(points: Floats, room: Box) -> Box:
-    """left, right, bottom, top round (n, 2) points, with this room at each side."""
+    """left, right, bottom, top of (n, 2) points, with a margin `room` at each side."""
     (left, bottom), (right, top) = points.min(axis=0), points.max(axis=0)
     ends = left - room[0], right + room[1], bottom - room[2], top + room[3]
     return tuple(map(float, ends))  # pyright: ignore[reportReturnType]
 
 
 def plain(ax: Axes, box: Box) -> None:
-    """Axes without a frame, true to scale, for left, right, bottom, top [mm]."""
+    """Set axes to left, right, bottom, top [mm], true to scale and without a frame."""
     ax.set(xlim=box[:2], ylim=box[2:], aspect="equal")
     ax.set_axis_off()
 
@@ -95,17 +95,17 @@ def mm_pair(vector: Sequence[float]) -> str:
     return f"({mm(x, 6)}, {mm(y, 6)})"
 
 
-# Past this many, arrow heads cover what they point at.
+# More arrow heads would cover the curve.
 MOST_HEADS = 40
 SNAP_DASHES: LineStyleType = (0, (2.2, 1.4))
 
 
 def snaps(
-    ax: Axes, found: Sequence[reading.SnapSamples], x: Floats, y: Floats, size: float = 4.2
+    ax: Axes, samples: Sequence[reading.SnapSamples], x: Floats, y: Floats, size: float = 4.2
 ) -> None:
-    """Dashed jumps from open circles [pt], where the chain lets go, to arrow heads."""
+    """Draw snaps as dashed lines from open circles of this size [pt] to arrow heads."""
     for direction in (1, -1):
-        some = [snap for snap in found if snap.direction * direction > 0]
+        some = [snap for snap in samples if snap.direction * direction > 0]
         if not some:
             continue
         colour = direction_colour(direction)
@@ -124,7 +124,7 @@ def snaps(
 def trace(
     ax: Axes, path: Path, x: Floats, y: Floats, widths: Point, unloading_style: LineStyleType = "-"
 ) -> None:
-    """The smooth stretches of a path, unloading over loading, with the widths of both [pt]."""
+    """Draw the smooth stretches of a path, unloading over loading, with their widths [pt]."""
     looks = ((1, widths[0], "-", 3), (-1, widths[1], unloading_style, 4))
     for direction, width, dashes, zorder in looks:
         look = {"color": direction_colour(direction), "linewidth": width, "linestyle": dashes}
@@ -132,12 +132,13 @@ def trace(
 
 
 def headings(ax: Axes, path: Path, x: Floats, y: Floats, sizes: Point = (10.0, 10.0)) -> None:
-    """Arrow heads, of loading and unloading in these sizes [pt], on every leg of the path, unless
-    there are too many, in axes with their final limits.
+    """Draw an arrow head on every leg of the path, unless there are too many.
+
+    `sizes` are those of loading and unloading [pt]. The axes must have their final limits.
     """
-    found = reading.legs(path)
-    for direction, at in found if len(found) <= MOST_HEADS else ():
-        # Not in the middle: where both directions take the same way, one would hide the other.
+    legs = reading.legs(path)
+    for direction, at in legs if len(legs) <= MOST_HEADS else ():
+        # Not in the middle: where both directions coincide, one head would hide the other.
         size = sizes[0 if direction > 0 else 1]
         heading(ax, x[at], y[at], direction_colour(direction), at=0.4, size=size)
 
@@ -145,15 +146,16 @@ def headings(ax: Axes, path: Path, x: Floats, y: Floats, sizes: Point = (10.0, 1
 def head(
     ax: Axes, start: Sequence[float], end: Sequence[float], colour: str, size: float = 7.0
 ) -> None:
-    """An arrow head at `end`, seen from `start`."""
+    """Draw an arrow head at `end` that points away from `start`."""
     props = {"arrowstyle": "-|>,head_length=0.45,head_width=0.2", "mutation_scale": size}
     props |= {"linewidth": 0, "color": colour, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", (end[0], end[1]), (start[0], start[1]), arrowprops=props, zorder=6)
 
 
 def heading(ax: Axes, x: Floats, y: Floats, colour: str, *, at: float, size: float) -> None:
-    """An arrow head at this share of the length of a curve, unless that is too short to need one,
-    in axes with their final limits.
+    """Draw an arrow head at the fraction `at` of a curve's length, unless the curve is short.
+
+    The axes must have their final limits.
     """
     xy = ax.transData.transform(np.column_stack([x, y]))
     frame = ax.get_window_extent()
@@ -175,25 +177,26 @@ def legend(
     *,
     fit: bool = False,
 ) -> None:
-    """Above the axes, which may `fit` it, what the lines of a path mean, and more; the former goes
-    to the legend that panels share, if they do.
+    """Add the legend of a path and `more` entries above the axes, which may `fit` it.
+
+    If panels share a legend, the entries of the path go there.
     """
     back = legends.line("unloading", style.UNLOADING, widths[1], linestyle=unloading_style)
     circle = hollow(4.2, linestyle=SNAP_DASHES, marker="o")
-    found = legends.those(
+    entries = legends.those(
         (np.any(path.direction > 0), legends.line("loading", style.LOADING, widths[0])),
         (np.any(path.direction < 0), back),
         (np.any(path.snap_after), legends.line("snap", width=1.1, **circle)),
     )
     if (all_share := sheet.current().shared) is None:
-        legends.above(ax, [*found, *more], fit=fit)
+        legends.above(ax, [*entries, *more], fit=fit)
     else:
         known = {one.get_label() for one in all_share}
-        all_share.extend(one for one in found if one.get_label() not in known)
+        all_share.extend(one for one in entries if one.get_label() not in known)
         if more:
             legends.above(ax, more)
 
 
 def zero_line(ax: Axes) -> None:
-    """Where the force is zero."""
+    """Draw a line at zero force."""
     ax.axhline(0.0, color=style.FAINT, linewidth=0.5, zorder=0)

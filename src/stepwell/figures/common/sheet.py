@@ -27,13 +27,14 @@ _MOST = 400_000
 
 
 class PageFigure(Figure):
-    """A figure that shows itself in notebooks, on white as on paper and everywhere at one scale:
-    one column of a page is 480 pixels wide, and no figure is wider than the notebook.
+    """A figure that notebooks display on white and at one scale.
+
+    One column of a page is 480 pixels wide, and no figure is wider than the notebook.
     """
 
     def _repr_html_(self) -> str:
-        # HTML, of all that notebooks can show, is shown before what inline backends draw: that
-        # would be cut to what is on it, each figure to another scale.
+        # Notebooks prefer HTML to the picture of an inline backend, which would be cropped to its
+        # contents and so have another scale in each figure.
         kind, drawn = "svg+xml", drawn_as(self, ".svg", _SCREEN * _SHARP)
         if len(drawn) > _MOST:
             kind, drawn = "png", drawn_as(self, ".png", _SCREEN * _SHARP)
@@ -46,55 +47,55 @@ class PageFigure(Figure):
         )
 
     def _words(self) -> str:
-        # For those who cannot see it.
+        # Alternative text for screen readers.
         axes = ((ax.get_ylabel(), ax.get_xlabel()) for ax in self.axes)
-        told = dict.fromkeys(f"{y} against {x}" for y, x in axes if x and y)
-        return "; ".join(" ".join(one.split()) for one in told) or "A drawing"
+        labels = dict.fromkeys(f"{y} against {x}" for y, x in axes if x and y)
+        return "; ".join(" ".join(one.split()) for one in labels) or "A drawing"
 
 
-# What draws a panel: any function of this room with its result already given to it.
+# Draws a panel: any function of this package with its arguments bound.
 Draw = Callable[[], Figure]
 # x and y; left, right, bottom and top, or left, bottom, width and height.
 Point = tuple[float, float]
 Box = tuple[float, float, float, float]
 
-# Of a panel whose axes may have any shape: its height as a share of its width is kept within
-# these, and its axes are no lower than this [mm].
+# Limits of height over width of a panel whose axes may have any shape, and least height of its
+# axes [mm].
 _SHAPES, _LOWEST = (0.55, 1.1), 30.0
-# A page of this width has room for panels beside each other [mm].
+# Least width of a page with panels side by side [mm].
 BESIDE = 150.0
-# What the letter of a panel takes at the left of its top row [mm].
+# Width of a panel's letter at the left of its top row [mm].
 _LETTER = 5.0
 
 
 @dataclass
 class CurrentPanel:
-    """What is drawn now: a panel of a page, or a figure by itself, which is as none is."""
+    """The panel of a page that is being drawn, or a figure on its own."""
 
-    # Of the panel [mm]; None while it is asked how wide it would be by itself.
+    # Of the panel [mm]; None while its natural width is measured.
     width: float | None = None
-    # Of a panel that can take any [mm]; its own choice if None.
+    # Of a panel with a free height [mm]; its own choice if None.
     height: float | None = None
     # None while the panel is only measured.
     onto: SubFigure | None = None
     # Whether the upper left corner is taken by a letter.
     lettered: bool = False
-    # Takes the entries of a legend that several panels have in common; None where each has its own.
+    # Collects the entries of a legend shared by several panels; None if each has its own.
     shared: list[Artist] | None = None
 
     @property
     def alone(self) -> bool:
-        """Whether it is a figure by itself."""
+        """Whether it is a figure on its own."""
         return self is _ALONE
 
     @property
     def indent(self) -> float:
-        """What the top row leaves free at its left for the letter [mm]."""
+        """Free width at the left of the top row for the letter [mm]."""
         return _LETTER * self.lettered
 
 
 class Size(NamedTuple):
-    """Of a panel [mm]; whether its height is part of it, and its legend one that others have."""
+    """Size of a panel [mm]; whether its height is fixed, and whether its legend can be shared."""
 
     width: float
     height: float
@@ -112,7 +113,7 @@ _panel: ContextVar[CurrentPanel] = ContextVar("panel", default=_ALONE)
 
 @contextmanager
 def drawing(panel: CurrentPanel) -> Iterator[None]:
-    """Let every sheet that is asked for be this panel."""
+    """Use this panel for every sheet drawn within the context."""
     token = _panel.set(panel)
     try:
         yield
@@ -121,32 +122,34 @@ def drawing(panel: CurrentPanel) -> Iterator[None]:
 
 
 def measured(draw: Draw, panel: CurrentPanel) -> Size:
-    """The size that a figure has as a panel, found without drawing it."""
+    """Size of a figure as a panel, without drawing it."""
     try:
         with drawing(panel):
             draw()
-    except _MeasuredError as found:
-        return found.args[0]
-    raise InputError("a panel must be a figure of this room, such as force_stroke with its cycle.")
+    except _MeasuredError as result:
+        return result.args[0]
+    raise InputError(
+        "a panel must be a function of stepwell.figures, such as force_stroke with its cycle."
+    )
 
 
 def page_width(usual: float) -> float:
-    """The width that a figure has: that of the panel it is drawn as, or its usual one [mm]."""
+    """Width of the figure [mm]: that of the current panel, or the usual one."""
     return _panel.get().width or usual
 
 
 def current() -> CurrentPanel:
-    """What is drawn now."""
+    """The panel that is being drawn."""
     return _panel.get()
 
 
 def blank(width: float, height: float, *, rigid: bool = True, keyed: bool = False) -> Figure:
-    """An empty figure of this size [mm] that can measure its text, or the panel drawn now."""
+    """An empty figure of this size [mm] that can measure its text, or the current panel."""
     panel = _panel.get()
     if not panel.alone:
         if panel.onto is None:
             raise _MeasuredError(Size(width, height, rigid, keyed))
-        # All that is asked of a figure here, a part of one answers too.
+        # A SubFigure has all methods of a Figure that are used here.
         return cast("Figure", panel.onto)
     figure = PageFigure(figsize=(width / 25.4, height / 25.4))
     FigureCanvasAgg(figure)
@@ -156,10 +159,10 @@ def blank(width: float, height: float, *, rigid: bool = True, keyed: bool = Fals
 def place(
     figure: Figure | SubFigure, left: float, bottom: float, width: float, height: float
 ) -> Axes:
-    """Axes at a place given in mm: nothing has to be laid out again when text is added."""
+    """Axes at a place given in mm, so that added text does not change the layout."""
     w, h = size_of(figure)
     ax = figure.add_axes((left / w, bottom / h, width / w, height / h))
-    # Said aloud, because how many ticks fit is decided later, outside this style.
+    # Set explicitly, because the number of ticks is decided later, outside this style.
     ax.tick_params(labelsize=STYLE["xtick.labelsize"])
     return ax
 
@@ -171,15 +174,15 @@ def size_of(figure: Figure | SubFigure) -> tuple[float, float]:
 
 
 def text_at(figure: Figure, x: float, y: float, text: str, **look: Any) -> Text:
-    """Text at a place of the figure given in mm, its foot there by default."""
+    """Text at a place of the figure given in mm, bottom-aligned by default."""
     width, height = size_of(figure)
     look.setdefault("va", "bottom")
     return figure.text(x / width, y / height, text, **look)
 
 
 def keep_inside(ax: Axes, least: float = 1.0) -> None:
-    """Narrow the axes where labels would come closer than `least` mm to the left edge, or where
-    their last number would leave the page at the right.
+    """Narrow the axes if labels are closer than `least` mm to the left edge, or if their last
+    number would leave the page at the right.
     """
     sheet = sheet_of(ax)
     page, per_mm = sheet.bbox, sheet.dpi / 25.4
@@ -189,7 +192,7 @@ def keep_inside(ax: Axes, least: float = 1.0) -> None:
         missing = least * per_mm - (box.x0 - page.x0 if box is not None else np.inf)
         over = (below.x1 if below is not None else 0.0) - page.x1
         if missing > 0 or over > 0:
-            # A pixel more at the right, lest rounding puts it outside.
+            # One more pixel at the right, because rounding could put the number outside.
             left = max(missing, 0.0) / page.width
             right = (over + 1.0) / page.width if over > 0 else 0.0
             ax.set_position((place.x0 + left, place.y0, place.width - left - right, place.height))
@@ -198,14 +201,14 @@ def keep_inside(ax: Axes, least: float = 1.0) -> None:
 def stack(
     figure: Figure, corner: Point, width: float, tall: Sequence[float], gap: float
 ) -> list[Axes]:
-    """Axes of these heights above each other, the first on top, from the lower left corner [mm]."""
+    """Stacked axes of these heights, the first on top, from the lower left corner [mm]."""
     left, bottom = corner
     under = [bottom + sum(tall[k + 1 :]) + gap * (len(tall) - 1 - k) for k in range(len(tall))]
     return [place(figure, left, y, width, high) for y, high in zip(under, tall, strict=True)]
 
 
 def keep_both_inside(upper: Axes, lower: Axes) -> None:
-    """Narrow two axes above each other to what the longer labels leave."""
+    """Narrow two stacked axes to the width left by the longer labels."""
     for one, other in ((upper, lower), (lower, upper)):
         keep_inside(one)
         box, beneath = one.get_position(), other.get_position()
@@ -213,8 +216,8 @@ def keep_both_inside(upper: Axes, lower: Axes) -> None:
 
 
 def grid(count: int, columns: int, pitch: Point, first: Point) -> list[Point]:
-    """The lower left corners of panels in rows from the top, the left one of the lowest at first,
-    all this far apart [mm].
+    """Lower left corners of panels in rows from the top, `pitch` apart, the lowest left one at
+    `first` [mm].
     """
     rows = -(-count // columns)
     places = (divmod(k, columns) for k in range(count))
@@ -230,8 +233,8 @@ def canvas(
     keyed: bool = False,
     least: float = _LOWEST,
 ) -> tuple[Figure, Axes]:
-    """The given axes with their figure, or new ones of this size with margins left, bottom, right,
-    top [mm]; the axes of a panel that is not `rigid` suit its width and are `least` mm high.
+    """The given axes with their figure, or new axes of this size with margins left, bottom, right,
+    top [mm]; axes of a panel that is not `rigid` suit its width and are at least `least` mm high.
     """
     if ax is not None:
         return root(ax), ax

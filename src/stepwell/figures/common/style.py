@@ -1,4 +1,4 @@
-"""How every figure looks: sizes in millimetres, and colours that mean the same everywhere."""
+"""Style of all figures: sizes in millimetres, and colours with one meaning everywhere."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import wraps
@@ -25,22 +25,22 @@ YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 
 LOADING, UNLOADING = BLUE, VERMILLION
 INK, FAINT, BLOCK, FIXED_BLOCK = "#222222", "#8A8A8A", "#DCDCDC", "#A8A8A8"
-# Where an element is in one of its phases.
+# Shade of the phases of an element.
 PHASE = "#E9E9E9"
 
-# A cell keeps its colour in a chain of any length, inner first. Blue and vermillion are not among
-# them: they mean loading and unloading. Past six, like hues darker, then lighter, shifted as far
-# apart as a search could put them for people with all cones and without one kind.
+# A cell keeps its colour in a chain of any length, inner first. Blue and vermillion are reserved
+# for loading and unloading. Colours 7 to 18 are darker, then lighter variants, found by a search
+# for the largest differences under normal and colour-deficient vision.
 _CELLS = (
     *(GREEN, PURPLE, ORANGE, SKY, "#7A6A00", BLACK),
     *("#00704F", "#6F0A4F", "#855829", "#254782", "#403700", "#5C6975"),
     *("#6ECC83", "#DEBBD2", "#F2BE52", "#B5CBFD", "#B9904B", "#AFB0A0"),
 )
-# Every six cells the lines change too, for an eye that sees little of the hues.
+# The dashes change every six cells, for readers with colour-deficient vision.
 _CELL_DASHES: tuple[LineStyleType, ...] = ("-", (0, (4, 1.5)), (0, (6, 1.5, 1, 1.5)), (0, (1, 1.2)))
 _HUES = 6
 
-# By the sequence of a pathway, which a map read back from a file has too.
+# By the sequence of a pathway, because a map read from a file has only sequences.
 PATHWAY = {
     Pathway.CLOCKWISE.value: ORANGE,
     Pathway.COUNTERCLOCKWISE.value: SKY,
@@ -59,7 +59,7 @@ STYLE: dict[Any, Any] = {
     "axes.unicode_minus": True,
     "figure.dpi": 150.0,
     "figure.facecolor": "white",
-    # By name, and no generic family: a figure may be saved under settings of its user's own.
+    # By name instead of a generic family, because the user's settings may redefine the latter.
     "font.family": list(families()),
     "font.size": 7.0,
     "legend.fontsize": 7.0,
@@ -88,7 +88,7 @@ R = TypeVar("R")
 
 
 def styled(draw: Callable[P, R]) -> Callable[P, R]:
-    """Run a drawing function in this style and leave matplotlib's own settings as they were."""
+    """Run a drawing function in this style without changing matplotlib's global settings."""
 
     @wraps(draw)
     def inside(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -99,7 +99,7 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
 
 
 def name_rows(ax: Axes, names: Sequence[str], edge: float = 0.5) -> None:
-    """Rows 0, 1, ... from the top, each with its name; `edge` rows beyond the first and last."""
+    """Name rows 0, 1, ... from the top, with `edge` rows beyond the first and last."""
     ax.set_yticks(range(len(names)), names)
     ax.tick_params(axis="y", length=0)
     ax.set_ylim(len(names) - 1 + edge, -edge)
@@ -110,26 +110,26 @@ def pale(colour: str, amount: float = 0.62) -> tuple[float, float, float]:
     return tuple(c + (1.0 - c) * amount for c in to_rgb(colour))  # pyright: ignore[reportReturnType]
 
 
-# Words past those that have a colour of their own.
+# Label of all words without a colour of their own.
 REST = "any other"
 _WORDS = (BLUE, GREEN, VERMILLION, PURPLE, "#7A6A00", INK)
 
 
 def word_colours(often: Sequence[str], known: Mapping[str, str]) -> dict[str, Colour]:
-    """A colour for each of the most frequent words; the rest share one and a name."""
+    """A colour for each of the most frequent words; the others share one colour and one name."""
     spare = iter(_WORDS)
     colours = {word: known[word] if word in known else next(spare, "") for word in often}
-    found: dict[str, Colour] = {word: colour for word, colour in colours.items() if colour}
-    return found | ({REST: pale(FAINT, 0.5)} if len(found) < len(often) else {})
+    own: dict[str, Colour] = {word: colour for word, colour in colours.items() if colour}
+    return own | ({REST: pale(FAINT, 0.5)} if len(own) < len(often) else {})
 
 
 def cell_colours(count: int) -> list[str]:
-    """One colour a cell, inner first; past eighteen they repeat."""
+    """One colour per cell, inner first; colours repeat after 18 cells."""
     return [_CELLS[i % len(_CELLS)] for i in range(count)]
 
 
 def cell_dashes(count: int) -> list[LineStyleType]:
-    """One line style a cell, inner first: with its colour no two of twenty cells look alike."""
+    """One line style per cell, inner first; with its colour it is unique among 20 cells."""
     return [_CELL_DASHES[i // _HUES % len(_CELL_DASHES)] for i in range(count)]
 
 
@@ -139,7 +139,7 @@ def hollow(size: float, colour: ColorType = INK, **look: Any) -> dict[str, Any]:
 
 
 def on_white(pad: float = 0.1, alpha: float | None = None) -> dict[str, Any]:
-    """The ground of a text that lies on lines."""
+    """A white background for text on lines."""
     box = {"boxstyle": f"square,pad={pad}", "facecolor": "white", "linewidth": 0}
     return box if alpha is None else box | {"alpha": alpha}
 

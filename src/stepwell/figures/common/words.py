@@ -1,4 +1,4 @@
-"""What figures say: names that are safe to draw, quantities with units, texts made to fit."""
+"""Texts of figures: names that are safe to draw, quantities with units, texts cut to length."""
 
 import logging
 import math
@@ -15,7 +15,7 @@ from stepwell.mechanism import Chain
 
 
 def wrapped(text: str, most: int) -> list[str]:
-    """Lines of at most so many characters, broken after a blank, a > or a comma."""
+    """Lines of at most `most` characters, broken after a blank, a > or a comma."""
     lines = [""]
     for word in re.split(r"(?<=[ >,])", text):
         if lines[-1] and len(lines[-1]) + len(word.rstrip()) > most:
@@ -25,16 +25,16 @@ def wrapped(text: str, most: int) -> list[str]:
 
 
 def shortened(text: str, most: int, lines: int = 1) -> str:
-    """The text in at most so many lines of so many characters, the rest left out."""
-    found = [line if len(line) <= most else line[: most - 1] + "…" for line in wrapped(text, most)]
-    if len(found) > lines:
-        found[lines - 1] = found[lines - 1][: most - 1].rstrip(" …") + "…"
-    return "\n".join(found[:lines])
+    """The text cut to at most `lines` lines of `most` characters."""
+    shown = [line if len(line) <= most else line[: most - 1] + "…" for line in wrapped(text, most)]
+    if len(shown) > lines:
+        shown[lines - 1] = shown[lines - 1][: most - 1].rstrip(" …") + "…"
+    return "\n".join(shown[:lines])
 
 
 def sequence_words(text: str, most: int) -> str:
-    """A sequence of states, "00>10>11>01>00"; where that is longer than so many characters, which
-    cells load and unload, by number. Any other text stays as it is.
+    """A sequence of states such as "00>10>11>01>00"; if longer than `most` characters, the numbers
+    of the cells that load and unload. Any other text is returned unchanged.
     """
     if len(text) <= most or not re.fullmatch(r"\d+(>\d+)+", text):
         return text
@@ -62,12 +62,13 @@ _MORE = (
     "Arial Unicode MS",
 )
 _MISSING = "\N{WHITE SQUARE}"
-_said: set[str] = set()
+_logged: set[str] = set()
 
 
 def literal(text: str) -> str:
-    """A name for matplotlib, which never takes it for mathematics nor leaves it out of a legend;
-    letters that no font has become squares, which is logged once.
+    """The name as literal text for matplotlib, never mathematics and never hidden in a legend.
+
+    Letters that no font has become squares, which is logged once.
     """
     lines = text.split("\n")
     shown = "\n".join("".join(map(_drawable, printable(line))) for line in lines)
@@ -77,21 +78,21 @@ def literal(text: str) -> str:
 
 @cache
 def families() -> tuple[str, ...]:
-    """The font of every figure, and after it those found here that have more letters."""
-    found = {font.name for font in fontManager.ttflist}
-    return (_FONT, *(name for name in _MORE if name in found))
+    """The font of every figure, followed by installed fonts with more letters."""
+    installed = {font.name for font in fontManager.ttflist}
+    return (_FONT, *(name for name in _MORE if name in installed))
 
 
 def _drawable(letter: str) -> str:
     if letter.isascii() or any(ord(letter) in letters_of(name) for name in families()):
         return letter
-    # A log record, and no warning: it must not become an error, and one line is enough.
-    if not _said:
+    # A log record instead of a warning: it must not become an error, and one line is enough.
+    if not _logged:
         logging.getLogger("stepwell").warning(
-            f"Figures show {_MISSING} for letters such as {letter}, which no font found here has: "
-            f"install one that has them, such as Noto Sans CJK."
+            f"Figures show {_MISSING} for letters such as {letter}, which no installed font "
+            f"contains: install a font with these letters, such as Noto Sans CJK."
         )
-    _said.add(letter)
+    _logged.add(letter)
     return _MISSING
 
 
@@ -102,11 +103,11 @@ def letters_of(family: str, weight: str = "normal", slant: str = "normal") -> fr
 
 
 def font_file(family: str, weight: str, slant: Any) -> str:
-    """Where a font is kept."""
+    """Path of a font's file."""
     return findfont(FontProperties(family=[family], weight=weight, style=slant))
 
 
-# Of a whole chain, of one cell, and of the force that both share.
+# Symbols for a whole chain, for one cell, and for the force that both share.
 _SYMBOLS = {
     Measure.TRAVEL: ("$u$", "$s$", "$F$"),
     Measure.VOLUME: ("$V$", "$v$", "$p$"),
@@ -115,7 +116,7 @@ _SYMBOLS = {
 
 
 class AxisQuantity(NamedTuple):
-    """A quantity as it is drawn: how many of its unit make one in SI is its factor."""
+    """A quantity as it is drawn; `factor` converts SI to its unit."""
 
     word: str
     symbol: str
@@ -124,41 +125,41 @@ class AxisQuantity(NamedTuple):
 
     @property
     def label(self) -> str:
-        """What an axis says."""
+        """Label of an axis."""
         return " ".join(part for part in (self.word, self.symbol, f"[{self.sign}]") if part)
 
     def value(self, number: float) -> str:
-        """What it is, in an equation."""
+        """The value [SI] as an equation with the symbol and the unit."""
         return f"{self.symbol} = {self.number(number)} {self.sign}"
 
     def number(self, number: float) -> str:
-        """Three digits of it, or all before the point."""
-        told = number * self.factor
-        return minus(f"{told:.3g}" if abs(told) < 1000.0 else f"{told:.0f}")
+        """The value [SI] in its unit with three digits, or without decimals from 1000 on."""
+        shown = number * self.factor
+        return minus(f"{shown:.3g}" if abs(shown) < 1000.0 else f"{shown:.0f}")
 
 
 def stroke(measure: Measure) -> AxisQuantity:
-    """What all cells of a chain give together."""
-    return _told(measure.stroke, _SYMBOLS[measure][0], measure.travel_unit)
+    """The stroke of a chain: the sum of the travels of its cells."""
+    return _quantity(measure.stroke, _SYMBOLS[measure][0], measure.travel_unit)
 
 
 def travel(measure: Measure) -> AxisQuantity:
-    """What one cell gives."""
-    return _told(measure.travel, _SYMBOLS[measure][1], measure.travel_unit)
+    """The travel of one cell."""
+    return _quantity(measure.travel, _SYMBOLS[measure][1], measure.travel_unit)
 
 
 def force(measure: Measure) -> AxisQuantity:
-    """What a cell resists with, and so the actuator."""
-    return _told(measure.force, _SYMBOLS[measure][2], measure.force_unit)
+    """The force of a cell, which equals that of the actuator."""
+    return _quantity(measure.force, _SYMBOLS[measure][2], measure.force_unit)
 
 
 def actuator(measure: Measure) -> AxisQuantity:
-    """The force of the actuator, by its name alone."""
+    """The force of the actuator, without a symbol."""
     return force(measure)._replace(word=f"Actuator {measure.force}", symbol="")
 
 
 def drive(chain: Chain) -> AxisQuantity:
-    """What the actuator prescribes."""
+    """The quantity that the actuator prescribes: force, stroke, or its position behind a spring."""
     if chain.actuator_stiffness == 0:
         return actuator(chain.measure)
     if math.isinf(chain.actuator_stiffness):
@@ -166,6 +167,6 @@ def drive(chain: Chain) -> AxisQuantity:
     return stroke(chain.measure)._replace(word="Actuator", symbol="")
 
 
-def _told(word: str, symbol: str, unit: str) -> AxisQuantity:
-    told, factor = display_unit(unit)
-    return AxisQuantity(word.capitalize(), symbol, Quantity(word, told).sign, factor)
+def _quantity(word: str, symbol: str, unit: str) -> AxisQuantity:
+    unit_name, factor = display_unit(unit)
+    return AxisQuantity(word.capitalize(), symbol, Quantity(word, unit_name).sign, factor)

@@ -1,4 +1,4 @@
-"""Figures as files, as SVG text with its fonts inside, and as pictures that move."""
+"""Figures as files, as SVG text with embedded fonts, and as animations."""
 
 import base64
 import html
@@ -22,14 +22,14 @@ from stepwell.figures.common.words import font_file, letters_of
 
 _TEXT = re.compile(r"<text(?P<look>[^>]*)>(?P<inside>.*?)</text>", re.DOTALL)
 _SPAN = re.compile(r"<tspan(?P<look>[^>]*)>(?P<inside>.*?)</tspan>", re.DOTALL)
-# Said at once, as "font: bold 7px 'A', 'B'", or property by property.
-_AT_ONCE = re.compile(r"font:\s*((?:[a-z]+\s+|\d{3}\s+)*)[\d.]+px\s+([^;\"]+)")
+# The font shorthand, as "font: bold 7px 'A', 'B'", or single properties.
+_SHORTHAND = re.compile(r"font:\s*((?:[a-z]+\s+|\d{3}\s+)*)[\d.]+px\s+([^;\"]+)")
 _PROPERTY = re.compile(r"font-(family|weight|style):\s*([^;\"]+)")
 _HEAVY = {"bold", "600", "700", "800", "900"}
 
 
 class _Face(NamedTuple):
-    """A font as SVG names it: its family, its weight and its slant."""
+    """A font as SVG names it: family, weight and slant."""
 
     family: str
     weight: str
@@ -37,8 +37,9 @@ class _Face(NamedTuple):
 
 
 def with_fonts(svg: str) -> str:
-    """An SVG whose text is text, with its fonts, cut down to the letters it shows, in it: so it
-    looks the same where those fonts are missing.
+    """The SVG with its fonts embedded, cut to the letters it shows.
+
+    Its text stays text and looks the same if the fonts are not installed.
     """
     shown: dict[_Face, set[str]] = defaultdict(set)
     for text in _TEXT.finditer(svg):
@@ -52,13 +53,13 @@ def with_fonts(svg: str) -> str:
 
 
 def _face(look: str, letter: str) -> _Face:
-    # Of the families that a text may be set in, the first that has the letter, or the first.
-    said = dict(_PROPERTY.findall(look))
-    if at_once := _AT_ONCE.search(look):
-        kind, families = at_once.groups()
+    # The first of the text's families that has the letter, else the first family.
+    properties = dict(_PROPERTY.findall(look))
+    if shorthand := _SHORTHAND.search(look):
+        kind, families = shorthand.groups()
     else:
-        kind = f"{said.get('style', '')} {said.get('weight', '')}"
-        families = said.get("family", STYLE["font.family"][0])
+        kind = f"{properties.get('style', '')} {properties.get('weight', '')}"
+        families = properties.get("family", STYLE["font.family"][0])
     words = kind.split()
     weight = "bold" if _HEAVY & {*words} else "normal"
     slant = "italic" if "italic" in words else "oblique" if "oblique" in words else "normal"
@@ -73,7 +74,7 @@ def _rule(face: _Face, letters: set[str]) -> str:
     options: Any = subset.Options()
     options.flavor = "woff"
     options.font_number = 0
-    # The file must not tell when it was made: the same figure gives the same bytes.
+    # No time stamp in the file: the same figure gives the same bytes.
     options.recalc_timestamp = False
     options.layout_features = ["kern", "mark", "mkmk", "ccmp"]
     logging.getLogger("fontTools").setLevel(logging.ERROR)
@@ -99,8 +100,9 @@ def write_gif(
     seen: Sequence[Image.Image],
     hundredths: int | Sequence[int],
 ) -> Path:
-    """Write frames of one size, in the colours of those `seen`, as a GIF that repeats for ever;
-    `hundredths` is how long one lasts, or each [0.01 s].
+    """Write frames of one size as a GIF that repeats for ever, with the colours of `seen`.
+
+    `hundredths` is the duration of a frame, or of each [0.01 s].
     """
     shared = _palette(seen)
     frames = (one.quantize(palette=shared, dither=Image.Dither.NONE) for one in pictures)
@@ -114,10 +116,10 @@ def write_gif(
 
 
 def _palette(pictures: Sequence[Image.Image]) -> Image.Image:
-    """A picture in the colours that all frames share."""
+    """A picture whose palette all frames share."""
     sheet = Image.fromarray(np.vstack([np.asarray(picture) for picture in pictures]))
     shared = sheet.quantize(_COLOURS, method=Image.Quantize.MEDIANCUT)
-    # Averaging greys the paper, and Pillow tells very light colours apart only roughly.
+    # Averaging makes the paper grey, and Pillow separates very light colours only roughly.
     colours = np.array(shared.getpalette()).reshape(-1, 3)
     colours[colours.min(axis=1) >= 248] = 255
     shared.putpalette(colours.ravel().tolist())
@@ -125,14 +127,14 @@ def _palette(pictures: Sequence[Image.Image]) -> Image.Image:
 
 
 _VECTOR: dict[Any, Any] = {
-    # The same figure gives the same file, so that a diff of results shows what changed.
+    # The same figure gives the same file, so that a diff of results shows only real changes.
     "svg.hashsalt": "stepwell",
-    # Outlines in SVG look the same everywhere, in programs too that leave out the fonts in it.
+    # Outlines in SVG look the same everywhere, also in programs that ignore embedded fonts.
     "svg.fonttype": "path",
-    # Fonts in PDF, as outlines that scale, cut down to the letters shown: text stays text.
+    # Fonts in PDF as scalable outlines, cut to the letters shown: text stays text.
     "pdf.fonttype": 42,
 }
-# What journals ask of line drawings.
+# Resolution that journals require of line drawings.
 PRINT_DPI = 600.0
 _UNDATED = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 
@@ -140,17 +142,17 @@ _UNDATED = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 def save(
     figure: Figure, file: str | os.PathLike[str], *, dpi: float = 300.0, text: bool = False
 ) -> None:
-    """Write a figure whole or not at all; the suffix says how: .png, .svg or .pdf.
+    """Write a figure to a .png, .svg or .pdf file, completely or not at all.
 
     Args:
-        figure: any of this room's.
-        file: where to.
-        dpi: pixels per inch of a PNG, and of what a vector file keeps as an image.
-        text: keep the words of an SVG as text, in fonts that it brings along, and not as outlines;
-            in a PDF they always are.
+        figure: a figure of this package.
+        file: path of the file; its suffix selects the format.
+        dpi: pixels per inch of a PNG, and of images within a vector file.
+        text: keep the text of an SVG as text with embedded fonts, not as outlines. In a PDF text
+            always stays text.
 
     Raises:
-        ValueError: a suffix matplotlib cannot write.
+        ValueError: a suffix that matplotlib cannot write.
         OSError: the folder is missing or cannot be written.
     """
     suffix = Path(file).suffix.lower()
@@ -167,7 +169,7 @@ def svg(figure: Figure) -> str:
 
 
 def drawn_as(figure: Figure, suffix: str, dpi: float, *, text: bool = False) -> bytes:
-    """The bytes of a file with this suffix, at so many pixels per inch; `text` as for `save`."""
+    """The bytes of a file with this suffix, at `dpi` pixels per inch; `text` as in `save`."""
     buffer = io.BytesIO()
     kind = suffix.removeprefix(".")
     words = text and suffix == ".svg"

@@ -17,7 +17,7 @@ from PIL import Image
 from stepwell.base import Floats, InputError, notify, require
 from stepwell.figures.cells.linkage import Drawing, LinkageDrawing
 from stepwell.figures.cells.mechanism import ground, refuse_long
-from stepwell.figures.common import marks, reading, style, words as told, write
+from stepwell.figures.common import marks, reading, style, words, write
 from stepwell.figures.common.sheet import blank, place, text_at
 from stepwell.figures.common.words import literal, minus
 from stepwell.figures.motion import overview, stroke_program, strokes
@@ -25,9 +25,9 @@ from stepwell.sequences import Cycle, Program
 from stepwell.statics import Path
 
 _DPI = 110.0
-# Height of the plan of strokes [mm].
+# Height of the stroke plan [mm].
 _PLAN = 38.0
-# A cell this near a stop or a phase is seen there, as a share of its full travel.
+# A cell is shown at a stop or in a phase within this fraction of its full travel.
 _AT = 1e-3
 
 
@@ -40,23 +40,23 @@ def animation(
     fps: float = 20.0,
     progress: Callable[[int, int], None] | None = None,
 ) -> File:
-    """Write a GIF of the mechanism in motion with its landscape, or its force loop, beside it.
+    """Write a GIF of the moving mechanism with its energy landscape or its force loop.
 
-    The actuator moves at constant speed and rests at its turning points. A snap happens at
-    fixed stroke; what is shown of it is a smooth motion between its two ends, slowed down and
-    marked, because the model says where it ends and not how fast it gets there. A path or a
-    program has its plan of strokes below, a program with the windows of its turns.
+    The actuator moves at constant speed and rests at its turning points. A snap happens at fixed
+    stroke; it is drawn as a marked, slow motion between its two ends, because the quasi-static
+    model has no speed. A path or a program has its stroke plan below, a program with the tolerance
+    intervals of its turning points.
 
     Args:
         result: a cycle, a path or a stroke program, of up to 12 cells.
-        file: where to; written whole or not at all, and returned.
-        seconds: how long one round lasts.
-        fps: frames a second, up to 50; rounded to what a GIF can tell, 100 over a whole number.
+        file: path of the file, returned; written completely or not at all.
+        seconds: duration of one round.
+        fps: frames per second, up to 50; rounded to 100 over a whole number, as GIF requires.
         progress: called with (done, total) frames.
 
     Raises:
-        ValueError: a chain too long to draw, no time or too much of it, a rate a GIF cannot show,
-            or a file name that does not end in .gif.
+        ValueError: a chain too long to draw, a duration or a frame rate out of range, or a file
+            name that does not end in .gif.
     """
     path = reading.path_of(result)
     refuse_long(path.chain)
@@ -85,20 +85,20 @@ def animation(
 
 
 class _Scene:
-    """One figure of which only the moving parts are drawn again."""
+    """One figure of which only the moving parts are redrawn."""
 
     def __init__(self, result: Cycle | Path | Program, path: Path):
         self.chain = path.chain
         colours = style.cell_colours(len(self.chain))
-        # Of lever chains the sizes are known; else three digits of the largest value.
+        # Lever chains have usual sizes; others show three digits of the largest value.
         known = not self.chain.elements
-        of = told.stroke(self.chain.measure), told.force(self.chain.measure)
-        self.said = [
+        of = words.stroke(self.chain.measure), words.force(self.chain.measure)
+        self.readouts = [
             (one, usual if known else _decimals(column * one.factor))
             for one, usual, column in zip(of, (1, 2), (path.stroke, path.force), strict=True)
         ]
-        self.travel = told.travel(self.chain.measure)
-        # A cycle goes up and down once; all else has a plan worth showing.
+        self.travel = words.travel(self.chain.measure)
+        # A cycle loads and unloads once; paths and programs show their stroke plan.
         below = 0.0 if isinstance(result, Cycle) else _PLAN
         samples = path.travel[:: max(1, len(path.travel) // 120)]
         ends = [path.travel.min(axis=0), path.travel.max(axis=0)]
@@ -130,22 +130,23 @@ class _Scene:
         self.drawing = Drawing(ax, self.linkage, origin, scale * style.MM, weight)
         ground(ax, self.linkage, origin, scale * style.MM)
 
-        def words(x: float, y: float, text: str = "", size: float = 9.0, **look: Any) -> Text:
+        def write_text(x: float, y: float, text: str = "", size: float = 9.0, **look: Any) -> Text:
             return text_at(self.figure, x, y, text, fontsize=size, va="baseline", **look)
 
         top = tall - 7.0
-        self.stroke, self.force = words(6.0, top), words(36.0, top)
+        self.stroke, self.force = write_text(6.0, top), write_text(36.0, top)
         box = {"boxstyle": "round,pad=0.2", "facecolor": style.YELLOW, "linewidth": 0}
-        self.word = words(72.0, top, "snap", 11.0, fontweight="bold", color=style.BLACK, bbox=box)
-        self.state = words(6.0, top - 7.0) if beside else words(98.0, top)
+        look = {"fontweight": "bold", "color": style.BLACK, "bbox": box}
+        self.word = write_text(72.0, top, "snap", 11.0, **look)
+        self.state = write_text(6.0, top - 7.0) if beside else write_text(98.0, top)
         x, y = 6.0, 5.0 + below if beside else top - 6.0
         for name, colour in zip(self.chain.names, colours, strict=True):
-            text = words(x, y, literal(name), 7.0, color=colour, fontweight="bold")
+            text = write_text(x, y, literal(name), 7.0, color=colour, fontweight="bold")
             x += text.get_window_extent().width / _DPI * 25.4 + 5.0
         now = {"color": style.INK, "markeredgecolor": "white", "zorder": 11, "markersize": 7.0}
         (self.halo,) = self.plot.plot([], [], "o", markersize=15.0, color=style.YELLOW, zorder=10)
         (self.dot,) = self.plot.plot([], [], "o", **now)
-        # Where it is in the plan of strokes, if that is shown.
+        # Position in the stroke plan, if that is shown.
         self.plan: Line2D | None = None
         dots = [self.halo, self.dot]
         if below:
@@ -154,7 +155,7 @@ class _Scene:
             plan = stroke_program.plan_of(path)
             ax.set_xlim(stroke_program.limits(plan.way, 0.03))
             stroke_program.draw_plan(ax, plan, windows, 0.1)
-            ax.set(xlabel=f"Way covered by the actuator [{plan.unit}]", ylabel=plan.name)
+            ax.set(xlabel=f"{stroke_program.COVERED} [{plan.unit}]", ylabel=plan.name)
             (self.plan,) = ax.plot([], [], "o", gid="now", **now)
             dots.append(self.plan)
         texts = (self.stroke, self.force, self.state, self.word)
@@ -163,11 +164,11 @@ class _Scene:
             artist.set_animated(True)
         self.canvas = FigureCanvasAgg(self.figure)
         self.canvas.draw()
-        # Everything that stands still, drawn once.
+        # All static parts, drawn once.
         self.still = self.canvas.copy_from_bbox(self.figure.bbox)
 
     def swatches(self) -> Image.Image:
-        """The colours of thin lines, which keep them so in the palette."""
+        """A picture with the colours of thin lines, so that the palette contains them."""
         width, height = (int(side) for side in self.figure.bbox.size)
         colours = [*style.cell_colours(len(self.chain)), style.LOADING, style.UNLOADING]
         sheet = Image.new("RGB", (len(colours), 1))
@@ -176,7 +177,7 @@ class _Scene:
 
     def shoot(self, frame: stroke_program.Instant) -> Image.Image:
         self.drawing.move(frame.travels, frame.sheets)
-        (stroke, some), (force, more) = self.said
+        (stroke, some), (force, more) = self.readouts
         u, f = float(np.sum(frame.travels)) * stroke.factor, frame.force * force.factor
         self.stroke.set_text(minus(f"{stroke.symbol} = {u:.{some}f} {stroke.sign}"))
         self.force.set_text(minus(f"{force.symbol} = {f:+.{more}f} {force.sign}"))
@@ -198,6 +199,6 @@ class _Scene:
 
 
 def _decimals(values: Floats) -> int:
-    # So many that three digits of the largest are told.
+    # Decimals that show three digits of the largest value.
     largest = float(np.max(np.abs(values))) or 1.0
     return max(0, 2 - math.floor(math.log10(largest)))

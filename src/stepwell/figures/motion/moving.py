@@ -1,4 +1,4 @@
-"""The mechanism moving through its stroke as one small SVG that plays by itself."""
+"""The moving mechanism as one small, self-playing SVG."""
 
 import os
 from collections.abc import Iterable, Sequence
@@ -16,62 +16,62 @@ from stepwell.figures.motion.stroke_program import instants
 from stepwell.sequences import Cycle, Program
 from stepwell.statics import Path
 
-# What cannot be seen [px].
+# Invisible difference [px].
 _UNSEEN = 0.35
 
 
 class MotionRound:
-    """One round of a motion, which lasts so many seconds and begins again where it ends."""
+    """One round of a motion of this duration [s], repeated for ever."""
 
     def __init__(self, seconds: float):
         self._often = f'dur="{seconds:g}s" repeatCount="indefinite"'
 
     def path(self, values: Floats, shape: str, look: str) -> str:
-        """A path whose points move: its commands, `shape`, have a {} for each of the numbers [px],
-        (frames, numbers); `look` are its attributes.
+        """A path whose points move; `values` (frames, numbers) [px] fill the {} of its commands
+        `shape`; `look` are its attributes.
         """
         if not values.shape[1]:
             return ""
-        told = [shape.format(*map(short, row)) for row in values]
-        moved = self._told("animate", 'attributeName="d"', told, _kept(values))
-        return f'<path {look} d="{told[0]}">{moved}</path>'
+        steps = [shape.format(*map(short, row)) for row in values]
+        moved = self._animation("animate", 'attributeName="d"', steps, _key_frames(values))
+        return f'<path {look} d="{steps[0]}">{moved}</path>'
 
     def shifted(self, points: Floats, shift: Floats, look: str) -> str:
-        """A line (n, 2) that keeps its shape and shifts (frames, 2) from there [px]."""
+        """A line (n, 2) of fixed shape that shifts by (frames, 2) [px]."""
         steps = "L".join(f"{short(x)} {short(y)}" for x, y in points)
-        told = [f"{short(x)} {short(y)}" for x, y in shift]
+        offsets = [f"{short(x)} {short(y)}" for x, y in shift]
         how = 'attributeName="transform" type="translate"'
-        moved = self._told("animateTransform", how, told, _kept(shift))
+        moved = self._animation("animateTransform", how, offsets, _key_frames(shift))
         return f'<path {look} d="M{steps}">{moved}</path>'
 
     def seen(self, inside: str, when: list[bool]) -> str:
-        """What is there in some frames alone; nothing where it is in none."""
+        """An element that is visible only in the frames `when`; "" if in none."""
         if not any(when):
             return ""
-        told = [str(int(one)) for one in when]
+        values = [str(int(one)) for one in when]
         keep = [k for k, one in enumerate(when) if not k or one != when[k - 1]]
         how = 'attributeName="opacity" calcMode="discrete"'
-        leaps = self._told("animate", how, told, keep)
-        return f'<g opacity="{told[0]}">{leaps}{inside}</g>'
+        leaps = self._animation("animate", how, values, keep)
+        return f'<g opacity="{values[0]}">{leaps}{inside}</g>'
 
-    def _told(self, element: str, how: str, told: list[str], keep: list[int]) -> str:
-        words = [told[k] for k in keep]
+    def _animation(self, element: str, how: str, texts: list[str], keep: list[int]) -> str:
+        words = [texts[k] for k in keep]
         if len(set(words)) == 1:
             return ""
-        last = len(told) - 1
+        last = len(texts) - 1
         times = ";".join(short(k / last, 4) for k in keep)
         return f'<{element} {how} {self._often} keyTimes="{times}" values="{";".join(words)}"/>'
 
 
 def short(value: float, digits: int = 1) -> str:
-    """A number with no more digits than can be seen."""
+    """A number with at most `digits` decimals, without trailing zeros."""
     text = f"{value + 0.0:.{digits}f}"
     text = text.rstrip("0").rstrip(".") if "." in text else text
     return "0" if text == "-0" else text
 
 
-def _kept(values: Floats) -> list[int]:
-    """The frames between which all goes straight, but for what cannot be seen."""
+def _key_frames(values: Floats) -> list[int]:
+    """Frames between which linear interpolation is exact, except for invisible differences."""
     keep, last = [0], len(values) - 1
     while (first := keep[-1]) < last:
         bent = (end for end in range(first + 1, last) if _bent(values[first : end + 2]))
@@ -85,9 +85,9 @@ def _bent(values: Floats) -> bool:
     return bool(np.abs(values - straight).max() > _UNSEEN)
 
 
-# Frames a second; between two of them whoever plays it goes straight on.
+# Frames per second; the viewer interpolates linearly between two frames.
 _RATE = 12.5
-# Width of the picture, room around the drawing, room for words above it [px].
+# Width of the picture, margin around the drawing, height of the text above it [px].
 _WIDE, _ROOM, _ABOVE = 480.0, 14.0, 26.0
 _FONT = 'font-family="sans-serif" font-weight="bold"'
 _SNAP = (
@@ -99,19 +99,19 @@ _SNAP = (
 def moving(
     result: Cycle | Path | Program, file: str | os.PathLike[str], *, seconds: float = 8.0
 ) -> File:
-    """Write the mechanism in motion as an SVG that plays over and over, for web pages.
+    """Write the moving mechanism as an SVG that repeats for ever, for web pages.
 
-    It moves without a script, so it plays as an image too, and is small: some 50 kB for two cells,
-    100 for six. Its timing is that of `animation`; where a motion does not come back to where it
-    began, it starts again.
+    The SVG has no script, so it also plays as an image, and is small: about 50 kB for two cells,
+    100 kB for six. The timing is that of `animation`; a motion that does not return to its start
+    restarts there.
 
     Args:
         result: a cycle, a path or a stroke program, of up to 12 cells.
-        file: where to; written whole or not at all, and returned.
-        seconds: how long one round lasts.
+        file: path of the file, returned; written completely or not at all.
+        seconds: duration of one round.
 
     Raises:
-        ValueError: a chain too long to draw, no time or more than a minute, or a file name that
+        ValueError: a chain too long to draw, a duration <= 0 or above 60 s, or a file name that
             does not end in .svg.
     """
     path = reading.path_of(result)
@@ -125,7 +125,7 @@ def moving(
 
 
 class _Picture:
-    """The drawing of `Drawing`, written as parts that move."""
+    """The drawing of `Drawing` as moving SVG parts."""
 
     def __init__(self, path: Path, seconds: float):
         self.chain = path.chain
@@ -133,11 +133,11 @@ class _Picture:
         ends = [path.travel.min(axis=0), path.travel.max(axis=0)]
         self.linkage = LinkageDrawing(self.chain, ends)
         frames = instants(path, seconds, max(2, round(seconds * _RATE)))
-        # A cycle ends where it begins; a program rests there before it starts again.
+        # A cycle ends where it begins; a program rests at its end before it restarts.
         around = np.allclose(path.travel[0], path.travel[-1], atol=1e-9)
         frames.append(frames[0] if around else frames[-1])
         poses = [self.linkage.pose(frame.travels, frame.sheets) for frame in frames]
-        # Of every part where it is in each frame.
+        # Position of every part in each frame.
         self.parts = Pose(
             *(np.array([getattr(pose, part.name) for pose in poses]) for part in fields(Pose))
         )
@@ -216,7 +216,7 @@ class _Picture:
             f'<tspan fill="{colour}" dx="{10 if k else 0}">{_plain(name)}</tspan>'
             for k, (name, colour) in enumerate(zip(names, self.colours, strict=True))
         )
-        # A letter is some 0.6 of its size wide, and the word for snaps has its place.
+        # A letter is about 0.6 of its size wide; the word "snap" needs room at the right.
         letters = sum(len(name) for name in names) + 1.5 * len(self.chain)
         size = min(13.0, (_WIDE - 90) / (0.6 * letters))
         return f'<text x="{_ROOM:g}" y="20" {_FONT} font-size="{short(size)}">{spans}</text>'
@@ -233,7 +233,7 @@ class _Picture:
 
 
 def _mark(name: str, fill: str, stroke: str, radius: float) -> str:
-    """What can stand at the ends of lines."""
+    """A circular SVG marker for the ends of lines."""
     size = short(2 * radius + 2)
     return (
         f'<marker id="{name}" markerUnits="userSpaceOnUse" overflow="visible" '
@@ -243,5 +243,5 @@ def _mark(name: str, fill: str, stroke: str, radius: float) -> str:
 
 
 def _plain(text: str) -> str:
-    # What XML can hold.
+    # Only characters that XML allows.
     return escape(printable(text))

@@ -1,4 +1,4 @@
-"""A cycle on one page: its usual figures, and the energy landscape with the path."""
+"""A cycle on one page: its standard figures, and the energy landscape with the path."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -23,15 +23,15 @@ from stepwell.mechanism import Cell, Chain, Element
 from stepwell.sequences import Cycle
 from stepwell.statics import Path
 
-# Loading lies under unloading, so it is drawn wider where both take the same way.
+# Loading lies under unloading, so it is wider and stays visible where both coincide.
 _WIDTHS = (3.0, 1.3)
 _SAMPLES = 121
 _LEVELS = 16
-# Round the landscape at least [mm].
+# Least margin of the landscape [mm].
 _ROOM = 4.4
-# Of a panel, at most [mm].
+# Largest side of a panel [mm].
 _WIDEST = 90.0
-# Longer than this, a side is drawn shorter than it is.
+# Above this aspect ratio the axes are not true to scale.
 _SLIMMEST = 3.0
 _FRAME: dict[str, Any] = {"color": style.BLACK, "linewidth": 0.6, "linestyle": (0, (4, 2))}
 # Grey, because every hue has a meaning of its own; light, because the path lies on it.
@@ -42,17 +42,17 @@ _ENERGY = LinearSegmentedColormap.from_list("stepwell energy", ["#8C939B", "#F7F
 def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
     """Total energy [mJ] of a two-cell chain over both travels [mm], with the path on it.
 
-    Travels are told in the chain's measure; thin diagonals join points of equal stroke, along which
-    snaps run. States are dots; with elements frames, with the phases of the inner cell numbered
-    above and those of the outer one beside. Where the curve of an element folds back, its energy is
-    the least that it can have at that travel.
+    Units follow the chain's measure. Thin diagonals join points of equal stroke; snaps follow them.
+    States are dots; with elements they are frames, with the phases of the inner cell numbered above
+    and those of the outer cell at the right. Where the curve of an element folds back, the energy
+    is the least at that travel.
 
     Args:
         result: a cycle or a path of a chain of two cells.
         ax: axes to draw into, without a colour bar; a new figure of one column by default.
 
     Raises:
-        ValueError: a chain that has not exactly two cells.
+        ValueError: a chain without exactly two cells.
 
     Source: Kamp et al. 2024, Fig. 2B.
     """
@@ -72,7 +72,7 @@ def landscape(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
 
 
 def _draw_landscape(ax: Axes, path: Path, bar: Point | None) -> None:
-    """The landscape with the path, and a colour bar this far from the left and this high [mm]."""
+    """Draw the landscape with the path; `bar` is the left edge and height of a colour bar [mm]."""
     filled = _draw_energy(ax, path)
     if bar is not None:
         ax.apply_aspect()
@@ -90,7 +90,7 @@ def _draw_landscape(ax: Axes, path: Path, bar: Point | None) -> None:
 
 
 def _draw_energy(ax: Axes, path: Path) -> QuadContourSet:
-    """The landscape itself with its stops or phases, states and lines of equal stroke."""
+    """Draw the energy with stops or phases, states and lines of equal stroke."""
     chain, of = path.chain, words.travel(path.chain.measure)
     spans = [reading.span(path, i) for i in range(2)]
     along = [np.linspace(low, high, _SAMPLES) for low, high in spans]
@@ -107,7 +107,7 @@ def _draw_energy(ax: Axes, path: Path) -> QuadContourSet:
         ax.plot(ends, u - ends, **dots)
     frame = [left, right, right, left, left], [low, low, high, high, low]
     ax.plot(*frame, color=style.FAINT, linewidth=0.6)
-    # Room for the names of the states, which small axes have not.
+    # Small axes need a larger margin for the names of the states.
     page, dpi = ax.get_window_extent(), sheet.root(ax).dpi / 25.4
     room = max(0.085, _ROOM * dpi / min(page.width, page.height))
     pads = room * width, room * height
@@ -129,17 +129,17 @@ def _draw_energy(ax: Axes, path: Path) -> QuadContourSet:
 
 
 def _energy(cell: Cell | Element, travel: Floats) -> Floats:
-    # The least [J] on all sheets that have the travel.
+    # The least energy [J] of all sheets at each travel.
     laws = cell.laws if isinstance(cell, Element) else ()
     if len(laws) < 2:
         return cell.energy_at(travel)
-    found = np.full(travel.shape, np.inf)
+    least = np.full(travel.shape, np.inf)
     for number, law in enumerate(laws):
         low = law.begin if law.begin > cell.low else -np.inf
         high = law.end if law.end < cell.high else np.inf
         here = (travel >= low) & (travel <= high)
-        found[here] = np.minimum(found[here], cell.energy_at(travel[here], number))
-    return found
+        least[here] = np.minimum(least[here], cell.energy_at(travel[here], number))
+    return least
 
 
 def _name_states(ax: Axes, width: float, height: float) -> None:
@@ -152,7 +152,7 @@ def _name_states(ax: Axes, width: float, height: float) -> None:
 
 
 def _frame_states(ax: Axes, chain: Chain, ends: Sequence[tuple[float, float]]) -> None:
-    """A frame round each state, with the digits of the inner cell above, of the outer beside."""
+    """Draw a frame round each state, with the inner digits above and the outer at the right."""
     factor = words.travel(chain.measure).factor
     both = [
         [np.clip([phase.low * factor, phase.high * factor], *within) for phase in phases]
@@ -169,7 +169,7 @@ def _frame_states(ax: Axes, chain: Chain, ends: Sequence[tuple[float, float]]) -
             middle = float(np.mean(stretch))
             at, off = ((middle, top), (0, 6)) if cell == 0 else ((right, middle), (6, 0))
             ax.annotate(str(digit), at, off, **look, color=colour)
-    # How many ticks fit is known once the axes have their shape.
+    # The number of ticks is known only when the axes have their shape.
     ax.apply_aspect()
     for axis, (low, high) in zip((ax.xaxis, ax.yaxis), ends, strict=True):
         slip = 1e-9 * (high - low)
@@ -184,8 +184,8 @@ _PAGE, _LANES = 247.0, 120.0
 def overview(cycle: Cycle) -> Figure:
     """The mechanism in every state of its full cycle, its energy landscape and its force loop.
 
-    A chain of other than two cells shows the travel of each cell in place of the landscape, and
-    one too long to draw leaves the mechanism out. Two columns wide.
+    A chain without exactly two cells shows the travel of each cell instead of the landscape. A
+    chain too long to draw has no mechanism panel. Two columns wide.
     """
     chain = cycle.chain
     drawable = len(chain) <= MOST_CELLS
@@ -206,7 +206,7 @@ def overview(cycle: Cycle) -> Figure:
         lanes_ax = place(figure, 14.0, 11.0, 66.0, body)
         travel_stroke(cycle, ax=lanes_ax)
         sheet.keep_inside(lanes_ax)
-    # Higher than wide, a force loop is but a row of lines.
+    # A force loop that is taller than wide is illegible.
     high = min(body, 72.0)
     force_stroke(cycle, ax=place(figure, 105.0, 11.0 + body - high, 72.0, high))
     for letter, corner in zip("ABC", corners, strict=False):
@@ -214,16 +214,16 @@ def overview(cycle: Cycle) -> Figure:
     return figure
 
 
-# Those that take two columns of a page where they are given them.
+# Figures that can be two columns wide.
 _WIDE = "mechanism", "force_stroke", "element_curves"
 
 
 def standard(cycle: Cycle, *, width: float | None = None) -> dict[str, Figure]:
-    """Every figure of a full cycle that can be drawn for a chain of its length.
+    """All standard figures of a full cycle, by function name.
 
-    By function name: mechanism (up to 12 cells), landscape (two cells), force_stroke and
-    travel_stroke (up to 60 cells); element_curves of up to 12 elements. `width` is of those that
-    can be wider than one column of a page [mm]; as their functions have it by default.
+    They are mechanism (up to 12 cells), landscape (two cells), force_stroke, travel_stroke (up to
+    60 cells), and element_curves (up to 12 elements). `width` [mm] applies to figures that can be
+    wider than one column; by default each has its own width.
     """
     return {
         name: draw() if width is None or name not in _WIDE else compose([draw], width=width)
@@ -232,18 +232,18 @@ def standard(cycle: Cycle, *, width: float | None = None) -> dict[str, Figure]:
 
 
 def standard_draws(cycle: Cycle) -> dict[str, Draw]:
-    """What draws each figure of `standard`, by its function's name."""
+    """Functions that draw the figures of `standard`, by function name."""
     chain = cycle.chain
-    found: dict[str, Draw] = {}
+    draws: dict[str, Draw] = {}
     if len(chain) <= MOST_CELLS and len(cycle.sequence) <= MOST_STATES:
-        found["mechanism"] = partial(mechanism, chain, cycle.sequence)
+        draws["mechanism"] = partial(mechanism, chain, cycle.sequence)
     if len(chain) == 2:
-        found["landscape"] = partial(landscape, cycle)
-    found["force_stroke"] = partial(force_stroke, cycle)
+        draws["landscape"] = partial(landscape, cycle)
+    draws["force_stroke"] = partial(force_stroke, cycle)
     if len(chain) <= MOST_LANES:
-        found["travel_stroke"] = partial(travel_stroke, cycle)
+        draws["travel_stroke"] = partial(travel_stroke, cycle)
     cells = zip(chain.names, chain.cells, strict=True)
     elements = {name: cell for name, cell in cells if isinstance(cell, Element)}
     if 0 < len(elements) <= MOST_CELLS:
-        found["element_curves"] = partial(element_curves, elements)
-    return found
+        draws["element_curves"] = partial(element_curves, elements)
+    return draws

@@ -1,4 +1,4 @@
-"""A path in time, and a stroke program: turning points, tolerance intervals and states."""
+"""A path over time, and a stroke program: turning points, tolerance intervals and states."""
 
 import math
 from collections.abc import Sequence
@@ -21,10 +21,12 @@ from stepwell.sequences import Program
 from stepwell.statics import Path
 
 _BAR: dict[str, Any] = {"color": "#BDBDBD", "linewidth": 5.0}
+# Axis label of `StrokePlan.way`.
+COVERED = "Cumulative drive"
 
 
 class Window(NamedTuple):
-    """Where a stroke may end, in drawn units; `rises` says from which side it comes."""
+    """Tolerance interval of a turning point, in drawn units; `rises` if the stroke before rises."""
 
     way: float
     low: float
@@ -33,13 +35,13 @@ class Window(NamedTuple):
 
 
 class StrokePlan(NamedTuple):
-    """A path's drive over the way that the actuator has covered, both (n,) in drawn units."""
+    """A path's drive over the cumulative drive `way`, both (n,) in drawn units."""
 
     path: Path
     way: Floats
     drive: Floats
     unit: str
-    # What the drive is, with its unit.
+    # Axis label of the drive.
     name: str
 
 
@@ -51,7 +53,7 @@ def plan_of(path: Path) -> StrokePlan:
 
 
 def windows_of(program: Program) -> list[Window]:
-    """One for every turn, and one for the end where that may vary."""
+    """One window for each turning point, and one for the end if it has a tolerance."""
     scale = words.drive(program.chain).factor
     points = np.array(program.turning_points) * scale
     ways = np.cumsum(np.abs(np.diff(points)))
@@ -65,21 +67,22 @@ def windows_of(program: Program) -> list[Window]:
 
 
 def limits(values: Floats, margin: float) -> tuple[float, float]:
-    """From below the lowest to above the highest value, by a share of their range."""
+    """Limits round all values, with `margin` as a fraction of their range at both ends."""
     low, high = float(np.min(values)), float(np.max(values))
     more = margin * (high - low) or 1.0
     return low - more, high + more
 
 
 def draw_plan(ax: Axes, plan: StrokePlan, windows: list[Window], margin: float) -> list[Line2D]:
-    """Strokes, windows at its turns and snaps, with this share of the range above and below;
-    returns what a legend should list.
+    """Draw the drive, snaps and tolerance intervals, with a margin above and below.
+
+    `margin` is a fraction of the range. Returns the legend entries.
     """
     path, way, drive = plan.path, plan.way, plan.drive
     bars = np.array([(window.low, window.high) for window in windows]).ravel()
     ax.set_ylim(limits(np.concatenate([drive, bars]), margin))
     handles: list[Line2D] = []
-    for direction, name in ((1, "rising"), (-1, "falling")):
+    for direction, name in ((1, "loading"), (-1, "unloading")):
         if way[-1] > 0 and np.any(path.direction * direction > 0):
             x, y = curve(path, direction, way, drive)
             colour = style.direction_colour(direction)
@@ -93,17 +96,17 @@ def draw_plan(ax: Axes, plan: StrokePlan, windows: list[Window], margin: float) 
         ax.plot(x, ends, **_BAR, solid_capstyle="butt", zorder=2, gid="windows")
         ax.plot(x, ends, "_", markersize=7.0, color=style.INK, markeredgewidth=0.8, zorder=3)
     if windows:
-        handles.append(Line2D([], [], **_BAR, label="window"))
+        handles.append(Line2D([], [], **_BAR, label="tolerance interval"))
     return handles
 
 
-# A snap takes milliseconds; shown, it has to last long enough to be seen.
+# A snap takes milliseconds; in an animation it lasts long enough to be seen.
 _SNAP_SECONDS = 0.5
 _REST_SECONDS = 0.3
 
 
 class Instant(NamedTuple):
-    """What a path is doing in one frame, in SI; drive and way in the units of its plan."""
+    """State of a path in one frame, in SI; drive and way in the units of its plan."""
 
     travels: Floats
     sheets: tuple[int, ...]
@@ -114,7 +117,7 @@ class Instant(NamedTuple):
 
 
 def instants(path: Path, seconds: float, count: int) -> list[Instant]:
-    """What to show in each of `count` frames, so that snaps last long enough to be seen."""
+    """State of the path in each of `count` frames; snaps are slow enough to be seen."""
     snaps = snaps_of(path)
     plan = plan_of(path)
     moving = np.diff(plan.way)
@@ -142,27 +145,27 @@ def instants(path: Path, seconds: float, count: int) -> list[Instant]:
     return frames
 
 
-# Past this many lanes, travels are shown as shades.
+# More lanes are replaced by shades.
 MOST_LANES = 12
 _ABOVE, _LANE, _SHADES = 46.0, 10.0, 60.0
 _FOOT = 10.0
 _GAP = 0.55
-# Characters that a line of a cell's name has room for.
+# Largest number of characters in a line of a cell's name.
 _NAME = 13
-# Past this many characters the names of the states cover what they name.
+# With more characters the names of the states would cover their dots.
 _MOST_LETTERS = 300
-# A name farther than this from its dot could be another's [pt].
+# A name farther than this from its dot would be ambiguous [pt].
 _NEAR = 9.0
 
 
 @style.styled
 def stroke_program(result: Program) -> Figure:
-    """Where the actuator goes, the windows of its turns, and the travel of every cell below.
+    """Drive, tolerance intervals of its turning points, and the travel of every cell below.
 
-    The drive [mm], or [N] under force control, is drawn against the way that the actuator has
-    covered, which at constant speed is time; of another measure, in its units. Every turn is
-    numbered, with its window as a bar; states with all cells at a stop or in a phase are named
-    along the curve, snaps are marked.
+    The drive [mm], or [N] under force control, is drawn against the cumulative drive, which at
+    constant speed is proportional to time; units follow the measure of the chain. Every turning
+    point has a number and its tolerance interval as a bar. States with all cells at a stop or in a
+    phase are named along the curve; snaps are marked.
 
     Args:
         result: a program of a chain of any length.
@@ -180,14 +183,14 @@ def stroke_program(result: Program) -> Figure:
         ax.set_xlim(limits(plan.way, 0.04))
     upper.tick_params(labelbottom=False)
     upper.set_ylabel(plan.name)
-    lower.set_xlabel(f"Way covered by the actuator [{plan.unit}]")
+    lower.set_xlabel(f"{COVERED} [{plan.unit}]")
     windows = windows_of(result)
     handles = draw_plan(upper, plan, windows, 0.28)
     if cells <= MOST_LANES:
         _draw_lanes(lower, path, plan.way, names)
     else:
         _draw_shades(lower, path, plan.way)
-    # Names last, when the axes have their final size, and both the same.
+    # Names come last, when both axes have their final size.
     sheet.keep_both_inside(upper, lower)
     taken = _number_turns(upper, windows[: len(result.turns)])
     _name_states(upper, result, plan, taken)
@@ -196,7 +199,7 @@ def stroke_program(result: Program) -> Figure:
 
 
 def _number_turns(ax: Axes, windows: Sequence[Window]) -> list[Bbox]:
-    """The number of every turn beyond its window, with its value where there is room."""
+    """Number the turning points beyond their intervals, with values if there is room."""
     taken: list[Bbox] = []
     frame = ax.get_window_extent()
     look: dict[str, Any] = {"textcoords": "offset points", "ha": "center"}
@@ -207,48 +210,48 @@ def _number_turns(ax: Axes, windows: Sequence[Window]) -> list[Bbox]:
         box = text.get_window_extent()
         tolerance = _plus_minus((low + high) / 2, (high - low) / 2)
         value = ax.annotate(tolerance, end, (0.0, 17.0 * off), va="center", **look)
-        told = value.get_window_extent()
-        if any(told.overlaps(other) for other in taken) or not inside(frame, told):
+        value_box = value.get_window_extent()
+        if any(value_box.overlaps(other) for other in taken) or not inside(frame, value_box):
             value.remove()
-            told = box
-        taken += [box.padded(3.0), told]
+            value_box = box
+        taken += [box.padded(3.0), value_box]
     return taken
 
 
 def _plus_minus(value: float, off: float) -> str:
-    """The value with as many decimals as two digits of `off` have."""
+    """The value ± `off`, with the decimals of two digits of `off`."""
     decimals = max(0, 1 - math.floor(math.log10(off))) if off > 0 else 2
     return minus(f"{value:.{decimals}f} ± {off:.{decimals}f}")
 
 
 def _name_states(ax: Axes, result: Program, plan: StrokePlan, taken: Sequence[Bbox]) -> None:
-    """A dot for every state, and its name where there is room."""
+    """Draw a dot for each state, and its name if there is room."""
     way, drive = plan.way, plan.drive
     rests = vertices(result.path)
     at = [rest.sample for rest in rests]
     crowded = len(rests) * len(result.target) > _MOST_LETTERS
     size = 1.8 if crowded else 3.4
     ax.plot(way[at], drive[at], "o", markersize=size, color=style.BLACK, zorder=7, gid="states")
-    # Where the way turns is what a reader looks for first.
+    # Turning points are named first.
     turns = np.flatnonzero(np.diff(np.sign([rest.direction for rest in rests]))).tolist()
     first = list(dict.fromkeys([0, len(rests) - 1, *turns])) if rests else []
     others = [] if crowded else [k for k in range(len(rests)) if k not in first]
-    kept, frame = list(taken), ax.get_window_extent()
+    occupied, frame = list(taken), ax.get_window_extent()
     point = sheet.root(ax).dpi / 72.0
     for k in first + others:
         label = Label((way[at[k]], drive[at[k]]), rests[k].state)
         here = ax.transData.transform(label.at)
-        for text in beside(ax, [label], keep_clear=kept):
+        for text in beside(ax, [label], keep_clear=occupied):
             box = text.get_window_extent()
             near = box.padded(_NEAR * point).contains(*here)
-            if near and inside(frame, box) and not any(box.overlaps(other) for other in kept):
-                kept.append(box)
+            if near and inside(frame, box) and not any(box.overlaps(other) for other in occupied):
+                occupied.append(box)
             else:
                 text.remove()
 
 
 def _draw_lanes(ax: Axes, path: Path, way: Floats, names: Sequence[str]) -> None:
-    """Travel of every cell, innermost on top."""
+    """Draw the travel of every cell as a lane, innermost on top."""
     shown = lanes(path, _GAP)
     jumps = snaps_of(path)
     ticks: list[tuple[float, str]] = []
@@ -272,7 +275,7 @@ def _draw_lanes(ax: Axes, path: Path, way: Floats, names: Sequence[str]) -> None
 
 
 def _draw_shades(ax: Axes, path: Path, way: Floats) -> None:
-    """Travel of every cell of a long chain as a shade, innermost on top."""
+    """Draw the travel of every cell of a long chain as a shade, innermost on top."""
     low, high = np.array([span(path, i) for i in range(len(path.chain))]).T
     look = {"cmap": "Greys", "vmin": 0.0, "vmax": 1.1, "rasterized": True}
     x, y = np.append(way, way[-1]), np.arange(len(low) + 1) + 0.5

@@ -1,4 +1,4 @@
-"""Actuator force and travels: against stroke, and over time during a snap."""
+"""Actuator force and travels against stroke, and travels over time during a snap."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -23,14 +23,15 @@ from stepwell.mechanism import Chain, Element
 from stepwell.sequences import Cycle
 from stepwell.statics import InertialLanding, Path
 
-# One a recording; the pale colours tell loading from unloading.
+# One style per recording; the pale colours distinguish loading and unloading.
 _DASHES: tuple[LineStyleType, ...] = ("-", (0, (4, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5)))
 _WIDTH, _PALE = 1.0, 0.5
 
 
 def draw_recorded(ax: Axes, recordings: Sequence[Recording], measure: Measure) -> list[Artist]:
-    """Measured force [N] over stroke [mm], each half in the pale colour of its direction; returns
-    what a legend should list.
+    """Draw measured force [N] over stroke [mm], each half in the pale colour of its direction.
+
+    Returns the legend entries.
     """
     if recordings and measure is not Measure.TRAVEL:
         raise InputError(
@@ -39,9 +40,9 @@ def draw_recorded(ax: Axes, recordings: Sequence[Recording], measure: Measure) -
         )
     if len(recordings) > len(_DASHES):
         raise InputError(
-            f"measured has {len(recordings)} recordings: at most {len(_DASHES)} can be told apart."
+            f"measured has {len(recordings)} recordings: at most {len(_DASHES)} have a line style."
         )
-    found: list[Artist] = []
+    entries: list[Artist] = []
     for one, dashes in zip(recordings, _DASHES, strict=False):
         look = {"linewidth": _WIDTH, "linestyle": dashes, "zorder": 2, "gid": "measured"}
         for half in one.halves:
@@ -49,11 +50,11 @@ def draw_recorded(ax: Axes, recordings: Sequence[Recording], measure: Measure) -
             colour = style.pale(style.LOADING if loads else style.UNLOADING, _PALE)
             ax.plot(one.stroke[half] * style.MM, one.force[half], color=colour, **look)
         name = f"measured: {literal(one.name)}"
-        found.append(legends.line(name, style.pale(style.FAINT, 0.1), _WIDTH, linestyle=dashes))
-    return found
+        entries.append(legends.line(name, style.pale(style.FAINT, 0.1), _WIDTH, linestyle=dashes))
+    return entries
 
 
-# Loading lies under unloading, so it is drawn wider where both take the same way.
+# Loading lies under unloading, so it is wider and stays visible where both coincide.
 _WIDTHS = (2.2, 1.2)
 
 
@@ -63,12 +64,12 @@ def force_stroke(
 ) -> Figure:
     """Actuator force [N] against stroke [mm], loading and unloading, snaps as dashed jumps.
 
-    Both are told in the chain's measure; states between the branches are named where there is room.
+    Units follow the chain's measure; states between the branches are named if there is room.
 
     Args:
         result: a cycle, or a path over any turning points.
-        measured: recordings to be drawn behind it in pale colours, four at most, as
-            `lab.read` returns them.
+        measured: recordings drawn behind it in pale colours, at most four, as `lab.read` returns
+            them.
         ax: axes to draw into; by default a new figure of one column's width, or of two for
             more than four cells.
 
@@ -96,7 +97,7 @@ def force_stroke(
     marks.headings(ax, path, stroke, force)
     rests = vertices(path)
     at = [vertex.sample for vertex in rests]
-    # Names in two rows, one above and one below the curves, a character being 0.6 of 7 pt wide.
+    # Names take two rows, above and below the curves; a character is 0.6 of 7 pt wide.
     needed = sum(4.2 * len(vertex.state) for vertex in rests) / 72 * figure.dpi
     size = 1.5 if crowded else 3.4
     ax.plot(stroke[at], force[at], "o", markersize=size, color=style.BLACK, zorder=7, gid="states")
@@ -109,9 +110,9 @@ def force_stroke(
 MOST_LANES = 60
 _TRAVEL_WIDTHS = (2.0, 1.3)
 _UNLOADING_DASHES = (0, (3.2, 1.6))
-# Between the lanes of two cells, as a fraction of the longest travel; a name needs so much [mm].
+# Gap between two lanes, as a fraction of the longest travel; height of a name [mm].
 _GAP, _NAME = 0.42, 3.9
-# In a panel of a page, a lane with its name and its ticks, and a row with a name alone [mm].
+# Heights in a panel of a page: a lane with name and ticks, and a row with a name alone [mm].
 _LANE, _ROW = 11.0, 3.4
 # Digits closer than this cover each other [pt].
 _DIGIT = 7.2
@@ -119,29 +120,29 @@ _DIGIT = 7.2
 
 @style.styled
 def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
-    """Travel of each cell [mm] against stroke [mm], one lane a cell, innermost on top.
+    """Travel of each cell [mm] against stroke [mm], one lane per cell, innermost on top.
 
-    Lanes, because in one frame the loading curve of one cell often lies on the unloading curve
-    of another. Both are told in the chain's measure; loading is solid, unloading dashed, snaps are
-    dashed jumps, and the phases of an element shaded and numbered.
+    Cells have lanes because in one frame the loading curve of one cell often coincides with the
+    unloading curve of another. Units follow the chain's measure. Loading is solid, unloading
+    dashed, snaps are dashed jumps, and the phases of an element are shaded and numbered.
 
     Args:
         result: a cycle, or a path over any turning points.
         ax: axes to draw into; a new figure of one column's width by default.
 
     Raises:
-        ValueError: more cells than lanes can be told apart.
+        ValueError: more cells than legible lanes.
     """
     path = path_of(result)
     cells = path.chain.cells
     if len(cells) > MOST_LANES:
         raise InputError(
-            f"the chain has {len(cells)} cells: at most {MOST_LANES} lanes can be told apart; "
-            f"path.travel has the numbers."
+            f"the chain has {len(cells)} cells: at most {MOST_LANES} lanes are legible; "
+            f"path.travel contains the numbers."
         )
     lane = min(20.0, 200.0 / len(cells))
     own = ax is None
-    # Past a dozen lanes their names would run into each other.
+    # With more than 12 lanes, their names would overlap.
     named = len(cells) <= 12
     every = math.ceil(len(cells) / 20)
     least = len(cells) * (_LANE if named else _ROW / every)
@@ -179,7 +180,7 @@ def travel_stroke(result: Cycle | Path, *, ax: Axes | None = None) -> Figure:
 
 
 class TravelLane(NamedTuple):
-    """Where the travel of a cell is drawn: heights of its least and largest travel, and of all."""
+    """Heights at which a cell's travel is drawn: of its least, its largest, and all values."""
 
     base: float
     top: float
@@ -187,7 +188,7 @@ class TravelLane(NamedTuple):
     colour: str
     # Heights and texts of both ends.
     ticks: list[tuple[float, str]]
-    # Heights between which each phase of an element lies; of a lever cell, none.
+    # Heights of the two ends of each phase of an element; empty for a lever cell.
     phases: list[tuple[float, float]]
 
     def draw(self, ax: Axes) -> None:
@@ -198,11 +199,11 @@ class TravelLane(NamedTuple):
             ax.axhspan(low, high, color=style.PHASE, linewidth=0, zorder=-1, gid="phases")
 
     def number(self, ax: Axes) -> None:
-        """The digits of the phases at the right, on axes that have their final limits."""
+        """Write the digits of the phases at the right, on axes with their final limits."""
         middles = [(low + high) / 2 for low, high in self.phases]
         heights = [float(ax.transData.transform((0.0, y))[1]) for y in middles]
         near = _DIGIT * sheet.root(ax).dpi / 72.0
-        # All or none: some alone would be read wrongly.
+        # All or none: a part of the digits would be misread.
         if any(b - a < near for a, b in pairwise(sorted(heights))):
             return
         look: dict[str, Any] = {"ha": "right", "va": "center_baseline", "color": style.FAINT}
@@ -212,11 +213,11 @@ class TravelLane(NamedTuple):
 
 
 def lanes(path: Path, gap: float) -> list[TravelLane]:
-    """A lane for every cell, innermost on top, with this fraction of the longest travel between."""
+    """A lane for every cell, innermost on top; `gap` is a fraction of the longest travel."""
     cells, of = path.chain.cells, words.travel(path.chain.measure)
     spans = [span(path, i) for i in range(len(cells))]
     longest = max(high - low for low, high in spans) * of.factor
-    found: list[TravelLane] = []
+    lanes: list[TravelLane] = []
     for i, (cell, colour) in enumerate(zip(cells, style.cell_colours(len(cells)), strict=True)):
         low, high = spans[i]
         base = -i * (1.0 + gap) * longest
@@ -226,27 +227,27 @@ def lanes(path: Path, gap: float) -> list[TravelLane]:
         shades = [(foot + k * max(p.low, low), foot + k * min(p.high, high)) for p in phases]
         top, travel = foot + k * high, foot + k * path.travel[:, i]
         ticks = [(base, of.number(low)), (top, of.number(high))]
-        found.append(TravelLane(base, top, travel, colour, ticks, shades))
-    return found
+        lanes.append(TravelLane(base, top, travel, colour, ticks, shades))
+    return lanes
 
 
 def name_lane(ax: Axes, at: Point, name: str, colour: str, offset: Point, va: str) -> None:
-    """A cell's name `offset` pt from a share of the width and a height."""
+    """Write a cell's name `offset` pt from `at`: a fraction of the width, and a height."""
     look: dict[str, Any] = {"ha": "left", "va": va, "color": colour, "fontweight": "bold"}
     look |= {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
     ax.annotate(literal(name), at, offset, **look)
 
 
-# One a landing, the first one thin and below: it is what the others are compared with.
+# One style per landing; the first, the reference, is thin and below the others.
 _LOOKS = (
     {"linewidth": 1.0, "linestyle": (0, (3.2, 1.6))},
     {"linewidth": 1.4, "linestyle": "-"},
     {"linewidth": 1.2, "linestyle": ":"},
 )
-# Between two steps of the integration travels are parabolas; so many points on each.
+# Points on each step of the integration, on which travels are parabolas.
 _POINTS = 6
-# A motion begins where a cell has gone this share of its way, and has ended where none is
-# further than a tenth of it from where it rests; a quarter more is shown.
+# A motion begins when a cell has moved by this fraction of its travel. It ends when all cells are
+# within a tenth of that of their landings; 25 % more time is shown.
 _STILL, _MORE = 2e-3, 1.25
 
 
@@ -254,22 +255,22 @@ _STILL, _MORE = 2e-3, 1.25
 def snap_motion(
     chain: Chain, landings: Mapping[str, InertialLanding], *, ax: Axes | None = None
 ) -> Figure:
-    """Travel of each cell over time [ms] during a snap, several landings in one frame.
+    """Travel of each cell over time [ms] during a snap, with up to three landings in one frame.
 
-    Time counts from where a cell has gone two thousandths of its way: near a fold what comes
-    before hangs on how gently the snap is set off. Travel [mm] is told in the chain's measure.
+    Time starts when a cell has moved by 0.2 % of its travel: near a fold the time before depends on
+    the initial perturbation. Units follow the chain's measure.
 
     Args:
-        chain: what snaps.
-        landings: of one snap, with their history, by what to call them; three at most.
+        chain: the chain that snaps.
+        landings: landings of one snap with their history, by name; at most three.
         ax: axes to draw into; a new figure of one column's width by default.
 
     Raises:
-        ValueError: no landing or more than three, or one without a history.
+        ValueError: no landing, more than three, or a landing without a history.
     """
     if not 1 <= len(landings) <= len(_LOOKS):
         raise InputError(
-            f"landings has {len(landings)}: one to {len(_LOOKS)} can be told apart by their lines."
+            f"landings has {len(landings)} entries: must be 1 to {len(_LOOKS)}, one per line style."
         )
     own = ax is None
     full = np.array([cell.full_travel for cell in chain.cells])
@@ -278,19 +279,19 @@ def snap_motion(
     until = max(_MORE * time[-1] for time, _ in curves)
     swings = [np.ptp(travel, axis=0) > _STILL * full for _, travel in curves]
     moved = np.flatnonzero(np.any(swings, axis=0)).tolist()
-    # Room for the rows of the legend.
+    # Height of the legend.
     top = 2.5 + 3.8 * -(-(len(moved) + len(landings)) // 3)
     figure, ax = sheet.canvas(ax, (style.COLUMN, 50.0 + top), (13.0, 10.0, 2.0, top))
     looks = _LOOKS if len(landings) > 1 else _LOOKS[1:]
     for look, (time, travel) in zip(looks, curves, strict=False):
-        # It rests from then on.
+        # At rest from then on.
         time, travel = np.append(time, until), np.vstack([travel, travel[-1]])
         for i in moved:
             ax.plot(to_unit(time, "ms"), travel[:, i] * y.factor, color=colours[i], **look)
     ax.set(xlabel="Time [ms]", ylabel=y.label)
     ax.set_xlim(0.0, to_unit(until, "ms"))
     ax.margins(y=0.08)
-    # Stops that lie in the frame, which they do not widen.
+    # Stops within the frame; they do not widen it.
     ax.set_ylim(ax.get_ylim())
     cells = [chain.cells[i] for i in moved]
     ends = [end for one in cells for end in zip((one.low, one.high), one.stopped, strict=True)]
@@ -308,7 +309,7 @@ def snap_motion(
 
 
 def _curve(name: str, landing: InertialLanding, full: Floats) -> tuple[Floats, Floats]:
-    """Times [s] from where the motion is seen until it has ended, and travels there [m]."""
+    """Times [s] from the begin to the end of the visible motion, and the travels [m]."""
     history = landing.history
     if history is None:
         raise InputError(f"landings[{name!r}] has no history: ask for it with history=True.")
@@ -320,7 +321,7 @@ def _curve(name: str, landing: InertialLanding, full: Floats) -> tuple[Floats, F
     t, s, v = history.time[part], history.travel[part], history.speed[part]
     share = np.linspace(0.0, 1.0, _POINTS, endpoint=False)[:, None, None]
     h = np.diff(t)[:, None]
-    # A parabola on each step, from where it begins: a blow at its end has another speed.
+    # A parabola on each step, from its begin: an impact at its end changes the speed.
     begin = h * v[:-1]
     inside = s[:-1] + share * (begin + share * (np.diff(s, axis=0) - begin))
     times = t[:-1, None] + h * share[:, 0, 0]

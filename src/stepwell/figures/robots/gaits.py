@@ -1,4 +1,4 @@
-"""Gaits of robots: as statics predicts them, and over a sweep of numbers."""
+"""Gaits of robots: the prediction by statics, and a parameter sweep."""
 
 from __future__ import annotations
 
@@ -27,24 +27,24 @@ _ROW, _FOOT, _HEAD, _TOP = 6.0, 11.0, 6.0, 7.0
 # Where names stand over the bars.
 _HIGH_ROW, _HIGH_HEAD, _OVER, _NARROW = 9.0, 9.0, 0.33, 130.0
 _BOLD = 2.0  # width of a letter of the title [mm]
-_SHOWN = 2.5  # depth of the feet that the axis goes to [mm]
+_SHOWN = 2.5  # largest depth of the feet on the axis [mm]
 
 
 @style.styled
 def prediction(prediction: Prediction) -> Figure:
-    """How far each leg is from another gait, what drag its foot overcomes, what flips it.
+    """Margin of each leg to another gait, largest drag, and anchor displacements that reprogram it.
 
-    For each leg the margin [mN] stands beside what the prediction does not know, and the depths of
-    the feet [mm] at which its gait stays; for each push the largest drag [N] beside the floor's;
-    for each antenna that flips a leg the displacement of its anchor [mm], with the range it may lie
-    in. Two columns wide.
+    Each leg has its margin [mN] with the uncertainty of the prediction, and the range of foot
+    depths [mm] with the same gait. Each push has its largest drag [N] with the drag of the floor.
+    Each antenna that reprograms a leg has its anchor displacement [mm] with an uncertainty range.
+    Two columns wide.
     """
     legs = len(prediction.legs)
     pushes = sum(len(leg.pushes) for leg in prediction.legs)
     panels = (_margins, legs), (_depths, legs), (_drags, pushes), (_flips, len(prediction.flips))
     page, narrow = sheet.page_width(style.PAGE), _is_narrow()
     title = [literal(line) for line in wrap(prediction.robot.title, int(page / _BOLD))]
-    # Names and remarks stand beside bars, or over them where that is too narrow.
+    # Names and remarks are at the sides of the bars, or above them on a narrow page.
     sizes = (_HIGH_ROW, _HIGH_HEAD, 8.0, ",\n") if narrow else (_ROW, _HEAD, 44.0, ", ")
     row, head, beside, apart = sizes
     top = _TOP + 4.0 * len(title) + 8.0 * narrow
@@ -62,7 +62,7 @@ def prediction(prediction: Prediction) -> Figure:
     sheet.text_at(figure, left, height - 1.5, "\n".join([*title, result]), **look)
     look = {"color": style.VERMILLION, "ha": "right", "va": "top"}
     lower = height - 1.5 - 8.0 * narrow
-    doubt = sheet.text_at(figure, page - 2.0, lower, "in this colour: in doubt", **look)
+    doubt = sheet.text_at(figure, page - 2.0, lower, "this colour: uncertain", **look)
     corner = 4.0 if narrow else 2.0, _FOOT
     axes = sheet.stack(figure, corner, page - beside, tall, head + _FOOT)
     for ax, draw in zip(axes, [draw for draw, rows in panels if rows], strict=True):
@@ -75,7 +75,7 @@ def prediction(prediction: Prediction) -> Figure:
 
 
 def _in_line(figure: Figure, page: float) -> None:
-    """Give the names of all panels one width, so that their axes stand in line."""
+    """Give the names of all panels one width, so that their axes are aligned."""
     boxes = [ax.yaxis.get_tightbbox() for ax in figure.axes]
     names = max(box.width for box in boxes if box is not None) / figure.dpi * 25.4
     left = (2.0 + names) / page
@@ -84,11 +84,11 @@ def _in_line(figure: Figure, page: float) -> None:
         ax.set_position((left, at.y0, at.x1 - left, at.height))
 
 
-def _margins(ax: Axes, found: Prediction) -> None:
-    legs = found.legs
+def _margins(ax: Axes, prediction: Prediction) -> None:
+    legs = prediction.legs
     most = _limit([value * style.MN for leg in legs for value in (leg.margin, leg.uncertainty)])
     grey = {"color": style.pale(style.FAINT, 0.6), "height": 0.4 if _is_narrow() else 0.8}
-    colours = leg_colours(found.robot)
+    colours = leg_colours(prediction.robot)
     for i, leg in enumerate(legs):
         colour, gid = colours[leg.name], f"uncertainty {leg.name}"
         ax.barh(i, leg.uncertainty * style.MN, **grey, zorder=1, gid=gid)
@@ -100,31 +100,31 @@ def _margins(ax: Axes, found: Prediction) -> None:
         other = leg.nearest or "none within 2 N"
         doubt = f"\nor {', '.join(leg.alternatives)}" if leg.alternatives else ""
         _remark(ax, i, f"to {other}{doubt}", doubtful=leg.near_boundary)
-    title = "Margin to another gait; shaded: what the prediction does not know"
+    title = "Margin to another gait; shaded: uncertainty of the prediction"
     names = [f"{leg.name}: {gait_words(leg.gait)}" for leg in legs]
     _rows(ax, names, most, title, "Force on one cell [mN]")
 
 
-def _depths(ax: Axes, found: Prediction) -> None:
-    below, ends = found.robot.foot.below * style.MM, np.array(found.depths) * style.MM
-    # A gait that stays until the feet cannot be lifted any more is shown as far as the others.
+def _depths(ax: Axes, prediction: Prediction) -> None:
+    below, ends = prediction.robot.foot.below * style.MM, np.array(prediction.depths) * style.MM
+    # A gait without an upper limit of depth is drawn to the end of the axis.
     most = max(min(max(2 * below, _limit(ends[:, 1].tolist())), _SHOWN), 1.2 * below) or 1.0
-    colours = leg_colours(found.robot)
-    for i, leg in enumerate(found.legs):
+    colours = leg_colours(prediction.robot)
+    for i, leg in enumerate(prediction.legs):
         low, high = ends[i]
         look = {"color": colours[leg.name], "zorder": 2, "gid": f"depths {leg.name}"}
         ax.barh(i, min(high, most) - low, left=low, height=0.5, **look)
         _remark(ax, i, f"{low:.2f} to {high:.2f} mm", doubtful=leg.near_boundary)
     ax.axvline(below, color=style.INK, linewidth=1.0, zorder=3, gid="below")
-    title = "Depths of the feet at which the gait surely stays; line: this robot's"
-    names = [f"{leg.name}: {leg.gait}" for leg in found.legs]
-    _rows(ax, names, most, title, "Feet below the supports [mm]")
+    title = "Foot depths with the same gait, uncertainty included; line: this robot"
+    names = [f"{leg.name}: {leg.gait}" for leg in prediction.legs]
+    _rows(ax, names, most, title, "Foot depth below the supports [mm]")
 
 
-def _drags(ax: Axes, found: Prediction) -> None:
-    drag = found.robot.floor.drag
-    colours = leg_colours(found.robot)
-    pushes = [(leg.name, push) for leg in found.legs for push in leg.pushes]
+def _drags(ax: Axes, prediction: Prediction) -> None:
+    drag = prediction.robot.floor.drag
+    colours = leg_colours(prediction.robot)
+    pushes = [(leg.name, push) for leg in prediction.legs for push in leg.pushes]
     most = _limit([drag, *(push.largest_drag for _, push in pushes)])
     for i, (name, push) in enumerate(pushes):
         reach = min(push.largest_drag, most)
@@ -132,19 +132,19 @@ def _drags(ax: Axes, found: Prediction) -> None:
         _remark(ax, i, push.limit.value.split(":")[0], doubtful=push.safety < 1)
     ax.axvline(drag, color=style.INK, linewidth=1.0, zorder=3, gid="floor")
     names = [
-        f"{name}, {'out' if push.loading else 'back'}: {push.step * style.MM:.1f} mm step"
+        f"{name}, {'loading' if push.loading else 'unloading'}: {push.step * style.MM:.1f} mm step"
         for name, push in pushes
     ]
-    title = "Largest drag that each push overcomes; line: the floor's drag"
-    _rows(ax, [*map(minus, names)], most, title, "Drag of the floor [N]")
+    title = "Largest drag overcome by each push; line: drag of this floor"
+    _rows(ax, [*map(minus, names)], most, title, "Floor drag [N]")
 
 
-def _flips(ax: Axes, found: Prediction) -> None:
-    colours = leg_colours(found.robot)
-    swings = {one.name: math.hypot(*one.moves) * style.MM for one in found.robot.antennas}
-    full = [swings[flip.antenna] for flip in found.flips]
+def _flips(ax: Axes, prediction: Prediction) -> None:
+    colours = leg_colours(prediction.robot)
+    swings = {one.name: math.hypot(*one.moves) * style.MM for one in prediction.robot.antennas}
+    full = [swings[flip.antenna] for flip in prediction.flips]
     most = _limit(full)
-    for i, (flip, end) in enumerate(zip(found.flips, full, strict=True)):
+    for i, (flip, end) in enumerate(zip(prediction.flips, full, strict=True)):
         late = min(flip.latest * style.MM, most)
         ends, colour = [flip.earliest * style.MM, late], colours[flip.leg]
         look = {"linewidth": 4.0, "solid_capstyle": "butt", "zorder": 2}
@@ -153,13 +153,13 @@ def _flips(ax: Axes, found: Prediction) -> None:
         ax.plot(flip.displacement * style.MM, i, "o", **look, gid=f"flip {flip.antenna}")
         ax.plot([end, end], [i - 0.4, i + 0.4], color=style.INK, linewidth=1.0, zorder=3)
         _remark(ax, i, f"to {flip.gait}", doubtful=not math.isfinite(flip.latest))
-    title = "Displacement that flips a leg, with its range; bar: full swing"
-    names = [f"{flip.antenna} antenna, {flip.leg} leg" for flip in found.flips]
+    title = "Anchor displacement that reprograms a leg, with its range; bar: full swing"
+    names = [f"{flip.antenna} antenna, {flip.leg} leg" for flip in prediction.flips]
     _rows(ax, names, most, title, "Displacement of the anchor $p$ [mm]")
 
 
 def _is_narrow() -> bool:
-    """Whether names and remarks have no room beside the bars."""
+    """Whether the page is too narrow for names and remarks at the sides of the bars."""
     return sheet.page_width(style.PAGE) < _NARROW
 
 
@@ -197,34 +197,34 @@ def _rows(ax: Axes, names: Sequence[str], most: float, title: str, xlabel: str) 
 MOST_KEYS = 8
 _STOPPED = "did not walk to the end"
 _LEFT, _RIGHT, _BOTTOM, _SWEEP_TOP = 16.0, 4.0, 12.0, 4.0
-# A unit at the end of a key, and tables of a path that have names or need none.
+# A unit at the end of a key; tables of a path with names, and tables that need no name.
 _UNIT = re.compile(
     r"_((?:mm|mN|mNm|mL|ms|kPa|deg|percent|g|N|s|m)(?:_(?:per|s|m|s2|m2|mm|mL|rad|deg|kPa))*)$"
 )
 _NAMED, _UNNAMED = {"leg", "cell", "antenna"}, {"chain", "band"}
 _SYMBOLS = {"p", "q"}
-# Keys that by themselves say little.
+# Keys that are unclear on their own.
 _WORDS = {"below": "depth", "limit": "angle limit", "link": "length of a link"}
 _LINE = 4.2  # a line of the key [mm]
 
 
 @style.styled
-def sweep(found: Sweep) -> Figure:
+def sweep(result: Sweep) -> Figure:
     """Advance and turn of every robot of a sweep, coloured by the gaits of its legs.
 
-    One key: advance and turn over it. Two: every robot at its values, advance and turn as numbers
-    beside it where there is room. More: advance over each. Two columns wide.
+    One key: advance and turn over it. Two keys: every robot at its values, with advance and turn as
+    numbers if there is room. More keys: advance over each. Two columns wide.
 
     Args:
-        found: a sweep over one key or more; past eight keys the first eight are shown.
+        result: a sweep over one key or more; at most the first eight keys are shown.
 
     Raises:
-        ValueError: no robots, or nothing that is varied.
+        ValueError: no robots, or no varied key.
     """
-    keys = list(found.values)[:MOST_KEYS]
-    if not found.trials or not keys:
-        raise InputError("the sweep is empty: give one robot or more, and one key or more.")
-    shown = _read(found, keys)
+    keys = list(result.values)[:MOST_KEYS]
+    if not result.trials or not keys:
+        raise InputError("the sweep is empty: give at least one robot and one key.")
+    shown = _read(result, keys)
     foot = _LINE * len(shown.colours) + 4.0
     figure = {1: _over_one, 2: _over_two}.get(len(keys), _over_many)(shown, foot)
     handles = [legends.mark(literal(gait), color=one) for gait, one in shown.colours.items()]
@@ -233,7 +233,7 @@ def sweep(found: Sweep) -> Figure:
 
 
 class _Shown(NamedTuple):
-    """Robots by number: what was varied, what came of it (n,), and the gaits with their colours."""
+    """Robots by number: varied values, advance and turn (n,), and the gaits with their colours."""
 
     values: dict[str, Floats]
     advance: Floats
@@ -250,13 +250,13 @@ def _over_one(shown: _Shown, foot: float) -> Figure:
     lower, upper = (sheet.place(figure, _LEFT, foot + y, wide, tall) for y in (0.0, tall + 5.0))
     _points(upper, values, shown.advance, shown, 0.5)
     _points(lower, values, shown.turn, shown, 2.0)
-    upper.set(xlim=lower.get_xlim(), ylabel=r"Displacement $d/u_\mathrm{max}$")
+    upper.set(xlim=lower.get_xlim(), ylabel=r"Advance $d/u_\mathrm{max}$")
     upper.tick_params(labelbottom=False)
     lower.set(xlabel=axis_words(key), ylabel="Turn to the left [°]")
     return figure
 
 
-# Width and height of the numbers beside a disc [mm].
+# Width and height of the numbers at a disc [mm].
 _NUMBERS = 9.0, 6.2
 
 
@@ -267,11 +267,11 @@ def _over_two(shown: _Shown, foot: float) -> Figure:
     ax = sheet.place(figure, _LEFT, foot + _BOTTOM, wide, tall)
     x, y = shown.values.values()
     columns, rows = (max(2, len(np.unique(one))) for one in (x, y))
-    # Discs that nearly touch on a grid; draws are spread like a grid of as many.
+    # Discs that nearly touch on a grid; random draws are sized like a grid of the same number.
     if columns * rows > 4 * len(x):
         columns = rows = max(2, int(np.sqrt(len(x))) * 2)
     size = float(np.clip(min(wide / (columns + 1), tall / (rows + 1)) * 0.55, 1.0, 7.0))
-    # Two lines of numbers beside every disc, if they have room.
+    # Two lines of numbers at each disc, if there is room.
     roomy = wide / (columns + 1) > size + _NUMBERS[0] and tall / (rows + 1) > _NUMBERS[1]
     points = size * 72 / 25.4
     _discs(ax, x, y, shown, points)
@@ -282,11 +282,11 @@ def _over_two(shown: _Shown, foot: float) -> Figure:
                 # Nothing is ever minus zero.
                 d, w = 0.0 if abs(d) < 0.005 else d, 0.0 if abs(w) < 0.05 else w
                 ax.annotate(minus(f"{d:.2f}\n{w:.1f}°"), at, (points / 2 + 2, 0), **look)
-        title = r"beside each robot: $d/u_\mathrm{max}$ and turn to the left per cycle"
+        title = r"numbers: advance $d/u_\mathrm{max}$ and turn to the left per cycle"
         ax.set_title(title, fontsize=7.0, loc="right", pad=2.0)
     ax.margins(x=0.5 / columns, y=0.5 / rows)
     if roomy:
-        # The numbers beside the last disc stay inside.
+        # The numbers at the last disc stay inside the axes.
         low = ax.get_xlim()[0]
         share = max(0.5 / (columns + 1), (size / 2 + _NUMBERS[0] + 1.0) / wide)
         ax.set_xlim(low, low + (float(np.max(x)) - low) / (1.0 - share))
@@ -306,12 +306,12 @@ def _over_many(shown: _Shown, foot: float) -> Figure:
         ax = sheet.place(figure, *corner, pitch[0] - _LEFT, tall)
         _points(ax, values, shown.advance, shown, 0.5)
         ax.set_xlabel(axis_words(key), fontsize=7.0)
-        ax.set_ylabel(r"$d/u_\mathrm{max}$")
+        ax.set_ylabel(r"Advance $d/u_\mathrm{max}$")
     return figure
 
 
 def axis_words(key: str) -> str:
-    """What an axis says of a key of a design file: "$q_x$ of outer, left leg [mm]" of
+    """Axis label of a key of a design file, such as "$q_x$ of outer, left leg [mm]" for
     "leg.left.chain.cell.outer.q_mm[0]".
     """
     *path, last = key.split(".")
@@ -319,15 +319,15 @@ def axis_words(key: str) -> str:
     unit = _UNIT.search(name)
     words = _quantity(name[: unit.start()] if unit else name, [int(n) for n in numbers])
     owners = _owners(path)
-    said = words if "$" in words else literal(words.replace("_", " "))
-    said += (" of " if owners else "") + ", ".join(reversed(owners))
+    text = words if "$" in words else literal(words.replace("_", " "))
+    text += (" of " if owners else "") + ", ".join(reversed(owners))
     sign = Quantity("", unit[1].replace("_per_", "/").replace("_", " ")).sign if unit else ""
-    told = said if said.startswith("$") else said[0].upper() + said[1:]
-    return told + (f" [{sign.replace('s2', 's²')}]" if sign else "")
+    label = text if text.startswith("$") else text[0].upper() + text[1:]
+    return label + (f" [{sign.replace('s2', 's²')}]" if sign else "")
 
 
 def _quantity(word: str, numbers: Sequence[int]) -> str:
-    """The last number is a component, one before it counts."""
+    """Text of a quantity; the last number is a component, a number before it is an index."""
     if not numbers:
         return f"${word}$" if word in _SYMBOLS else _WORDS.get(word, word)
     *count, axis = numbers
@@ -338,14 +338,14 @@ def _quantity(word: str, numbers: Sequence[int]) -> str:
 
 def _owners(path: Sequence[str]) -> list[str]:
     """The tables of a design file that a key is in, as text, the outermost first."""
-    found: list[str] = []
+    owners: list[str] = []
     tables = iter(path)
     for table in tables:
         one = next(tables, "") if table in _NAMED else ""
         kind = "" if table == "cell" and one != "*" else table
         if table not in _UNNAMED:
-            found.append(literal(f"{one.replace('*', 'every')} {kind}".strip()))
-    return found
+            owners.append(literal(f"{one.replace('*', 'every')} {kind}".strip()))
+    return owners
 
 
 def _points(ax: Axes, x: Floats, y: Floats, shown: _Shown, least: float) -> None:
@@ -354,7 +354,7 @@ def _points(ax: Axes, x: Floats, y: Floats, shown: _Shown, least: float) -> None
     low, high = float(x.min()), float(x.max())
     gap = 0.03 * (high - low or 1.0)
     ax.set_xlim(low - gap, high + gap)
-    # Zero in sight, and no rounding errors blown up to the height of the axes.
+    # Zero is visible, and rounding errors do not fill the axes.
     low, high = ax.get_ylim()
     ax.set_ylim(min(low, -least), max(high, least))
 
@@ -366,21 +366,21 @@ def _discs(ax: Axes, x: Floats, y: Floats, shown: _Shown, size: float) -> None:
         ax.plot(x[some], y[some], "o", color=colour, **look)
 
 
-def _read(found: Sweep, keys: list[str]) -> _Shown:
-    """What is shown of a sweep over these keys: gaits are those of a robot's legs in a line, or one
-    where all are alike.
+def _read(sweep: Sweep, keys: list[str]) -> _Shown:
+    """Values to plot of a sweep over these keys; the gaits of a robot's legs are joined to one
+    text, or are one gait if all legs agree.
     """
     gaits: list[str] = []
-    for trial in found.trials:
+    for trial in sweep.trials:
         alike = dict.fromkeys(gait or "none" for gait in trial.gaits)
         words = ", ".join(alike if len(alike) == 1 else trial.gaits)
         gaits.append(_STOPPED if trial.stopped else words)
     often = sorted(set(gaits), key=lambda gait: (-gaits.count(gait), gait))
     colours = style.word_colours(often, style.PATHWAY | {_STOPPED: style.FAINT})
     return _Shown(
-        {key: np.asarray(found.values[key], float) for key in keys},
-        np.array([trial.advance for trial in found.trials]),
-        np.degrees([trial.turn for trial in found.trials]),
+        {key: np.asarray(sweep.values[key], float) for key in keys},
+        np.array([trial.advance for trial in sweep.trials]),
+        np.degrees([trial.turn for trial in sweep.trials]),
         np.array([gait if gait in colours else style.REST for gait in gaits]),
         colours,
     )

@@ -1,4 +1,4 @@
-"""A robot's way through an arena, seen from above, and what its antennas felt over time."""
+"""Path of a robot through an arena from above, and its antenna contacts over time."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ if TYPE_CHECKING:
 
 
 _TALLEST, _TITLE, _KEY = 170.0, 7.0, 9.2
-# What a line of the title, a letter of it, an entry of the key and a row of it take [mm].
+# Height of a line and width of a letter of the title; entry and row of the legend [mm].
 _LINE, _LETTER, _ENTRY, _ROW = 3.6, 2.0, 35.0, 3.8
 _HALO = style.pale(walks.PRESSED, 0.25)
 _START = style.hollow(5.0)
 _LARGEST = 0.25  # mm of the page per mm of the arena
-# A robot is drawn again where it has gone this share of its length, or nothing could be seen.
+# A robot is drawn again after this fraction of its length, because drawings must not overlap.
 _APART = 0.4
 
 
 @style.styled
 def maze(maze: Maze) -> Figure:
-    """The arena from above with the path that the robot took, coloured by how it moved.
+    """The arena from above with the path of the robot, coloured by its motion.
 
-    To the scale of its bar: walls and cylinders, darker where touched; the path; the robot at its
-    start, its end and in the middle of presses of its antennas; where antennas were pressed; start,
-    goal and outcome. Two columns wide.
+    To scale: walls and cylinders, darker if touched; the path, with the stretches on which an
+    antenna was pressed; the robot at its start, its end and in antenna contacts; start, goal and
+    outcome. Two columns wide.
 
     Raises:
         ValueError: a walk without samples.
@@ -53,11 +53,11 @@ def maze(maze: Maze) -> Figure:
     scale = min(_LARGEST, (page - 4.0) / (box[1] - box[0]), _TALLEST / (box[3] - box[2]))
     wide, high = (box[1] - box[0]) * scale, (box[3] - box[2]) * scale
     title = f"{arena.title}: " if arena.title else ""
-    says = wrap(f"{title}{maze.ending}", int(page / _LETTER))
+    headline = wrap(f"{title}{maze.ending}", int(page / _LETTER))
     handles = _key(maze)
     columns, rows = legends.laid(len(handles), page, _ENTRY, 5)
     key = _KEY + _ROW * (rows - 1)
-    height = high + _TITLE + _LINE * (len(says) - 1) + key
+    height = high + _TITLE + _LINE * (len(headline) - 1) + key
     figure = sheet.blank(page, height)
     ax = sheet.place(figure, (page - wide) / 2, key, wide, high)
     marks.plain(ax, box)
@@ -83,7 +83,7 @@ def maze(maze: Maze) -> Figure:
     for text in legends.beside(ax, labels, keep_clear=bars):
         text.set_bbox(style.on_white(alpha=0.75))
     look = {"ha": "center", "va": "top", "fontsize": 8, "weight": "bold"}
-    for k, line in enumerate(says):
+    for k, line in enumerate(headline):
         sheet.text_at(figure, page / 2, height - 1.5 - _LINE * k, words.literal(line), **look)
     legends.below(figure, handles, columns)
     return figure
@@ -105,7 +105,7 @@ def _path(ax: Axes, walk: Walk) -> None:
     """The path in the colours of the robot's motion."""
     kinds = walks.motions(walk)
     last = len(walk.time) - 1
-    # What was no whole cycle has no gait.
+    # Stretches before and after the whole cycles have no gait.
     cuts = [0, *walks.cycle_samples(walk).tolist(), last]
     named = ["", *kinds, ""] if kinds else [""]
     spans = list(zip(named, pairwise(cuts), strict=True))
@@ -113,7 +113,7 @@ def _path(ax: Axes, walk: Walk) -> None:
         ends = [span for one, span in spans if one == kind and span[1] > span[0]]
         look = {"color": walks.MOTION.get(kind, style.FAINT), "linewidth": 1.7, "zorder": 6}
         _along(ax, walk, ends, gid=f"path {kind or 'of no whole cycle'}", **look)
-    # Few enough places that an arrow head shows the way and not a single step.
+    # Few points, so that an arrow head shows the path and not a single step.
     few = np.linspace(0, last, max(2, min(60, last // 100))).astype(int)
     x, y = walk.x[few] * style.MM, walk.y[few] * style.MM
     for share in (0.2, 0.4, 0.6, 0.8):
@@ -130,17 +130,17 @@ def _along(ax: Axes, walk: Walk, spans: Iterable[Sequence[int]], **look: Any) ->
 
 
 def _moments(maze: Maze) -> list[int]:
-    """Samples at which to draw the robot: both ends, and presses where they can be told apart."""
+    """Samples at which the robot is drawn: both ends, and antenna contacts that do not overlap."""
     walk = maze.walk
     last = len(walk.time) - 1
     middles = [(one.begin + one.end) / 2 for one in maze.contacts]
-    found = [0, last]
+    samples = [0, last]
     for sample in np.searchsorted(walk.time, middles).tolist():
         here = np.array([walk.x[sample], walk.y[sample]])
-        others = np.array([(walk.x[k], walk.y[k]) for k in found])
+        others = np.array([(walk.x[k], walk.y[k]) for k in samples])
         if np.hypot(*(others - here).T).min() > _APART * walk.robot.body.length:
-            found.append(sample)
-    return found
+            samples.append(sample)
+    return samples
 
 
 def _robot(ax: Axes, maze: Maze, sample: int) -> None:
@@ -166,7 +166,7 @@ def _placed(line: Floats, walk: Walk, sample: int) -> Floats:
 
 
 def _key(maze: Maze) -> list[Artist]:
-    """What colours and marks mean, of those that occur."""
+    """Legend entries for the colours and marks that occur."""
     kinds, touched = walks.motions(maze.walk), maze.touched.values()
     edge = {"edgecolor": style.INK, "linewidth": 0.5}
     return legends.those(
@@ -181,7 +181,7 @@ def _key(maze: Maze) -> list[Artist]:
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 24.0, 4.0, 2.0, 9.0
 _ANTENNA, _LANE, _GAP = 18.0, 4.6, 3.5
-# What an entry of the key takes [mm].
+# Width of a legend entry [mm].
 _TIMELINE_ENTRY = 50.0
 _PRESSED = style.pale(walks.PRESSED, 0.55)
 MOST_OBSTACLES = 24
@@ -191,9 +191,9 @@ MOST_OBSTACLES = 24
 def maze_timeline(maze: Maze) -> Figure:
     """Antenna contacts, the gait of each leg cycle by cycle, and obstacles touched, over time [s].
 
-    There is the swing of each antenna [°], shaded while it is pressed; a strip for each leg in the
-    colour of its gait; a strip for each obstacle that was touched, up to 24, in the order of the
-    first touch. Two columns wide.
+    Panels show the swing of each antenna [°], shaded while it is pressed; a strip for each leg in
+    the colour of its gait; a strip for each touched obstacle, up to 24, in the order of first
+    contact. Two columns wide.
 
     Raises:
         ValueError: a walk without samples.

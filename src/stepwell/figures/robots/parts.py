@@ -1,4 +1,4 @@
-"""Where the parts of a robot are in its body's frame, and an arena from above."""
+"""Positions of a robot's parts in its body frame, and an arena from above."""
 
 import math
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ OBSTACLE, TOUCHED = style.FIXED_BLOCK, style.INK
 
 
 def draw_arena(ax: Axes, arena: Arena, touched: Sequence[bool]) -> None:
-    """Every obstacle, touched or not, walls first, and the goal, into axes in mm."""
+    """Draw the obstacles, walls first, touched ones darker, and the goal into axes in mm."""
     walls = [Polygon(_wall(wall) * style.MM) for wall in arena.walls]
     rounds = [_disc(one.at, one.radius) for one in arena.cylinders]
     for shape, felt in zip([*walls, *rounds], touched, strict=True):
@@ -66,11 +66,11 @@ class LegParts:
 
 
 def leg_parts(robot: Robot, leg: Leg, travels: Sequence[float] | Floats) -> LegParts:
-    """Everything of a leg in its place at these travels (cells,) [m]."""
+    """Parts of a leg at these travels (cells,) [m]."""
     cells, half_span = leg.chain.cells, robot.foot.span / 2
     full = np.array([cell.full_travel for cell in cells])
     s = np.clip(np.asarray(travels, float), 0.0, full)
-    # Blocks before the V stand clear of each other whatever their cells do.
+    # Blocks before the V are clear of each other at all travels.
     ahead = [robot.blocks.length + full[k] / 2 for k in range(1, len(cells) - 1)]
     clear = [float(sum(ahead[i:])) for i in range(len(cells) - 1)]
     x = [leg.at[0] + half_span + clear[i] - s[: i + 1].sum() for i in range(len(cells) - 1)]
@@ -98,7 +98,7 @@ def leg_parts(robot: Robot, leg: Leg, travels: Sequence[float] | Floats) -> LegP
 
 
 def at_ends(robot: Robot, leg: Leg) -> tuple[LegParts, LegParts]:
-    """Everything of a leg with every cell at 0, and with every cell at 1."""
+    """Parts of a leg with every cell at 0, and with every cell at 1."""
     full = leg.chain.full_travels
     return leg_parts(robot, leg, [0.0] * len(full)), leg_parts(robot, leg, full)
 
@@ -120,14 +120,14 @@ def antenna_line(antenna: Antenna, swing: float = 0.0) -> Floats:
 
 
 def bracket(robot: Robot, antenna: Antenna) -> Floats:
-    """(2, 2) from the body to an antenna's hinge [m]; what holds it has no values of its own."""
+    """(2, 2) from the body to an antenna's hinge [m]; the model has no bracket."""
     half = robot.body.length / 2, robot.body.width / 2
     corner = [float(np.clip(antenna.pivot[k], -half[k], half[k])) for k in (0, 1)]
     return np.array([corner, antenna.pivot])
 
 
 def anchor_moves(robot: Robot, antenna: Antenna) -> Floats:
-    """(2, 2) where the anchor p that an antenna moves is at rest and at full swing [m]."""
+    """(2, 2) positions of the anchor p moved by an antenna, at rest and at full swing [m]."""
     leg = robot.leg(antenna.leg)
     rest, _ = at_ends(robot, leg)
     at = rest.bands[rest.owner == leg.cell_index(antenna.cell)][0, 0]

@@ -30,7 +30,7 @@ _HOLDER: dict[str, Any] = {"color": style.FIXED_BLOCK, "linewidth": 3.0, "solid_
 
 
 def detailed() -> bool:
-    """Whether there is room for dimensions and names; narrower, a drawing has none."""
+    """Whether the page is wide enough for dimensions and names."""
     return sheet.page_width(style.PAGE) >= _DETAILED
 
 
@@ -51,7 +51,7 @@ def above_limits(robot: Robot) -> Box:
 
 
 def draw_above(ax: Axes, robot: Robot) -> None:
-    """Draw it all, in mm, into axes that lose their frame."""
+    """Draw the robot from above, in mm, into axes without a frame."""
     box = above_limits(robot)
     plain(ax, box)
     body = rectangle((0.0, 0.0), robot.body.length, robot.body.width) * style.MM
@@ -72,7 +72,7 @@ def draw_above(ax: Axes, robot: Robot) -> None:
     ax.plot(*bar.T, **_HOLDER, zorder=1.2)
     for antenna in robot.antennas:
         _antenna_above(ax, robot, antenna)
-    # What is forward, and how long 50 mm are.
+    # The forward direction and a scale bar.
     x, y = box[1] - 26.0, box[2] + 6.0
     arrow(ax, (x, y), (x + 18.0, y), width=1.0)
     ax.text(x + 9.0, y + 1.5, "forward", ha="center", va="bottom")
@@ -82,7 +82,7 @@ def draw_above(ax: Axes, robot: Robot) -> None:
 
 
 def _dimensions(ax: Axes, robot: Robot, box: Box) -> None:
-    """What is measured, and the names of legs and antennas."""
+    """Draw dimensions and the names of legs and antennas."""
     leg = min(robot.legs, key=lambda one: one.at[1])
     near, far = (pose.blocks[-1] * style.MM for pose in at_ends(robot, leg))
     stroke = f"stroke {mm(leg.chain.full_stroke)} mm"
@@ -106,7 +106,7 @@ def _chain_above(ax: Axes, robot: Robot, leg: Leg, parts: parts.LegParts, *, fai
     for middle in parts.blocks:
         outline = rectangle(middle, robot.blocks.length, robot.blocks.width) * style.MM
         ax.add_patch(Polygon(outline, **frame, zorder=z))
-    # What slides sideways on a block reaches from beside it to the lever's outer joint.
+    # The slider of a block reaches from the block to the lever's outer joint.
     for (x, y), (_, joint) in zip(parts.blocks, parts.levers, strict=True):
         slide = np.array([(x, y), (x, joint[1]), joint]) * style.MM
         ax.plot(*slide.T, color=shade(style.FAINT), linewidth=2.0, zorder=z + 0.1)
@@ -172,7 +172,7 @@ def side_limits(robot: Robot) -> Box:
 
 
 def draw_side(ax: Axes, robot: Robot) -> None:
-    """Draw it all, in mm, into axes that lose their frame."""
+    """Draw the robot from its right, in mm, into axes without a frame."""
     box = side_limits(robot)
     plain(ax, box)
     floor = box[0] + 20.0, box[1] - 4.0
@@ -190,11 +190,11 @@ def draw_side(ax: Axes, robot: Robot) -> None:
 
 
 def _body(ax: Axes, robot: Robot, pivot: float) -> None:
-    """Body, supports and antennas; the body has a length, and its height is drawn for the eye."""
+    """Draw body, supports and antennas; the height of the body is illustrative."""
     half, low = robot.body.length / 2 * style.MM, robot.foot.below * style.MM
     ax.add_patch(Polygon(rectangle((0.0, pivot + 8.0), 2 * half, 8.0), **_BODY))
     _centre_of_mass(ax, robot.body.centre[0] * style.MM, pivot + robot.body.centre[2] * style.MM)
-    # Supports behind each other are one in this view.
+    # Supports behind one another coincide in this view.
     for x in sorted({round(x * style.MM, 6) for x, _ in robot.body.supports}):
         strut = [0.4 * x, x], [pivot + 4.0, low + 1.5]
         ax.plot(*strut, color=SUPPORT, linewidth=1.4, zorder=1.5)
@@ -230,7 +230,7 @@ def _side_dimensions(
 
 
 def _beyond(robot: Robot) -> float:
-    """x of what is written ahead of the body and its supports [mm]."""
+    """x of the text ahead of the body and its supports [mm]."""
     return max(robot.body.length / 2, *(x for x, _ in robot.body.supports)) * style.MM + 8.0
 
 
@@ -256,9 +256,9 @@ def _leg(ax: Axes, robot: Robot, parts: parts.LegParts, pivot: float, *, faint: 
 
 _LARGEST = 0.8  # mm of the page per mm of the robot
 _KEY = 12.0
-# What an entry of the key takes [mm], and how many there are.
+# Width of a legend entry [mm], and number of entries.
 _ENTRY, _ENTRIES = 42.0, 8
-# What a line of the title and a letter of it take [mm].
+# Height of a line and width of a letter of the title [mm].
 _LINE, _LETTER = 3.4, 1.7
 
 
@@ -266,8 +266,8 @@ _LINE, _LETTER = 3.4, 1.7
 def robot_drawing(robot: Robot) -> Figure:
     """The robot from above and, at the same scale below, from the right.
 
-    Drawn from its values with every cell at 0 and, pale, with every cell at 1, with dimensions in
-    mm; two columns wide, or as a narrower panel of a page without them.
+    Every cell is drawn at 0 and, pale, at 1, with dimensions in mm. Two columns wide; a narrower
+    panel has no dimensions.
     """
     words = wrap(robot.title, int(sheet.page_width(style.PAGE) / _LETTER))
     figure = _page(robot, [_ABOVE, _SIDE], 7.0 + _LINE * (len(words) - 1) if words else 1.0)
@@ -282,12 +282,11 @@ def robot_drawing(robot: Robot) -> Figure:
 def robot_above(robot: Robot, *, ax: Axes | None = None) -> Figure:
     """The robot from above: body, supports, chains, feet, antennas with their swing.
 
-    Drawn from its values with every cell at 0 and, pale, with every cell at 1, x forward and y to
-    the left, dimensions in mm. Blocks that move sideways with a lever are drawn beside the block
-    that they slide on.
+    Every cell is drawn at 0 and, pale, at 1; x points forward and y to the left; dimensions are in
+    mm. Blocks that move sideways with a lever are drawn at the block on which they slide.
 
     Args:
-        robot: any robot.
+        robot: the robot to draw.
         ax: axes to draw into; a new figure of two columns' width by default.
     """
     return _view(robot, ax, _ABOVE)
@@ -297,8 +296,8 @@ def robot_above(robot: Robot, *, ax: Axes | None = None) -> Figure:
 def robot_side(robot: Robot, *, ax: Axes | None = None) -> Figure:
     """The robot from its right: floor, supports, V links and feet, to scale.
 
-    Drawn from its values with every cell at 0 and, pale, with every cell at 1, x forward and z up
-    from the floor, dimensions in mm; the rightmost leg is in front. All else as for `robot_above`.
+    Every cell is drawn at 0 and, pale, at 1; x points forward and z up from the floor; dimensions
+    are in mm. The rightmost leg is in front. Arguments are those of `robot_above`.
     """
     return _view(robot, ax, _SIDE)
 
@@ -316,7 +315,7 @@ def _view(robot: Robot, ax: Axes | None, view: _View) -> Figure:
 
 
 def _page(robot: Robot, views: Sequence[_View], head: float) -> Figure:
-    """Views at one scale above each other, under so much room [mm], and the key below them."""
+    """Stack views at one scale under a margin `head` [mm], with the legend below."""
     page = sheet.page_width(style.PAGE)
     columns, rows = legends.laid(_ENTRIES, page, _ENTRY, 4)
     key = _KEY + 3.8 * (rows - 2)

@@ -1,4 +1,4 @@
-"""Where a robot walked, and how far each cycle took and turned it."""
+"""Path of a walking robot, with advance and turn of each cycle."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 
 
 _WIDE, _BAR, _GAP = 66.0, 35.0, 15.0
-# The height of bars below a path, and what an entry and a row of the key take [mm].
+# Height of bars below a path; width of an entry and height of a row of the legend [mm].
 _LOW, _ENTRY, _ROW = 34.0, 27.0, 3.8
 _APART = 1.5  # between the name of x and the numbers of the bars below it [mm]
 _LEFT, _ABOVE, _BELOW, _KEY = 14.0, 6.0, 10.0, 6.0
-_LINE, _LETTER = 3.4, 1.7  # what a line of a name and a letter of it take [mm]
-_LEAST_TURN = 20.0  # that a panel of turns has room for [°]
+_LINE, _LETTER = 3.4, 1.7  # height of a line and width of a letter of a name [mm]
+_LEAST_TURN = 20.0  # least range of a panel of turns [°]
 _START = style.hollow(4.5)
 _HEADING = 3.4  # length of an arrow to the heading [mm]
 _FAN = 2.6  # longer where steps are shorter than arrows
@@ -38,9 +38,9 @@ _SIDEWAYS |= {"markeredgecolor": style.INK, "markeredgewidth": 0.4}
 
 
 def trajectory(walk: Walk) -> Figure:
-    """The path of the body from above, and displacement and rotation cycle by cycle.
+    """The path of the body from above, with advance and turn of each cycle.
 
-    The path [mm] has an arrow to the heading at the start of every cycle; beside it are d/u_max
+    The path [mm] has an arrow along the heading at the start of every cycle. Bars show d/u_max
     along and across that heading and the turn to the left [°]. Two columns wide.
 
     Raises:
@@ -53,11 +53,12 @@ def trajectory(walk: Walk) -> Figure:
 
 @style.styled
 def trajectories(walks: Mapping[str, Walk]) -> Figure:
-    """The paths of several walks at one scale, by the name to write above each, in a row for each
-    with its displacement and rotation a cycle; see `trajectory`.
+    """The paths of several walks at one scale, each with advance and turn of its cycles.
+
+    Each walk has a row with its name above; see `trajectory`.
 
     Raises:
-        ValueError: nothing to show, or a walk without samples.
+        ValueError: no walks, or a walk without samples.
 
     Source: Kamp et al. 2024, Figs. 3C to 3E.
     """
@@ -69,7 +70,7 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
     beside = page >= sheet.BESIDE
     wide = _WIDE if beside else page - _LEFT - 5.0
     bar = _BAR if beside else (page - _LEFT - _GAP - 2.0) / 2
-    # A tenth of the width more, so that ticks stand clear of the frame.
+    # 10 % more width, so that ticks are clear of the frame.
     scale = min(wide / (1.1 * widest), 60.0 / max(box[3] - box[2] for box in boxes))
     tall = [max(30.0, (box[3] - box[2]) * scale + 4.0) for box in boxes]
     remarks = [
@@ -139,13 +140,13 @@ def _path(ax: Axes, walk: Walk, box: sheet.Box, scale: float, size: sheet.Point)
             ax.plot(*line.T, color=colour, linewidth=0.7, zorder=2, gid="robot")
     ax.plot(x, y, color=style.BLUE, linewidth=1.6, zorder=4.5, gid="path")
     at = cycle_samples(walk) if len(walk.starts) else np.unique([0, len(x) - 1])
-    # A robot that turns where it stands spreads its arrows like a fan.
+    # A robot that turns in place has its arrows in a fan.
     step = float(np.median(np.hypot(np.diff(x[at]), np.diff(y[at])))) if len(at) > 1 else 0.0
     length = _HEADING / scale * (1.0 if step * scale > _HEADING else _FAN)
     for sample in at:
         yaw, start = walk.yaw[sample], np.array([x[sample], y[sample]])
         tip = start + length * np.array([math.cos(yaw), math.sin(yaw)])
-        # Below the path, and only its head above: who walks straight on has both in one line.
+        # Below the path, with only the head above: on a straight walk both are on one line.
         look = {"color": style.INK, "linewidth": 0.8, "zorder": 4.2, "gid": "heading"}
         ax.plot(*np.array([start, tip]).T, **look)
         marks.head(ax, start.tolist(), tip.tolist(), style.INK, size=9.0)
@@ -169,20 +170,20 @@ def _bars(moved: Axes, turned: Axes, walk: Walk, wide: float) -> None:
     moved.bar(number, walk.advance, **look, gid="advance")
     moved.plot(number, walk.sideways, "D", **_SIDEWAYS, zorder=3, gid="sideways")
     turned.bar(number, degrees, **look, gid="turn")
-    # A robot that walks straight on turns by next to nothing, and a bar of that is no bar.
+    # A robot that walks straight turns by almost 0°, which no bar shows.
     turned.plot(number, degrees, "o", markersize=3.0, color=style.INK, zorder=3, gid="turns")
     most = float(np.abs(degrees).max(initial=0.0))
     if walk.cycles and most < _SLIGHT:
-        words = f"at most {most:.1f}° a cycle"
+        words = f"at most {most:.1f}° per cycle"
         if most < 0.1:
-            words = "straight on:\nless than 0.1° a cycle"
+            words = "straight:\nless than 0.1° per cycle"
         if wide < _BAR:
             words = fill(words, int(wide / 1.8))
         look = {"transform": turned.transAxes, "ha": "center", "va": "center"}
         turned.text(0.5, 0.75, words, **look)
-    moved.set_ylabel("Displacement $d/u_\\mathrm{max}$")
+    moved.set_ylabel("Advance $d/u_\\mathrm{max}$")
     turned.set_ylabel("Turn to the left [°]")
-    # Both ways alike, so that left and right, forward and backward are seen at a glance.
+    # Symmetric limits make left and right, forward and backward comparable.
     for ax, least in ((moved, 1.1), (turned, _LEAST_TURN)):
         most = max(least, *(abs(limit) for limit in ax.get_ylim()))
         ax.set_ylim(-most, most)

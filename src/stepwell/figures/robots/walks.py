@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from stepwell.simulation import Walk
 
 
-# How the whole robot moves in a cycle, in the order of legends.
+# Motion of the robot in a cycle, in the order of legends.
 FORWARD, BACKWARD, IDLE = "forward", "backward", "in place"
 LEFT, RIGHT = "turning left", "turning right"
 MOTION = {
@@ -43,7 +43,7 @@ def leg_colours(robot: Robot) -> dict[str, str]:
 
 
 def first_cycle(walk: Walk) -> int:
-    """How many cycles the actuator had gone through before the first whole one of the walk."""
+    """Number of actuator cycles before the first whole cycle of the walk."""
     return round(walk.starts[0] / walk.robot.drive.period) if len(walk.starts) else 0
 
 
@@ -59,23 +59,24 @@ def intervals(time: Floats, held: Bools) -> list[tuple[float, float]]:
 
 
 def standing(force: Floats) -> Bools:
-    """Whether a foot or support that carries these forces [N] stands."""
+    """Whether a foot or support is in stance, by its ground reaction forces [N]."""
     from stepwell.simulation import LOADED
 
     return force > LOADED
 
 
 def resting(walk: Walk, leg: str, some: slice) -> list[tuple[float, float, str]]:
-    """From when to when [s] a leg rests in which state, as `Walk.gait` counts them."""
+    """Begin and end [s] of each rest of a leg, with its state, as `Walk.gait` counts them."""
     states = ((time, walk.state(leg, time)) for time in walk.time[some].tolist())
     rests = groupby(((time, state) for time, state in states if state is not None), itemgetter(1))
-    found = [(state, [time for time, _ in rest]) for state, rest in rests]
-    return [(times[0], times[-1], state) for state, times in found]
+    states_at = [(state, [time for time, _ in rest]) for state, rest in rests]
+    return [(times[0], times[-1], state) for state, times in states_at]
 
 
 def direction(gait: str) -> int:
-    """+1 for a forward step, -1 for a backward one, 0 for none: forward, the last cell, which lifts
-    the foot, moves last on the way out and last on the way back.
+    """+1 for a forward step, -1 for a backward step, 0 for none.
+
+    In a forward step the last cell, which lifts the foot, moves last on loading and on unloading.
     """
     states = gait.split(">")
     ones = "1" * (len(states[0]) - 1)
@@ -91,32 +92,32 @@ def gait_words(gait: str) -> str:
 
 
 def motions(walk: Walk) -> list[str]:
-    """How the robot as a whole moves in each cycle, from the gaits of its legs."""
+    """Motion of the robot in each cycle, from the gaits of its legs."""
     gaits = walk.gaits
-    found: list[str] = []
+    kinds: list[str] = []
     for cycle in range(walk.cycles):
         steps = [(leg.side, direction(gaits[leg.name][cycle])) for leg in walk.robot.legs]
         sides = ([step for own, step in steps if own == side] for side in (1, -1))
         left, right = (sum(own) / max(len(own), 1) for own in sides)
         if left != right:
-            found.append(LEFT if right > left else RIGHT)
+            kinds.append(LEFT if right > left else RIGHT)
         else:
-            found.append(FORWARD if left > 0 else BACKWARD if left < 0 else IDLE)
-    return found
+            kinds.append(FORWARD if left > 0 else BACKWARD if left < 0 else IDLE)
+    return kinds
 
 
 def gait_colours(walk: Walk) -> dict[str, str]:
     """A colour for every gait string that occurs, directed ones first."""
     occur = {gait for gaits in walk.gaits.values() for gait in gaits}
-    found = {gait: colour for gait, colour in style.PATHWAY.items() if gait in occur}
+    colours = {gait: colour for gait, colour in style.PATHWAY.items() if gait in occur}
     longer = {1: style.ORANGE, -1: style.SKY, 0: style.YELLOW}
     step = {gait: direction(gait) for gait in occur}
-    rest = sorted(occur - set(found), key=lambda gait: (-abs(step[gait]), -step[gait], gait))
+    rest = sorted(occur - set(colours), key=lambda gait: (-abs(step[gait]), -step[gait], gait))
     spare = iter(_MORE * (len(rest) // len(_MORE) + 1))
     for gait in rest:
         colour = longer[step[gait]] if len(gait.split(">")[0]) > 2 else ""
-        found[gait] = colour if colour and colour not in found.values() else next(spare)
-    return found
+        colours[gait] = colour if colour and colour not in colours.values() else next(spare)
+    return colours
 
 
 DASHED = {"color": style.FAINT, "linewidth": 0.5, "linestyle": (0, (4, 3))}
@@ -130,7 +131,7 @@ def refuse_empty(walk: Walk) -> None:
 
 
 def last_cycles(walk: Walk, cycles: float) -> slice:
-    """The samples of the last so many cycles; refuses a walk without samples, and no cycles."""
+    """The samples of the last cycles; refuses cycles <= 0 and a walk without samples."""
     if not cycles > 0:
         raise InputError(f"cycles = {cycles}: must be > 0.")
     refuse_empty(walk)
@@ -139,8 +140,8 @@ def last_cycles(walk: Walk, cycles: float) -> slice:
 
 
 def show_time(ax: Axes, walk: Walk, some: slice, zorder: float) -> None:
-    """Limits at the first and the last of these samples, a tenth of a period apart at least, with
-    the starts of cycles between them dashed.
+    """Set limits at the first and last sample, at least a tenth of a period apart, and draw the
+    starts of cycles as dashed lines.
     """
     time = walk.time[some]
     ax.set_xlim(time[0], max(time[-1], time[0] + 0.1 * walk.robot.drive.period))
@@ -153,7 +154,7 @@ def show_time(ax: Axes, walk: Walk, some: slice, zorder: float) -> None:
 
 
 def number_cycles(ax: Axes, walk: Walk) -> NDArray[np.intp]:
-    """An axis for bars over whole cycles, and their numbers (cycles,); says if there is none."""
+    """Set an axis for bars over whole cycles, with a note if there is none; returns numbers."""
     first = first_cycle(walk)
     marks.zero_line(ax)
     ax.set(xlim=(first + 0.4, first + max(walk.cycles, 1) + 0.6), xlabel="Cycle")
@@ -168,23 +169,23 @@ def number_cycles(ax: Axes, walk: Walk) -> NDArray[np.intp]:
 STANCE = style.pale(style.FAINT, 0.72)
 _LEFT, _RIGHT, _TOP, _BOTTOM = 16.0, 5.0, 11.0, 9.0
 _STROKE, _LEG, _STATES = 18.0, 24.0, 9.0
-# What an entry and a row of the key take.
+# Width of an entry and height of a row of the legend [mm].
 _ENTRY, _ROW = 26.0, 3.8
 
 
 @style.styled
 def gait(walk: Walk, *, cycles: float = 3) -> Figure:
-    """Travel of every cell of every leg against time [s], with the states that each leg rests in.
+    """Travel of every cell of every leg against time [s], with the states of each leg.
 
-    The actuator's stroke [mm] is on top, then travels [mm] leg by leg, shaded while the foot
-    stands, with the states below each. Two columns wide.
+    The actuator's stroke [mm] is on top, then travels [mm] leg by leg, shaded in stance, with the
+    states below each. Two columns wide.
 
     Args:
-        walk: any walk.
-        cycles: how many to show, counted back from its end; > 0.
+        walk: the walk to plot.
+        cycles: number of cycles plotted, counted back from the end; > 0.
 
     Raises:
-        ValueError: no cycles asked for, or a walk without samples.
+        ValueError: cycles <= 0, or a walk without samples.
 
     Source: Kamp et al. 2024, Fig. 3.
     """
@@ -193,7 +194,7 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
     longest = max(robot.legs, key=lambda leg: len(leg.chain)).chain
     handles = [
         *legends.cells(longest.names, dashed=True),
-        legends.shade("foot on the floor", STANCE),
+        legends.shade("stance", STANCE),
         legends.line("stroke", width=1.2),
         legends.line("command", style.FAINT, 1.0),
     ]
@@ -232,8 +233,8 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
     return figure
 
 
-def _states(ax: Axes, found: list[tuple[float, float, str]]) -> None:
-    """Below the axes, a bracket for every rest with the state under it."""
+def _states(ax: Axes, rests: list[tuple[float, float, str]]) -> None:
+    """Draw a bracket below the axes for each rest, with its state under it."""
     low, high = ax.get_xlim()
     span = high - low
     across = ax.get_position().width * sheet.page_width(style.PAGE)
@@ -242,7 +243,7 @@ def _states(ax: Axes, found: list[tuple[float, float, str]]) -> None:
     under: dict[str, Any] = {"transform": ax.get_xaxis_transform()}
     bar = {"color": style.INK, "linewidth": 1.6, "solid_capstyle": "butt", "clip_on": False}
     look = {"ha": "center", "va": "top", "fontweight": "bold", "gid": "state"}
-    for begin, end, state in found:
+    for begin, end, state in rests:
         ends = [begin, max(end, begin + 0.004 * span)]
         ax.plot(ends, [-1.2 * per_mm] * 2, **bar, **under, gid="rest")
         # Two rows, so that a short rest between two others keeps its label.
@@ -256,7 +257,7 @@ def _states(ax: Axes, found: list[tuple[float, float, str]]) -> None:
 
 
 def _number_cycles(ax: Axes, walk: Walk) -> None:
-    """Above the axes, the number of every whole cycle that is shown."""
+    """Write the number of each whole cycle above the axes."""
     low, high = ax.get_xlim()
     middles = enumerate((walk.starts[:-1] + walk.starts[1:]) / 2, first_cycle(walk) + 1)
     shown = [(number, x) for number, x in middles if low - 1e-9 < x < high]
@@ -267,31 +268,31 @@ def _number_cycles(ax: Axes, walk: Walk) -> None:
 
 _CONTACTS_LEFT, _CONTACTS_RIGHT, _CONTACTS_TOP = 20.0, 5.0, 8.0
 _UPPER = (0, (3.0, 2.0))
-_LEAST_FORCE = 0.1  # that the actuator's axis has room for [N]
+_LEAST_FORCE = 0.1  # least range of the actuator force axis [N]
 _LANE, _FORCE, _LOOP = 4.2, 34.0, 44.0
-_CONTACTS_ENTRY = 25.0  # what one of a key takes [mm]
+_CONTACTS_ENTRY = 25.0  # width of a legend entry [mm]
 
 
 @style.styled
 def contacts(walk: Walk, *, cycles: float = 3) -> Figure:
-    """When each foot and the T-foot stand, what they carry, and the actuator's force and work.
+    """Stance and ground reaction force of each foot and the T-foot, actuator force and work.
 
-    Contacts and forces [N] are drawn against time [s], the actuator's force [N] against stroke
-    [mm], and the work of each cycle [mJ]. Two columns wide.
+    Stance and ground reaction forces [N] are drawn against time [s], actuator force [N] against
+    stroke [mm], and the work of each cycle [mJ]. Two columns wide.
 
     Args:
-        walk: any walk.
-        cycles: how many to show against time, counted back from its end; > 0. Force against
-            stroke and work are of all whole cycles.
+        walk: the walk to plot.
+        cycles: number of cycles plotted against time, counted back from the end; > 0. Force
+            against stroke and work show all whole cycles.
 
     Raises:
-        ValueError: no cycles asked for, or a walk without samples.
+        ValueError: cycles <= 0, or a walk without samples.
     """
     some = last_cycles(walk, cycles)
     lanes = _LANE * (len(walk.robot.legs) + 1)
     page = sheet.page_width(style.PAGE)
     left, wide = _CONTACTS_LEFT, page - _CONTACTS_LEFT - _CONTACTS_RIGHT
-    # The work beside the loop, or below it.
+    # The work is at the right of the loop, or below it.
     base, loop, work = 10.0, 72.0, (112.0, 10.0, page - 112.0 - _CONTACTS_RIGHT, _LOOP)
     if page < sheet.BESIDE:
         base, loop, work = 22.0 + _FORCE, wide, (left, 10.0, wide, _FORCE)
@@ -322,12 +323,12 @@ def _carried(bars: Axes, force: Axes, walk: Walk, some: slice) -> None:
         force.plot(time, loads[:, i], **look, label=literal(name), gid=f"force {name}")
     style.name_rows(bars, names, 0.6)
     bars.tick_params(labelbottom=False)
-    bars.set_title("Stands on the floor", loc="left", pad=3.0)
+    bars.set_title("Stance", loc="left", pad=3.0)
     bars.spines[["top", "right", "left"]].set_visible(False)
     weight = walk.robot.weight
     look = DASHED | {"linewidth": 0.7, "zorder": 1, "gid": "weight"}
     force.axhline(weight, **look, label="weight of the robot")
-    force.set(xlabel="Time [s]", ylabel="Force of the floor [N]")
+    force.set(xlabel="Time [s]", ylabel="Ground reaction force [N]")
     room = sheet.page_width(style.PAGE) - _CONTACTS_LEFT - _CONTACTS_RIGHT
     columns, rows = legends.laid(len(names) + 1, room, _CONTACTS_ENTRY, 7)
     force.set_ylim(0.0, (1.14 + 0.14 * rows) * max(weight, float(loads.max(initial=0.0))))
@@ -341,9 +342,9 @@ def _loop(ax: Axes, walk: Walk) -> None:
     marks.zero_line(ax)
     rising = np.gradient(walk.command) >= 0 if len(walk.time) > 1 else np.array([True])
     stroke, force = walk.stroke * style.MM, walk.actuator_force
-    looks = (rising, style.LOADING, "out"), (~rising, style.UNLOADING, "back")
+    looks = (rising, style.LOADING, "loading"), (~rising, style.UNLOADING, "unloading")
     for held, colour, name in looks:
-        # A sample past each end joins the way out to the way back.
+        # One sample past each end joins loading to unloading.
         joined = held | np.append(False, held[:-1])
         u, f = (np.where(joined, values, np.nan) for values in (stroke, force))
         ax.plot(u, f, color=colour, linewidth=0.9, gid=name)
@@ -359,4 +360,4 @@ def _work(ax: Axes, walk: Walk) -> None:
     spans = [slice(a, b + 1) for a, b in pairwise(cycle_samples(walk))]
     work = [np.trapezoid(walk.actuator_force[one], walk.stroke[one]) * style.MJ for one in spans]
     ax.bar(number_cycles(ax, walk), work, width=0.7, color=style.INK, gid="work")
-    ax.set_ylabel("Work of the actuator [mJ]")
+    ax.set_ylabel("Actuator work [mJ]")

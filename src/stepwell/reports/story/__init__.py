@@ -1,1 +1,1 @@
-"""A story in seven steps of what springs can be told to do, and the page that shows it moving."""
+"""The demonstration in seven steps, and its animated HTML page."""

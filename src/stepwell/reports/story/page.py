@@ -1,4 +1,4 @@
-"""The page of the story, and the folder that holds it beside the design files."""
+"""The HTML page of the demonstration, and its folder with the design files."""
 
 import os
 import re
@@ -9,37 +9,37 @@ from string import Template
 
 from stepwell.base import __version__, notify, write_atomic
 from stepwell.files import staged_folder
-from stepwell.reports.story.steps import OPENING, Progress, StoryPiece, StoryStep, Telling
+from stepwell.reports.story.steps import OPENING, PlannedStep, Progress, StoryPiece, StoryStep
 
-AxisQuantity = Sequence[tuple[Telling, StoryStep]]
+Steps = Sequence[tuple[PlannedStep, StoryStep]]
 
 
 def write_story(
-    told: AxisQuantity,
+    steps: Steps,
     folder: str | os.PathLike[str],
     *,
-    left_out: Sequence[Telling] = (),
+    left_out: Sequence[PlannedStep] = (),
     progress: Progress | None = None,
     force: bool = False,
 ) -> tuple[str, ...]:
-    """Write a story into a folder: index.html with all that moves, and the design files.
+    """Write a demonstration into a folder: index.html with its animations, and the design files.
 
     Args:
-        told: the steps that were made, in their order.
-        folder: made if missing; what an earlier story wrote there is replaced.
-        left_out: steps for which something is not installed.
+        steps: the computed steps, in order.
+        folder: created if missing; files of an earlier demonstration are replaced.
+        left_out: steps with missing packages.
         progress: called with (done, total) files.
-        force: replace files that others wrote or changed too.
+        force: overwrite all other existing files too.
 
     Returns:
         The names of the files.
 
     Raises:
-        OverwriteError: a file there is not one that a story wrote; nothing has changed.
+        OverwriteError: an existing file is not from a demonstration; nothing has changed.
         OSError: the folder cannot be written.
     """
-    contents = {"index.html": _page(told, left_out)}
-    for _, step in told:
+    contents = {"index.html": _page(steps, left_out)}
+    for _, step in steps:
         contents |= step.files
     with staged_folder(folder, "demo", force=force) as draft:
         for done, (name, text) in enumerate(contents.items(), 1):
@@ -48,36 +48,36 @@ def write_story(
     return tuple(sorted(contents))
 
 
-def _page(told: AxisQuantity, left_out: Sequence[Telling]) -> str:
+def _page(steps: Steps, left_out: Sequence[PlannedStep]) -> str:
     page = Template((resources("stepwell.reports.story") / "story.html").read_text("utf-8"))
-    numbered = enumerate(told, 1)
+    numbered = enumerate(steps, 1)
     return page.substitute(
         version=escape(__version__),
         opening=escape(OPENING),
-        steps="\n".join(_step(number, telling, step) for number, (telling, step) in numbered),
+        steps="\n".join(_step(number, planned, step) for number, (planned, step) in numbered),
         left_out=_left_out(left_out),
         files=" ".join(
-            f"<code>{escape(name)}</code>" for _, step in told for name in sorted(step.files)
+            f"<code>{escape(name)}</code>" for _, step in steps for name in sorted(step.files)
         ),
     )
 
 
-def _step(number: int, telling: Telling, step: StoryStep) -> str:
-    told = "\n".join(f"<p>{escape(line)}</p>" for line in step.told)
+def _step(number: int, planned: PlannedStep, step: StoryStep) -> str:
+    text = "\n".join(f"<p>{escape(line)}</p>" for line in step.sentences)
     shown = "\n".join(map(_figure, step.shown))
     changed = _changed(step.changed) if step.changed else ""
     commands = "\n".join(map(_command, step.commands))
     return (
         f'<section id="step-{number}"><h2><span class="number">{number}</span> '
-        f"{escape(telling.title)}</h2>\n{told}\n"
+        f"{escape(planned.title)}</h2>\n{text}\n"
         f'<div class="shown{" pair" * (len(step.shown) > 1)}">\n{shown}\n</div>\n'
-        f'<div class="own">{changed}<div><h3>Do it yourself</h3>'
+        f'<div class="own">{changed}<div><h3>Commands</h3>'
         f'<pre class="commands">{commands}</pre></div></div>\n</section>'
     )
 
 
 def _command(line: str) -> str:
-    """A line to be typed; on a narrow page it is folded at spaces alone."""
+    """A command line, wrapped only at spaces on a narrow page."""
     words = re.sub(r"(?<= )-\S+", r"<span>\g<0></span>", escape(line))
     return f"<code>{words}</code>"
 
@@ -91,7 +91,7 @@ def _figure(shown: StoryPiece) -> str:
 
 
 def _changed(lines: Sequence[str]) -> str:
-    """Lines of a design file; what goes and what comes are told apart by a sign and a colour."""
+    """Lines of a design file; removed and added lines have a sign and a colour."""
     tags = {"-": "del", "+": "ins"}
     marked = (
         f"<{tag}>{escape(line)}</{tag}>" if (tag := tags.get(line[:1])) else escape(line)
@@ -103,12 +103,12 @@ def _changed(lines: Sequence[str]) -> str:
     )
 
 
-def _left_out(tellings: Sequence[Telling]) -> str:
-    if not tellings:
+def _left_out(planned_steps: Sequence[PlannedStep]) -> str:
+    if not planned_steps:
         return ""
-    titles = "".join(f"<li>{escape(telling.title)}</li>" for telling in tellings)
+    titles = "".join(f"<li>{escape(planned.title)}</li>" for planned in planned_steps)
     return (
-        '<section id="left-out"><h2>What is missing here</h2><p>These steps need packages that are '
-        f"not installed. <code>pip install 'stepwell[all]'</code> brings them.</p><ul>{titles}</ul>"
-        "</section>"
+        '<section id="left-out"><h2>Skipped steps</h2><p>These steps need packages that are not '
+        f"installed. Install them with <code>pip install 'stepwell[all]'</code>.</p><ul>{titles}"
+        "</ul></section>"
     )

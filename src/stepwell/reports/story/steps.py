@@ -1,4 +1,4 @@
-"""The steps of the story: what each computes, says and shows."""
+"""The steps of the demonstration: computations, texts and animations."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class StoryPiece:
-    """A piece of the page: an element, what it shows, and the states it goes through, if any."""
+    """An element of the page with its caption, and the sequence of states, if any."""
 
     html: str = field(repr=False)
     caption: str
     sequence: str = ""
-    moves: bool = True  # whether it plays
+    moves: bool = True  # whether it is an animation
 
 
 def moving(
@@ -40,7 +40,7 @@ def moving(
     sequence: str = "",
     progress: Callable[[float, float], None] | None = None,
 ) -> StoryPiece:
-    """A chain, a program or a robot that plays."""
+    """Animation of a chain, a program or a robot."""
     page = replay(result, title=caption, progress=progress)
     return StoryPiece(embedded(page, caption, plays=True), caption, sequence)
 
@@ -48,10 +48,10 @@ def moving(
 def map_of(
     dataset: Dataset, borders: Iterable[Boundary], marks: Mapping[str, tuple[float, float]]
 ) -> StoryPiece:
-    """A map, with the places [m] of some designs on it."""
+    """A design map with the anchor positions [m] of some designs."""
     from stepwell import figures
 
-    caption = "The order for every place of the outer cell's anchor"
+    caption = "State sequence as a function of the outer cell's anchor position"
     source, width, height = image_of(figures.transition_map(dataset, borders, marks))
     name = escape(caption)
     picture = (
@@ -62,13 +62,14 @@ def map_of(
 
 
 OPENING = (
-    "A cell is a linkage held by a rubber band: it stands in (0) or out (1). One motor pulls a "
-    "row of them, and where the ends of their bands are hooked decides which moves when."
+    "A cell is a linkage with a rubber band and two stable states, closed (0) and open (1). One "
+    "actuator pulls several cells in series. The anchor positions of the bands determine the "
+    "sequence of states."
 )
-# Places along an axis of the map. Its borders are exact curves, whatever the number.
+# Nodes along an axis of the map. Its boundaries are exact curves for any number.
 _PLACES = 81
-_WISH = "000>010>011>111>101>001>000"
-_ANCHOR, _STIFFNESS = 1.0e-3, 0.05  # [m], and a share of the mean
+_TARGET = "000>010>011>111>101>001>000"
+_ANCHOR, _STIFFNESS = 1.0e-3, 0.05  # [m], and a fraction of the mean
 _FINGER = "index"
 _CYCLES = 5
 _REVERSED = "00>01>11>10>00"
@@ -79,17 +80,17 @@ Progress = Callable[[float, float], None]
 
 @dataclass(frozen=True, eq=False, slots=True)
 class StoryStep(ByValue):
-    """What one step of the story made.
+    """The result of one step of the demonstration.
 
     Attributes:
-        told: sentences, the same on the terminal and on the page.
-        shown: what is seen of it, moving where it can.
-        commands: what to type, in the folder of the story, to do it again.
-        files: design files, text by name.
-        changed: lines of a design file that say it, with - and + where they replace others.
+        sentences: text for the terminal and the page.
+        shown: figures and animations.
+        commands: commands that reproduce the step in the folder of the demonstration.
+        files: texts of design files by name.
+        changed: relevant lines of a design file, with - and + for removed and added ones.
     """
 
-    told: tuple[str, ...]
+    sentences: tuple[str, ...]
     shown: tuple[StoryPiece, ...]
     commands: tuple[str, ...]
     files: dict[str, str] = field(default_factory=dict)
@@ -97,13 +98,13 @@ class StoryStep(ByValue):
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Telling(ByValue):
-    """A step before it is made.
+class PlannedStep(ByValue):
+    """A step before its computation.
 
     Attributes:
-        title: what is done, in plain words.
-        needs: extras that it uses and that some installations do without.
-        make: computes it; takes what to call with (done, total), or None.
+        title: heading of the step.
+        needs: extras that it needs.
+        make: computes it; takes a progress callback with (done, total), or None.
     """
 
     title: str
@@ -111,8 +112,8 @@ class Telling(ByValue):
     make: Callable[[Progress | None], StoryStep]
 
     @property
-    def can_be_told(self) -> bool:
-        """Whether all that it needs is installed."""
+    def available(self) -> bool:
+        """Whether its extras are installed."""
         return have(*self.needs)
 
 
@@ -121,7 +122,7 @@ def _pull(progress: Progress | None) -> StoryStep:
     cycle = leg.cycle()
     snaps = len(cycle.snaps)
     return StoryStep(
-        (f"{_order(cycle)} It snaps {number(snaps)} times on the way.",),
+        (f"{_order(cycle)} The cycle has {number(snaps)} snaps.",),
         (moving(leg, "The first leg", str(cycle.sequence), progress),),
         ("stepwell run leg.toml", "stepwell studio leg.toml"),
         {"leg.toml": dumps(leg)},
@@ -134,12 +135,12 @@ def _move_an_anchor(progress: Progress | None) -> StoryStep:
     cycle = after.cycle()
     return StoryStep(
         (
-            f"The end of the outer band is hooked {far} nearer, and the same pull makes another "
-            f"order. {_order(cycle)}",
+            f"The anchor of the outer band is moved by {far}. The same stroke then gives another "
+            f"sequence. {_order(cycle)}",
         ),
         (
-            moving(before, "As it was", str(before.cycle().sequence), progress),
-            moving(after, "With that anchor moved", str(cycle.sequence), progress),
+            moving(before, "Before", str(before.cycle().sequence), progress),
+            moving(after, "With the moved anchor", str(cycle.sequence), progress),
         ),
         ("stepwell run leg-reversed.toml",),
         {"leg-reversed.toml": dumps(after)},
@@ -156,29 +157,30 @@ def _map(progress: Progress | None) -> StoryStep:
     marks = {leg.title.lower(): _outer(leg).q for leg in legs}
     return StoryStep(
         (
-            "Every place of that anchor, and the order it makes. The first leg's may be off by "
-            f"{near} and the second's by {far} before a border is crossed.",
+            "State sequence as a function of the anchor position. "
+            f"Margins: {near} (first leg), {far} (second leg).",
         ),
         (map_of(dataset, borders, marks),),
         ("stepwell map leg.toml --out map",),
     )
 
 
-def _wish(progress: Progress | None) -> StoryStep:
+def _design_sequence(progress: Progress | None) -> StoryStep:
     tolerances = Tolerances(anchor=_ANCHOR, stiffness=_STIFFNESS)
-    found = design(_WISH, tolerances=tolerances, progress=progress)
-    made, built = with_(found.chain, title="Made to order"), found.yield_
+    result = design(_TARGET, tolerances=tolerances, progress=progress)
+    made, built = with_(result.chain, title="Made to order"), result.yield_
     text = dumps(made)
     anchors = [line for line in text.splitlines() if line.startswith("q_mm")]
     return StoryStep(
         (
-            f"{_order(made.cycle())} Anchors for it are found. Of {built.samples:,} built at "
-            f"random with anchors up to {amount(_ANCHOR, 'm')} off and bands that differ by "
-            f"{number(_STIFFNESS * 100)} %, {built.successes:,} do it too.",
+            f"The inverse design gives anchors for the target sequence. {_order(made.cycle())} "
+            f"{built.successes:,} of {built.samples:,} random samples reproduce the sequence, with "
+            f"an anchor tolerance of {amount(_ANCHOR, 'm')} and a stiffness tolerance of "
+            f"{number(_STIFFNESS * 100)} %.",
         ),
-        (moving(made, "Made to order", _WISH, progress),),
+        (moving(made, "Made to order", _TARGET, progress),),
         (
-            f"stepwell design '{_WISH}' --anchor {number(to_unit(_ANCHOR, 'mm'))} "
+            f"stepwell design '{_TARGET}' --anchor {number(to_unit(_ANCHOR, 'mm'))} "
             f"--stiffness-tolerance {number(_STIFFNESS * 100)} --out wish",
         ),
         {"wish.toml": text},
@@ -196,9 +198,9 @@ def _finger(progress: Progress | None) -> StoryStep:
     text = with_program(preset_text("finger-selector"), WrittenProgram.of(program))
     return StoryStep(
         (
-            f"Five fingers, one motor. It goes out to {points[1]} mm and back to {points[2]} "
-            f"mm, and the {_FINGER} finger alone is up. It may turn {off} sooner or later; every "
-            "finger has a turn of its own.",
+            f"One actuator drives five fingers. Its stroke rises to {points[1]} mm and falls to "
+            f"{points[2]} mm; then only the {_FINGER} finger is up. The tolerance of the turning "
+            f"point is ±{off}. Each finger has its own turning point.",
         ),
         (moving(program, "Five fingers", str(program.sequence), progress),),
         (
@@ -217,13 +219,13 @@ def _walk(progress: Progress | None) -> StoryStep:
     angle = number(float(np.degrees(turned.turn[1:].mean())), 3)
     return StoryStep(
         (
-            f"After {_CYCLES} strokes it is {amount(straight.distance, 'm', 3)} ahead; the stroke "
-            f"is all that commands it. With one anchor of its left leg moved as before, it turns "
-            f"{angle}° to the left with every stroke.",
+            f"The robot advances by {amount(straight.distance, 'm', 3)} in {_CYCLES} cycles; the "
+            f"stroke is its only input. With one anchor of its left leg moved as in step 2, it "
+            f"turns by {angle}° to the left in each cycle.",
         ),
         (
-            moving(straight, "Both legs alike", straight.gaits["left"][-1]),
-            moving(turned, "Its left leg reversed", turned.gaits["left"][-1]),
+            moving(straight, "Equal legs", straight.gaits["left"][-1]),
+            moving(turned, "Reversed left leg", turned.gaits["left"][-1]),
         ),
         ("stepwell walk robot.toml --out walk", "stepwell walk robot-turning.toml --out turn"),
         {
@@ -236,18 +238,18 @@ def _walk(progress: Progress | None) -> StoryStep:
 
 def _feel(progress: Progress | None) -> StoryStep:
     robot, arena = load("preset:robot-antennas").robot, load_arena(_ARENA)
-    found = robot.maze(arena, limit=_LIMIT, progress=progress)
-    contact = found.contacts[0]
-    turned = next(change for change in found.changes if change.after == _REVERSED)
-    yaw = float(np.degrees(found.walk.yaw[-1]))
+    maze = robot.maze(arena, limit=_LIMIT, progress=progress)
+    contact = maze.contacts[0]
+    turned = next(change for change in maze.changes if change.after == _REVERSED)
+    yaw = float(np.degrees(maze.walk.yaw[-1]))
     return StoryStep(
         (
-            f"After {contact.begin:.0f} s its {contact.antenna} antenna touches a post and pushes "
+            f"After {contact.begin:.0f} s the {contact.antenna} antenna touches a post and moves "
             f"an anchor of the {turned.leg} leg by {amount(contact.moved, 'm', 3)}. That leg "
-            f"then moves as the second leg did, and the robot turns {abs(yaw):.0f}° to the "
-            f"{'left' if yaw > 0 else 'right'} and walks on.",
+            f"then has the sequence of the second leg in step 2. The robot turns by "
+            f"{abs(yaw):.0f}° to the {'left' if yaw > 0 else 'right'} and continues.",
         ),
-        (moving(found, "Antennas meet a post"),),
+        (moving(maze, "Antenna contact with a post"),),
         (
             f"stepwell maze robot-antennas.toml {_ARENA} --limit {_LIMIT:.0f} --out maze",
             "stepwell maze robot-antennas.toml three-walls --out walls",
@@ -256,28 +258,28 @@ def _feel(progress: Progress | None) -> StoryStep:
     )
 
 
-# What is not needed by the engine itself, and missing in some installations.
+# Optional extras of the steps.
 _DRAWS, _SIMULATES = ("figures", "tables"), ("robot",)
 STEPS = (
-    Telling("Pull a leg of two cells, and let it back", (), _pull),
-    Telling("Move one anchor", (), _move_an_anchor),
-    Telling("Look where that anchor may be", _DRAWS, _map),
-    Telling("Wish for an order", (), _wish),
-    Telling("Put up one finger of five", (), _finger),
-    Telling("Let it walk on two such legs", _SIMULATES, _walk),
-    Telling("Let it feel its way", _SIMULATES, _feel),
+    PlannedStep("Cycle of a two-cell chain", (), _pull),
+    PlannedStep("Moving an anchor", (), _move_an_anchor),
+    PlannedStep("Design map of the anchor position", _DRAWS, _map),
+    PlannedStep("Inverse design of a sequence", (), _design_sequence),
+    PlannedStep("Stroke program that selects one of five fingers", (), _finger),
+    PlannedStep("Walking robot with two such legs", _SIMULATES, _walk),
+    PlannedStep("Robot with antennas", _SIMULATES, _feel),
 )
 
 
 def _legs() -> tuple[Chain, Chain]:
-    """The legs of the paper's robot: one that steps forward, and one that steps backward."""
+    """The legs of the paper's robot: a forward and a backward stepping one."""
     names = ("paper-forward", "First leg"), ("paper-backward", "Second leg")
     first, second = (with_(load(f"preset:{name}").chain, title=title) for name, title in names)
     return first, second
 
 
 def _outer(chain: Chain) -> Band:
-    """The band of the outer cell, which has no other."""
+    """The only band of the outer cell."""
     cell = chain.cells[-1]
     assert isinstance(cell, Cell)
     (band,) = cell.bands
@@ -285,17 +287,17 @@ def _outer(chain: Chain) -> Band:
 
 
 def _order(cycle: Cycle) -> str:
-    """In which order the cells of a cycle move, in words."""
+    """Text with the loading and the unloading order of a cycle."""
     names = cycle.chain.names
-    out, back = (
+    loading, unloading = (
         " then ".join(names[k] for k in cells)
         for cells in (cycle.loading_order, cycle.unloading_order)
     )
-    return f"Out: {out}. Back: {back}."
+    return f"Loading order: {loading}. Unloading order: {unloading}."
 
 
 def _moved(remark: str, before: Chain, after: Chain) -> tuple[str, ...]:
-    """The line of a design file in which two chains differ, as it was and as it is."""
+    """The differing line of two chains' design files, before and after."""
     places = ([number(to_unit(at, "mm")) for at in _outer(chain).q] for chain in (before, after))
     was, now = map(", ".join, places)
     return (f'name = "{after.names[-1]}"{remark}', f"-q_mm = [{was}]", f"+q_mm = [{now}]")

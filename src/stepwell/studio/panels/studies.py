@@ -76,7 +76,7 @@ def _column(
     k: int,
     blocks: dict[str, np.ndarray[Any, Any]],
 ) -> dict[str, Any]:
-    (unit, factor), block = study.told(name), f"c{k}"
+    (unit, factor), block = study.display_unit(name), f"c{k}"
     told = {"name": name, "unit": unit, "varied": name in study.varied, "block": block}
     if study.columns[name] != "text":
         blocks[block] = values[some] * factor
