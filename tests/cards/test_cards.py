@@ -174,7 +174,7 @@ def test_short_and_long_chains_have_cards_that_fit(cells):
 
 
 def test_what_has_no_usual_figure_says_what_has():
-    with pytest.raises(InputError, match=r"Tolerances: has no usual figure.*Cycle"):
+    with pytest.raises(InputError, match=r"Tolerances: has no default figure.*Cycle"):
         figures.plot(sw.Tolerances())
     assert "Anchors ±0 mm" in card_of(sw.Tolerances())
 
@@ -182,7 +182,7 @@ def test_what_has_no_usual_figure_says_what_has():
 def test_a_map_shows_itself_and_another_dataset_says_that_it_is_none():
     view = of_chains()["MapView"]
     assert isinstance(figures.plot(view.dataset), Figure)
-    with pytest.raises(InputError, match="is no map"):
+    with pytest.raises(InputError, match="is not a map"):
         view.dataset[["margin"]].assign_attrs(moved_cell=None).drop_attrs().stepwell.plot()
 
 

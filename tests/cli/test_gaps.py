@@ -40,7 +40,7 @@ def damaged(stepwell, whole):
     return stepwell
 
 
-MISSING = "6 of 12 designs are missing: 3 to 5 (damaged), 9 to 11 (not there)"
+MISSING = "6 of 12 designs are missing: 3 to 5 (damaged), 9 to 11 (missing)"
 
 
 @pytest.mark.parametrize(

@@ -272,7 +272,7 @@ def test_the_plane_of_forces_has_a_point_for_each_switch_of_an_element():
     balloons = figures.force_plane(CHAINS["balloons"]).axes[0]
     assert balloons.get_xlabel() == "Pressure up to the next phase [kPa]"
     spring = sw.Chain([sw.Element.from_points([0.0, 1e-3], [0.0, 1.0])])
-    with refuses(ValueError, "two phases", "nothing"):
+    with refuses(ValueError, "two phases", "bistable"):
         figures.force_plane(spring)
 
 

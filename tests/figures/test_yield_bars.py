@@ -73,7 +73,7 @@ def test_rare_outcomes_are_counted_together(found):
 def test_axes_say_what_is_counted(found):
     left, right = figures.yield_bars(found).axes
     assert left.get_xlabel() == "Fraction of 20\N{THIN SPACE}000 samples [%]"
-    assert right.get_xlabel() == "Fraction of the variance of the smallest force gap"
+    assert right.get_xlabel() == "Variance fraction of the smallest force gap"
 
 
 def test_a_share_near_one_does_not_look_certain():

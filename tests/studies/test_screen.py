@@ -203,7 +203,7 @@ def test_designs_are_kept_that_do_as_the_design_itself(simulated, tmp_path):
     assert not screen.kept("00>10>11>01>00 | 00>10>11>01>00") and not screen.kept("stopped")
     assert study(wanted="stopped").given["wanted"] == "stopped"  # who says it is heard
     simulated["trial"] = trial("Stopped at 1.000 s: the robot fell over.")
-    with refuses(InputError, "walk: ", "engine = 'warp'", "itself stops"):
+    with refuses(InputError, "walk: ", "engine = 'warp'", "stops early"):
         study()
     with refuses(InputError, "engine = 'gpu'", "cpu, warp"):
         study(engine="gpu")
@@ -236,7 +236,7 @@ def test_a_screened_maze_wants_as_many_layouts_reached_as_the_design_itself(monk
     assert screen.verdicts([ROBOT] * 3) == ["reached, timed out", "", "reached, reached"]
     assert not screen.kept("reached, timed out") and screen.kept("reached, reached")
     assert screen.aim("reached, timed out") == 1
-    with refuses(InputError, "itself", "no goal"):
+    with refuses(InputError, "nominal", "no goal"):
         screen.aim("timed out, timed out")
 
 

@@ -233,11 +233,11 @@ def test_a_design_that_cannot_be_has_a_problem_and_the_others_go_on(tmp_path):
 def test_another_study_and_another_version_are_refused(tmp_path):
     folder, text = tmp_path / "study.zarr", sw.files.dumps(LEG)
     store.begun(Study(folder, "cycle", text, GRID, CHUNK))
-    with pytest.raises(StudyError, match="holds another study"):
+    with pytest.raises(StudyError, match="contains another study"):
         sweep(LEG, "margin", GRID, folder, chunk=CHUNK)
     with refuses(StudyError, str(folder), "Stepwell", "this is 9.9", "another"):
         store.begun(Study(folder, "cycle", text, GRID, CHUNK, version="9.9"))
-    with pytest.raises(StudyError, match="holds no study"):
+    with pytest.raises(StudyError, match="contains no study"):
         opened(tmp_path)
 
 
@@ -286,10 +286,10 @@ def test_a_worker_that_has_a_study_open_sees_that_it_has_grown_or_is_another(tmp
     assert grown.done_chunks() == [0, 1]
     assert not np.isnan(grown.values("outer.q.x")).any()
     shutil.rmtree(folder)
-    with pytest.raises(StudyError, match="holds no study"):
+    with pytest.raises(StudyError, match="contains no study"):
         fill(str(folder), study.identity, 1)
     other = begun(asked(LEG, "cycle", replace(space, seed=2), folder, chunk=4))
-    with pytest.raises(StudyError, match="holds another study"):
+    with pytest.raises(StudyError, match="contains another study"):
         fill(str(folder), study.identity, 0)
     assert other.done_chunks() == []
 
@@ -456,7 +456,7 @@ def test_robots_walk_and_find_their_way_as_they_do_alone(tmp_path):
     [
         ("cycle", {"cycles": 2}, "takes nothing else, not cycles"),
         ("program", {}, "target: must be a state"),
-        ("walk", {}, "takes a robot"),
+        ("walk", {}, "needs a robot"),
         ("cicle", {}, "Did you mean cycle"),
         ("call", {"file": "gone.py", "name": "f"}, "must be FILE.py:NAME"),
     ],

@@ -231,18 +231,18 @@ def machines(atlas: Atlas, most: int = _GRAPHS) -> Figure:
     shown = atlas.machines[: max(1, most)]
     page = sheet.page_width(style.PAGE)
     room = int((page - 2 * _EDGE + _GAP) / (_WIDTHS[count] + _GAP))
-    beside = max(1, min(len(shown), room))
-    wide = (page - 2 * _EDGE - (beside - 1) * _GAP) / beside
+    per_row = max(1, min(len(shown), room))
+    wide = (page - 2 * _EDGE - (per_row - 1) * _GAP) / per_row
     # The fullest column has the states with half of the cells at 1.
     tall = 6.0 + _STATE * comb(count, count // 2)
     foot = _BOTTOM + 2 * _TALL + _BETWEEN + 4.0
     columns = max(1, int(page / _MACHINE_ENTRY))
     foot += _LINE * -(-_ENTRIES // columns) + 1.5
     pitch = wide + _GAP, _HEAD + tall + _GAP
-    high = foot + -(-len(shown) // beside) * pitch[1]
+    high = foot + -(-len(shown) // per_row) * pitch[1]
     figure = sheet.blank(page, high)
     key: dict[str, Artist] = {}
-    corners = sheet.grid(len(shown), beside, pitch, (_EDGE, foot))
+    corners = sheet.grid(len(shown), per_row, pitch, (_EDGE, foot))
     for k, (one, (left, bottom)) in enumerate(zip(shown, corners, strict=True), 1):
         graph = _in_loading_order(one.chain).graph("force" if atlas.drive == "force" else None)
         drawing = _Drawing(graph, size=(wide, tall))

@@ -51,8 +51,8 @@ def between(
     if not agreed.any():
         return filled
     # Points on a boundary belong to the nearest region.
-    beside = ndimage.distance_transform_edt(wall, return_distances=False, return_indices=True)
-    return filled[tuple(cast("NDArray[np.intp]", beside))]
+    nearest_free = ndimage.distance_transform_edt(wall, return_distances=False, return_indices=True)
+    return filled[tuple(cast("NDArray[np.intp]", nearest_free))]
 
 
 def _index(share: Any) -> NDArray[np.intp]:

@@ -154,21 +154,21 @@ def _lay_out(
     # A long legend is at the right of the map; a short one, which would leave a gap, below it.
     long = Key(rows, style.PAGE - _SIDE - 24.0).height > _SHORT * _SIDE * aspect
     page = sheet.page_width(style.PAGE if long else style.COLUMN)
-    side = min(page - 18.0, _WIDEST) if page < sheet.BESIDE else _SIDE
+    side = min(page - 18.0, _WIDEST) if page < sheet.SIDE_BY_SIDE else _SIDE
     tall = side * aspect
     under: list[Key] = []
-    beside: list[Key] = []
-    if page < sheet.BESIDE:
+    at_right: list[Key] = []
+    if page < sheet.SIDE_BY_SIDE:
         under = [Key(rows, page - 6.0)]
     else:
-        beside = [Key(rows, page - side - 24.0)]
+        at_right = [Key(rows, page - side - 24.0)]
         curves, others = ([row for row in rows if bool(row.line) == so] for so in (True, False))
-        if curves and beside[0].height > _LONG + tall:
+        if curves and at_right[0].height > _LONG + tall:
             # Curves under the map: at its right their rows would leave half of the page empty.
-            under, beside = [Key(curves, side + 16.0)], [Key(others, beside[0].width)]
+            under, at_right = [Key(curves, side + 16.0)], [Key(others, at_right[0].width)]
     left = 15.0 + tall + sum(key.height for key in under)
-    height = max([left, *(key.height + 6.0 for key in beside)])
-    keys = [(key, (22.0 + side, 0.0, key.width, height)) for key in beside]
+    height = max([left, *(key.height + 6.0 for key in at_right)])
+    keys = [(key, (22.0 + side, 0.0, key.width, height)) for key in at_right]
     keys += [(key, (4.0, height - left, key.width, key.height)) for key in under]
     figure = sheet.blank(page, height)
     return figure, sheet.place(figure, 16.0, height - 3.0 - tall, side, tall), keys
@@ -184,7 +184,7 @@ def _draw_designs(
         ax.plot(*mark.at, "o", gid="design", **_DESIGN)
         spot = ax.transData.transform(mark.at)
         dots.append(Bbox([spot, spot]).padded(3.0 * point))
-    names = legends.beside(ax, marks, keep_clear=[*taken, *dots])
+    names = legends.place_labels(ax, marks, keep_clear=[*taken, *dots])
     for text in names:
         text.set_bbox(style.on_white(0.12, 0.8))
     return dots + [text.get_window_extent().padded(_CLEAR * point) for text in names]

@@ -133,10 +133,10 @@ def _panels(
     page = sheet.page_width(style.PAGE)
     columns = max(1, round(most * page / style.PAGE))
     wide = page / columns
-    beside, below = legends.laid(len(handles), page - left, _ENTRY)
+    legend_columns, below = legends.laid(len(handles), page - left, _ENTRY)
     rows = math.ceil(len(shown) / columns)
     figure = sheet.blank(page, rows * tall + _KEY + _ROW * (below - 1))
-    legends.on_top(figure, handles, left, 2.0, columns=beside)
+    legends.on_top(figure, handles, left, 2.0, columns=legend_columns)
     corners = sheet.grid(len(shown), columns, (wide, tall), (left, 10.0))
     for k, (one, corner) in enumerate(zip(shown, corners, strict=True)):
         ax = sheet.place(figure, *corner, wide - narrower, tall - lower)
@@ -233,10 +233,10 @@ def band_laws(test: BandTest, choice: Choice) -> Figure:
     of each law from the mean of the samples, the chosen law drawn wider. Two columns wide.
     """
     page = sheet.page_width(style.PAGE)
-    beside = page >= sheet.BESIDE
-    figure = sheet.blank(page, _TALL if beside else 2 * _TALL)
+    side_by_side = page >= sheet.SIDE_BY_SIDE
+    figure = sheet.blank(page, _TALL if side_by_side else 2 * _TALL)
     boxes = [(14.0, 11.0, 66.0, 55.0), (98.0, 11.0, 78.0, 55.0)]
-    if not beside:
+    if not side_by_side:
         boxes = [(14.0, low, page - 18.0, 55.0) for low in (11.0 + _TALL, 11.0)]
     left, right = (sheet.place(figure, *box) for box in boxes)
     used = set(map(id, test.used))
@@ -265,7 +265,7 @@ def band_laws(test: BandTest, choice: Choice) -> Figure:
         right.plot(stroke * style.MM, residual, **look, label=candidate.law.name + name)
     right.set(xlabel="Stroke of the grips [mm]", ylabel="Residual (measured - law) [mN]")
     right.margins(y=0.1)
-    legends.above(right, columns=3 if beside else 2, columnspacing=1.0, handlelength=2.4)
+    legends.above(right, columns=3 if side_by_side else 2, columnspacing=1.0, handlelength=2.4)
     return figure
 
 
@@ -297,11 +297,11 @@ def calibration(result: Calibration) -> Figure:
     """
     geometries = sorted({sample.geometry for sample in result.samples})
     page = sheet.page_width(style.PAGE)
-    beside = page >= sheet.BESIDE
-    columns = 2 if beside else 1
+    side_by_side = page >= sheet.SIDE_BY_SIDE
+    columns = 2 if side_by_side else 1
     head = 6.0 + 3.7 * len(result.kinds) * 2 / columns
     high = 4.0 + 7.0 * max(len(geometries), len(result.parameters))
-    if beside:
+    if side_by_side:
         side, wide, start, below, letters = min(66.0, high), 52.0, _RIGHT, 0.0, 1.15
         bottom = 11.0 + (high - side) / 2
     else:

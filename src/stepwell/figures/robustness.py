@@ -271,14 +271,14 @@ def yield_bars(result: Yield) -> Figure:
     rows = _STEP * len(parts)
     page = sheet.page_width(style.PAGE if parts else style.COLUMN)
     # Side by side, or stacked on a narrow page.
-    beside = bool(parts) and page >= 2 * style.COLUMN
-    side, start = (style.COLUMN, 0.0) if beside else (page, tall + _YIELD_FOOT + _YIELD_HEAD)
-    body = max(tall, rows) if beside or not parts else start + rows
+    side_by_side = bool(parts) and page >= 2 * style.COLUMN
+    side, start = (style.COLUMN, 0.0) if side_by_side else (page, tall + _YIELD_FOOT + _YIELD_HEAD)
+    body = max(tall, rows) if side_by_side or not parts else start + rows
     top = _YIELD_FOOT + body
     figure = sheet.blank(page, top + _YIELD_HEAD)
     _draw_outcomes(sheet.place(figure, 4.0, top - tall, side - 9.0, tall), result, outcomes)
     if parts and table is not None:
-        first, top = (style.COLUMN, top) if beside else (-2.0, top - start)
+        first, top = (style.COLUMN, top) if side_by_side else (-2.0, top - start)
         left = first + 8.0 + 1.6 * max(len(table.parameters[i]) for i in parts)
         ax = sheet.place(figure, left, top - rows, page - left - 5.0, rows)
         _draw_parts(ax, table, result.chain.names, parts)
@@ -342,7 +342,7 @@ def _draw_parts(ax: Axes, table: Sensitivities, names: Sequence[str], parts: Seq
     ax.set_yticks(middles, [literal(table.parameters[i]) for i in parts])
     ax.set(ylim=(tall, 0.0), xlim=(0.0, 1.05 * max(0.05, float(np.max(table.total)))))
     _bare(ax)
-    ax.set_xlabel("Fraction of the variance of the smallest force gap")
+    ax.set_xlabel("Variance fraction of the smallest force gap")
     pale = style.pale(style.INK)
     handles = [legends.shade("first order", style.INK), legends.shade("total", pale)]
     ax.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0 + 1.5 / tall), ncols=2)

@@ -136,11 +136,11 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
     colours = {one.name: _colours(one.values) for _, one in shown if one.words}
     foot = sum(_KEY * (len(each) + 1) for each in colours.values()) + 2.0 * bool(colours)
     page = sheet.page_width(style.PAGE)
-    beside = 2 if page >= _TWO else 1
-    rows = -(-len(shown) // beside)
+    columns = 2 if page >= _TWO else 1
+    rows = -(-len(shown) // columns)
     figure = sheet.blank(page, foot + rows * (_BOTTOM + _TALL + _TOP))
-    pitch = page / beside, _BOTTOM + _TALL + _TOP
-    corners = sheet.grid(len(shown), beside, pitch, (_LEFT, foot + _BOTTOM))
+    pitch = page / columns, _BOTTOM + _TALL + _TOP
+    corners = sheet.grid(len(shown), columns, pitch, (_LEFT, foot + _BOTTOM))
     for (name, one), corner in zip(shown, corners, strict=True):
         ax = sheet.place(figure, *corner, pitch[0] - _LEFT - _PANEL_RIGHT, _TALL)
         own = colours.get(one.name, {})

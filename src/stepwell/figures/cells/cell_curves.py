@@ -20,7 +20,7 @@ _BEYOND, _WALL = 0.08, 0.03
 _BOLD, _THIN, _PAST = 2.2, 0.9, 1.5
 _DOTS = (0, (1, 1.6))
 # Least width of the axes of one element, and of a legend entry of several [mm].
-_LEAST, _ENTRY = 44.0, 30.0
+_LEAST, _ENTRY = 44.0, 37.0
 _COLOUR = style.cell_colours(1)[0]
 _PALE = style.pale(_COLOUR)
 _SHADE: dict[str, Any] = {"alpha": 0.8, "linewidth": 0}
@@ -50,7 +50,7 @@ def element_curve(element: Element, *, source: str = "", ax: Axes | None = None)
     drawn = _Curve(ax, element)
     drawn.draw_force()
     ax.set_ylabel(drawn.force.label)
-    legends.above(ax, key, 2)
+    legends.above(ax, key, 2, left=3.0 if own else None)
     if not own:
         ax.set_xlabel(drawn.travel.label)
         drawn.name_fields()
@@ -146,7 +146,7 @@ class _Curve:
         names = (
             legends.Label((x, f), minus(f"{f:.3g} {sign}"), colour) for x, f, colour in self.fields
         )
-        legends.beside(self.ax, names)
+        legends.place_labels(self.ax, names)
 
     def draw_law(self, law: Callable[[Floats, int], Floats], factor: float) -> None:
         """Draw a law of travel: bold in its phases, dotted past its ends; shade the phases."""

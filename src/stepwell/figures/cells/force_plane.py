@@ -133,7 +133,7 @@ def force_plane(
     sheet.text_at(figure, 3.0, base + strip / 2, "loading", **middle)
     # Centred over a narrow column, the text would leave the page.
     sheet.text_at(figure, width - _RIGHT, 4.8, "unloading", ha="right", va="top")
-    legends.above(above, key, columns)
+    legends.above(above, key, columns, left=3.0 if narrow else None)
     return figure
 
 
@@ -148,7 +148,7 @@ def _switches(chain: Chain) -> list[_Switch]:
             up, down = before.force_high + cell.friction, after.force_low - cell.friction
             switches.append(_Switch(numbered, colour, up, down))
     if not switches:
-        raise InputError("the chain has no cell with two phases: give it a bistable cell.")
+        raise InputError("the chain has no cell with two phases: add a bistable cell.")
     if len(switches) > MOST_CELLS:
         what = "switches" if chain.elements else "cells"
         raise InputError(f"the chain has {len(switches)} {what}: at most {MOST_CELLS} are legible.")
@@ -220,7 +220,7 @@ def _name_cells(ax: Axes, forces: Floats, switches: Sequence[_Switch]) -> None:
     # Each name has the colour of its dot and its ellipse.
     named = zip(forces.tolist(), switches, strict=True)
     labels = [legends.Label(at, literal(one.name), one.colour) for at, one in named]
-    for text in legends.beside(ax, labels, leaders=True):
+    for text in legends.place_labels(ax, labels, leaders=True):
         text.set_path_effects([withStroke(linewidth=1.6, foreground="white")])
 
 

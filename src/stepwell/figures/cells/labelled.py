@@ -232,7 +232,7 @@ class _Shown:
             Label(self.q, f"$q$ = {mm_pair(self.band.q)} mm", style.BLUE),
             Label(0.85 * self.p + 0.15 * self.q, "band", self.colour),
         ]
-        legends.beside(ax, labels, keep_clear=clear)
+        legends.place_labels(ax, labels, keep_clear=clear)
 
     def draw_triangle(self, ax: Axes) -> None:
         plain(ax, self.triangle_box)
@@ -259,7 +259,7 @@ class _Shown:
             Label(end * 0.75, "band $\\ell$", self.colour),
             Label(self.outer / 2, f"$r$ = {mm(self.cell.lever)} mm"),
         ]
-        legends.beside(ax, labels, keep_clear=clear)
+        legends.place_labels(ax, labels, keep_clear=clear)
 
 
 def _name_blocks(ax: Axes, blocks: Floats, *, first: bool) -> None:

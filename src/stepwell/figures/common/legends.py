@@ -32,7 +32,7 @@ class Label(NamedTuple):
     colour: str = style.INK
 
 
-def beside(
+def place_labels(
     ax: Axes, labels: Iterable[Label], *, keep_clear: Sequence[Bbox] = (), leaders: bool = False
 ) -> list[Annotation]:
     """Write labels near their points, the most important first.
@@ -167,15 +167,20 @@ def above(
     *,
     fit: bool = False,
     lift: float = 1.2,
+    left: float | None = None,
     **look: Any,
 ) -> None:
     """Put a legend `lift` mm above the axes, of these handles or of all labelled artists.
 
     With `fit`, and in a panel, the columns suit the width and the axes make room for the rows.
+    The legend begins at the axes, or `left` mm from the page's edge.
     """
     # In mm, not as a fraction of the axes: on high axes that would leave the page.
     lifted = ax.transAxes + ScaledTranslation(0.0, lift / 25.4, sheet.sheet_of(ax).dpi_scale_trans)
-    place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "bbox_transform": lifted}
+    page_wide, frame = sheet.size_of(sheet.sheet_of(ax))[0], ax.get_position()
+    start = frame.x0 if left is None else (left + sheet.current().indent) / page_wide
+    at = ((start - frame.x0) / frame.width, 1.0)
+    place = {"loc": "lower left", "bbox_to_anchor": at, "bbox_transform": lifted}
     given = {} if handles is None else {"handles": list(handles)}
     legend = ax.legend(**given, **place | {"ncols": columns} | look)
     if sheet.current().alone and not fit:

@@ -63,7 +63,7 @@ Box = tuple[float, float, float, float]
 # axes [mm].
 _SHAPES, _LOWEST = (0.55, 1.1), 30.0
 # Least width of a page with panels side by side [mm].
-BESIDE = 150.0
+SIDE_BY_SIDE = 150.0
 # Width of a panel's letter at the left of its top row [mm].
 _LETTER = 5.0
 

@@ -107,8 +107,8 @@ class _Scene:
         left = min(left, -2.2 * self.linkage.reach)
         wide, high = (right - left) * style.MM, (top - bottom) * style.MM
 
-        beside = len(self.chain) <= 2
-        if beside:
+        side_by_side = len(self.chain) <= 2
+        if side_by_side:
             size, stage, plot = (170.0, 78.0), (2.0, 12.0, 84.0, 54.0), (104.0, 12.0, 58.0, 58.0)
         else:
             drawn = min(60.0, high * 156.0 / wide)
@@ -138,8 +138,8 @@ class _Scene:
         box = {"boxstyle": "round,pad=0.2", "facecolor": style.YELLOW, "linewidth": 0}
         look = {"fontweight": "bold", "color": style.BLACK, "bbox": box}
         self.word = write_text(72.0, top, "snap", 11.0, **look)
-        self.state = write_text(6.0, top - 7.0) if beside else write_text(98.0, top)
-        x, y = 6.0, 5.0 + below if beside else top - 6.0
+        self.state = write_text(6.0, top - 7.0) if side_by_side else write_text(98.0, top)
+        x, y = 6.0, 5.0 + below if side_by_side else top - 6.0
         for name, colour in zip(self.chain.names, colours, strict=True):
             text = write_text(x, y, literal(name), 7.0, color=colour, fontweight="bold")
             x += text.get_window_extent().width / _DPI * 25.4 + 5.0

@@ -13,7 +13,7 @@ from matplotlib.transforms import Bbox
 
 from stepwell.base import Floats
 from stepwell.figures.common import legends, marks, sheet, style, words
-from stepwell.figures.common.legends import Label, beside, inside
+from stepwell.figures.common.legends import Label, inside, place_labels
 from stepwell.figures.common.reading import curve, snaps_of, span, travelled, vertices
 from stepwell.figures.common.words import minus, shortened
 from stepwell.figures.motion.strokes import lanes, name_lane
@@ -150,6 +150,8 @@ MOST_LANES = 12
 _ABOVE, _LANE, _SHADES = 46.0, 10.0, 60.0
 _FOOT = 10.0
 _GAP = 0.55
+# Least width of a page with the legend in one row [mm].
+_ONE_ROW = 110.0
 # Largest number of characters in a line of a cell's name.
 _NAME = 13
 # With more characters the names of the states would cover their dots.
@@ -174,7 +176,10 @@ def stroke_program(result: Program) -> Figure:
     cells = len(path.chain)
     width = sheet.page_width(style.COLUMN if cells <= 3 and result.strokes <= 4 else style.PAGE)
     below = _LANE * cells if cells <= MOST_LANES else _SHADES
-    figure = sheet.blank(width, _FOOT + below + 3.0 + _ABOVE + 7.0)
+    windows = windows_of(result)
+    # On a narrow page the legend takes two rows.
+    rows = 2 if windows and width < _ONE_ROW else 1
+    figure = sheet.blank(width, _FOOT + below + 3.0 + _ABOVE + 3.2 + 3.8 * rows)
     names = [shortened(name, _NAME, 2) for name in path.chain.names]
     longest = max(len(line) for name in names for line in name.split("\n"))
     right = 4.0 + 1.75 * longest if cells <= MOST_LANES else 5.0
@@ -184,7 +189,6 @@ def stroke_program(result: Program) -> Figure:
     upper.tick_params(labelbottom=False)
     upper.set_ylabel(plan.name)
     lower.set_xlabel(f"{COVERED} [{plan.unit}]")
-    windows = windows_of(result)
     handles = draw_plan(upper, plan, windows, 0.28)
     if cells <= MOST_LANES:
         _draw_lanes(lower, path, plan.way, names)
@@ -194,7 +198,7 @@ def stroke_program(result: Program) -> Figure:
     sheet.keep_both_inside(upper, lower)
     taken = _number_turns(upper, windows[: len(result.turns)])
     _name_states(upper, result, plan, taken)
-    legends.above(upper, handles, 4)
+    legends.above(upper, handles, 4 // rows)
     return figure
 
 
@@ -241,7 +245,7 @@ def _name_states(ax: Axes, result: Program, plan: StrokePlan, taken: Sequence[Bb
     for k in first + others:
         label = Label((way[at[k]], drive[at[k]]), rests[k].state)
         here = ax.transData.transform(label.at)
-        for text in beside(ax, [label], keep_clear=occupied):
+        for text in place_labels(ax, [label], keep_clear=occupied):
             box = text.get_window_extent()
             near = box.padded(_NEAR * point).contains(*here)
             if near and inside(frame, box) and not any(box.overlaps(other) for other in occupied):

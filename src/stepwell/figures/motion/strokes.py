@@ -14,7 +14,7 @@ from matplotlib.typing import LineStyleType
 
 from stepwell.base import Floats, InputError, Measure, to_unit
 from stepwell.figures.common import legends, marks, sheet, style, words
-from stepwell.figures.common.legends import Label, beside
+from stepwell.figures.common.legends import Label, place_labels
 from stepwell.figures.common.reading import legs, path_of, snaps_of, span, vertices
 from stepwell.figures.common.sheet import Point
 from stepwell.figures.common.words import literal
@@ -103,7 +103,7 @@ def force_stroke(
     ax.plot(stroke[at], force[at], "o", markersize=size, color=style.BLACK, zorder=7, gid="states")
     if needed < 1.2 * ax.get_window_extent().width:
         named = [Label((stroke[v.sample], force[v.sample]), v.state) for v in rests]
-        beside(ax, named, leaders=True)
+        place_labels(ax, named, leaders=True)
     return figure
 
 

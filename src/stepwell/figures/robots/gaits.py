@@ -46,7 +46,7 @@ def prediction(prediction: Prediction) -> Figure:
     title = [literal(line) for line in wrap(prediction.robot.title, int(page / _BOLD))]
     # Names and remarks are at the sides of the bars, or above them on a narrow page.
     sizes = (_HIGH_ROW, _HIGH_HEAD, 8.0, ",\n") if narrow else (_ROW, _HEAD, 44.0, ", ")
-    row, head, beside, apart = sizes
+    row, head, remark_width, apart = sizes
     top = _TOP + 4.0 * len(title) + 8.0 * narrow
     tall = [row * (rows + 0.8 * narrow) for _, rows in panels if rows]
     height = top + sum(tall) + len(tall) * (head + _FOOT)
@@ -64,7 +64,7 @@ def prediction(prediction: Prediction) -> Figure:
     lower = height - 1.5 - 8.0 * narrow
     doubt = sheet.text_at(figure, page - 2.0, lower, "this colour: uncertain", **look)
     corner = 4.0 if narrow else 2.0, _FOOT
-    axes = sheet.stack(figure, corner, page - beside, tall, head + _FOOT)
+    axes = sheet.stack(figure, corner, page - remark_width, tall, head + _FOOT)
     for ax, draw in zip(axes, [draw for draw, rows in panels if rows], strict=True):
         draw(ax, prediction)
     shown = [text for ax in figure.axes for text in ax.texts]
@@ -297,7 +297,7 @@ def _over_two(shown: _Shown, foot: float) -> Figure:
 
 def _over_many(shown: _Shown, foot: float) -> Figure:
     tall, page = 40.0, sheet.page_width(style.PAGE)
-    columns = 2 if page >= sheet.BESIDE else 1
+    columns = 2 if page >= sheet.SIDE_BY_SIDE else 1
     step = tall + _BOTTOM + 3.0
     figure = sheet.blank(page, foot + -(-len(shown.values) // columns) * step + _SWEEP_TOP)
     pitch = (page - _RIGHT) / columns, step

@@ -80,7 +80,7 @@ def maze(maze: Maze) -> Figure:
         x, y = (value * style.MM for value in arena.goal.at)
         labels.append(legends.Label((x, y), "goal", style.GREEN))
     bars = [text.get_window_extent() for text in ax.texts if text.get_text()]
-    for text in legends.beside(ax, labels, keep_clear=bars):
+    for text in legends.place_labels(ax, labels, keep_clear=bars):
         text.set_bbox(style.on_white(alpha=0.75))
     look = {"ha": "center", "va": "top", "fontsize": 8, "weight": "bold"}
     for k, line in enumerate(headline):

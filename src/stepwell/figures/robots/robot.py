@@ -96,7 +96,7 @@ def _dimensions(ax: Axes, robot: Robot, box: Box) -> None:
     for antenna in robot.antennas:
         end = antenna_line(antenna)[1] * style.MM
         labels.append(legends.Label(end, _antenna_text(robot, antenna)))
-    legends.beside(ax, labels)
+    legends.place_labels(ax, labels)
 
 
 def _chain_above(ax: Axes, robot: Robot, leg: Leg, parts: parts.LegParts, *, faint: bool) -> None:

@@ -67,9 +67,9 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
     boxes = [_extent(walk) for walk in walks.values()]
     widest = max(box[1] - box[0] for box in boxes)
     page = sheet.page_width(style.PAGE)
-    beside = page >= sheet.BESIDE
-    wide = _WIDE if beside else page - _LEFT - 5.0
-    bar = _BAR if beside else (page - _LEFT - _GAP - 2.0) / 2
+    side_by_side = page >= sheet.SIDE_BY_SIDE
+    wide = _WIDE if side_by_side else page - _LEFT - 5.0
+    bar = _BAR if side_by_side else (page - _LEFT - _GAP - 2.0) / 2
     # 10 % more width, so that ticks are clear of the frame.
     scale = min(wide / (1.1 * widest), 60.0 / max(box[3] - box[2] for box in boxes))
     tall = [max(30.0, (box[3] - box[2]) * scale + 4.0) for box in boxes]
@@ -78,7 +78,7 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
     ]
     names = [wrap(", ".join(words), int((page - _LEFT) / _LETTER)) for words in remarks]
     named = [5.0 + _LINE * (len(lines) - 1) if lines else 0.0 for lines in names]
-    lower = 0.0 if beside else _LOW + _BELOW + _APART
+    lower = 0.0 if side_by_side else _LOW + _BELOW + _APART
     handles = [
         legends.line("path of the body", style.BLUE),
         legends.mark("start", **_START),
@@ -98,7 +98,7 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
         bottom -= _ABOVE + above + high
         path = sheet.place(figure, _LEFT, bottom, wide, high)
         _path(path, walk, box, scale, (wide, high))
-        left, low = (_LEFT + wide + _GAP, high) if beside else (_LEFT, _LOW)
+        left, low = (_LEFT + wide + _GAP, high) if side_by_side else (_LEFT, _LOW)
         moved = sheet.place(figure, left, bottom - lower, bar, low)
         turned = sheet.place(figure, left + bar + _GAP, bottom - lower, bar - 3.0, low)
         _bars(moved, turned, walk, bar)

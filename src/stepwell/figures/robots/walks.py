@@ -294,7 +294,7 @@ def contacts(walk: Walk, *, cycles: float = 3) -> Figure:
     left, wide = _CONTACTS_LEFT, page - _CONTACTS_LEFT - _CONTACTS_RIGHT
     # The work is at the right of the loop, or below it.
     base, loop, work = 10.0, 72.0, (112.0, 10.0, page - 112.0 - _CONTACTS_RIGHT, _LOOP)
-    if page < sheet.BESIDE:
+    if page < sheet.SIDE_BY_SIDE:
         base, loop, work = 22.0 + _FORCE, wide, (left, 10.0, wide, _FORCE)
     upper = base + _LOOP + 14.0
     figure = sheet.blank(page, upper + _FORCE + 2.5 + lanes + _CONTACTS_TOP)
