@@ -41,12 +41,12 @@ def marks(figure: Figure, gid: str) -> int:
 
 def line_of(ax: Axes, colour: str) -> Array:
     """(n, 2) the longest line of this colour, without its gaps."""
-    found = [
+    curves = [
         points(line)
         for line in ax.get_lines()
         if line.get_color() == colour and line.get_gid() is None
     ]
-    longest = max(found, key=len)
+    longest = max(curves, key=len)
     return longest[np.isfinite(longest).all(axis=1)]
 
 
@@ -61,21 +61,21 @@ def words(figure: Figure | SubFigure) -> list[Text]:
 
 def _words(figure: Figure | SubFigure) -> list[Text]:
     """The same of a figure that has been drawn."""
-    found: list[Text] = list(figure.texts)
+    texts: list[Text] = list(figure.texts)
     for ax in figure.axes:
-        found += ax.texts
+        texts += ax.texts
         for legend in legends(ax):
-            found += legend.get_texts()
+            texts += legend.get_texts()
         if not ax.axison:
             continue
-        found += [ax.title, ax.xaxis.label, ax.yaxis.label]
+        texts += [ax.title, ax.xaxis.label, ax.yaxis.label]
         for axis in (ax.xaxis, ax.yaxis):
             low, high = sorted(axis.get_view_interval())
             slip = 1e-9 * (high - low)
             for tick in axis.get_major_ticks():
                 if low - slip <= tick.get_loc() <= high + slip:
-                    found += [tick.label1, tick.label2]
-    unique = {id(text): text for text in found}.values()
+                    texts += [tick.label1, tick.label2]
+    unique = {id(text): text for text in texts}.values()
     return [text for text in unique if text.get_visible() and text.get_text().strip()]
 
 

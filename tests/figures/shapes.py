@@ -10,8 +10,8 @@ from matplotlib.patches import Rectangle
 def boxes(drawn: Figure | Axes, gid: str | None = None) -> list[Rectangle]:
     """The bars and bands with this mark; all of them by default."""
     axes = drawn.axes if isinstance(drawn, Figure) else [drawn]
-    found = [patch for ax in axes for patch in ax.patches if gid in (None, patch.get_gid())]
-    return [patch for patch in found if isinstance(patch, Rectangle)]
+    patches = [patch for ax in axes for patch in ax.patches if gid in (None, patch.get_gid())]
+    return [patch for patch in patches if isinstance(patch, Rectangle)]
 
 
 def ends(box: Rectangle) -> tuple[float, float]:

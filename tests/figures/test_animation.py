@@ -121,15 +121,15 @@ def test_a_cycle_has_no_plan():
 
 @pytest.mark.slow
 def test_progress_counts_every_frame(tmp_path):
-    told = []
+    calls = []
     figures.animation(
         files.preset("paper-forward").cycle(),
         tmp_path / "cycle.gif",
         seconds=1,
         fps=5,
-        progress=lambda done, total: told.append((done, total)),
+        progress=lambda done, total: calls.append((done, total)),
     )
-    assert told == [(k, 5) for k in range(1, 6)]
+    assert calls == [(k, 5) for k in range(1, 6)]
 
 
 @pytest.mark.slow

@@ -75,8 +75,8 @@ def test_a_robot_can_be_read_at_every_width(width):
 def test_panels_are_lettered_in_reading_order(cycle, letters, written):
     panels = [partial(figures.force_stroke, cycle), partial(figures.travel_stroke, cycle)]
     figure = figures.compose(panels, letters=letters)
-    found = [text for text in figure.findobj(Text) if text.get_gid() == "letter"]
-    assert [text.get_text() for text in found] == written
+    letter_texts = [text for text in figure.findobj(Text) if text.get_gid() == "letter"]
+    assert [text.get_text() for text in letter_texts] == written
 
 
 def test_one_panel_has_no_letter_and_its_own_legend(cycle):

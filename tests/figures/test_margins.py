@@ -1,4 +1,4 @@
-"""Margins drawn: a bar for each thing, nearest on top, and beside it how far parts are off."""
+"""The margins figure: a bar per parameter, the smallest on top, with its tolerance."""
 
 import math
 

@@ -126,11 +126,11 @@ def test_antennas_are_drawn_as_far_back_as_they_are_pressed(touching, drawn):
     index = [one.name for one in walk.robot.antennas].index(press.antenna)
     antenna = walk.robot.antennas[index]
     angle = antenna.angle + antenna.side * walk.antenna[sample, index] + walk.yaw[sample]
-    found = []
+    angles = []
     for line in lines(drawn(figures.maze), f"antenna {press.antenna}"):
         along = points(line)[1] - points(line)[0]
-        found.append(math.atan2(along[1], along[0]))
-    assert min(abs(math.remainder(one - angle, 2 * math.pi)) for one in found) < 1e-9
+        angles.append(math.atan2(along[1], along[0]))
+    assert min(abs(math.remainder(one - angle, 2 * math.pi)) for one in angles) < 1e-9
 
 
 @pytest.mark.slow

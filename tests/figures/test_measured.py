@@ -1,4 +1,4 @@
-"""Figures of measured data: every word readable, what is measured told from what is model."""
+"""Figures of measured data: all text legible, measurement and model distinct."""
 
 from dataclasses import replace
 from functools import partial
@@ -128,8 +128,8 @@ def test_correlations_keep_their_sign(comparison, drawn):
     assert any(text.get_text().startswith("\N{MINUS SIGN}") for text in texts)
     for text in texts:
         column, row = (round(x) for x in text.get_position())
-        told = float(text.get_text().replace("\N{MINUS SIGN}", "-"))
-        assert told == pytest.approx(fit.correlations[row, column], abs=0.0051)
+        shown = float(text.get_text().replace("\N{MINUS SIGN}", "-"))
+        assert shown == pytest.approx(fit.correlations[row, column], abs=0.0051)
 
 
 def test_the_measurement_is_seen_on_both_sides_of_the_model(drawn):

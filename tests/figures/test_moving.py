@@ -32,8 +32,8 @@ def at(path: ElementTree.Element, share: float) -> np.ndarray:
 
 
 def levers(root: ElementTree.Element) -> ElementTree.Element:
-    (found,) = (one for one in root.iter(f"{SVG}path") if "#joint" in one.get("marker-start", ""))
-    return found
+    (path,) = (one for one in root.iter(f"{SVG}path") if "#joint" in one.get("marker-start", ""))
+    return path
 
 
 def test_levers_keep_their_length_and_are_where_the_path_has_them(tmp_path):

@@ -1,4 +1,4 @@
-"""The palette: a colour a cell, told apart by every eye, and the same wherever a cell is drawn."""
+"""The palette: one colour per cell, distinct for all types of colour vision, and constant."""
 
 from itertools import combinations
 

@@ -1,4 +1,4 @@
-"""Force, travel and landscape: what is drawn is what the engine found."""
+"""Force, travel and landscape figures show the values of the engine."""
 
 from dataclasses import replace
 from functools import cache

@@ -21,7 +21,7 @@ def predictions():
 @pytest.fixture(scope="module")
 def drawn(predictions):
     """The figure of each, drawn once."""
-    return {name: figures.prediction(found) for name, found in predictions.items()}
+    return {name: figures.prediction(prediction) for name, prediction in predictions.items()}
 
 
 @pytest.mark.parametrize("name", ["forward", "antennas"])
@@ -32,8 +32,8 @@ def test_words_stay_apart_and_axes_name_their_units(name, drawn):
 
 
 def test_each_leg_has_its_gait_and_its_margin(predictions, drawn):
-    found, figure = predictions["antennas"], drawn["antennas"]
-    for leg in found.legs:
+    prediction, figure = predictions["antennas"], drawn["antennas"]
+    for leg in prediction.legs:
         assert any(text.startswith(f"{leg.name}: {leg.gait}") for text in says(figure))
         if math.isfinite(leg.margin):
             (mark,) = lines(figure, f"margin {leg.name}")
@@ -41,8 +41,8 @@ def test_each_leg_has_its_gait_and_its_margin(predictions, drawn):
 
 
 def test_each_push_shows_the_drag_that_it_overcomes(predictions, drawn):
-    found, figure = predictions["forward"], drawn["forward"]
-    for leg in found.legs:
+    prediction, figure = predictions["forward"], drawn["forward"]
+    for leg in prediction.legs:
         drawn = boxes(figure, f"drag {leg.name}")
         finite = [push.largest_drag for push in leg.pushes if math.isfinite(push.largest_drag)]
         widths = [bar.get_width() for bar in drawn]
@@ -53,25 +53,25 @@ def test_each_push_shows_the_drag_that_it_overcomes(predictions, drawn):
 
 
 def test_each_flip_stands_at_its_displacement(predictions, drawn):
-    found, figure = predictions["antennas"], drawn["antennas"]
-    assert found.flips
-    for antenna in found.robot.antennas:
+    prediction, figure = predictions["antennas"], drawn["antennas"]
+    assert prediction.flips
+    for antenna in prediction.robot.antennas:
         marks = [points(line)[0, 0] for line in lines(figure, f"flip {antenna.name}")]
-        flips = [flip for flip in found.flips if flip.antenna == antenna.name]
+        flips = [flip for flip in prediction.flips if flip.antenna == antenna.name]
         assert marks == pytest.approx([flip.displacement * 1e3 for flip in flips])
     assert len(drawn["forward"].axes) == 3
 
 
 @pytest.mark.parametrize("name", ["forward", "antennas"])
 def test_each_leg_shows_the_depths_of_the_feet_at_which_its_gait_stays(name, predictions, drawn):
-    found, figure = predictions[name], drawn[name]
-    for leg, (least, most) in zip(found.legs, found.depths, strict=True):
+    prediction, figure = predictions[name], drawn[name]
+    for leg, (least, most) in zip(prediction.legs, prediction.depths, strict=True):
         (bar,) = boxes(figure, f"depths {leg.name}")
         assert bar.get_x() == pytest.approx(least * 1e3)
         assert bar.get_x() + bar.get_width() == pytest.approx(most * 1e3)
         assert f"{least * 1e3:.2f} to {most * 1e3:.2f} mm" in says(figure)
     (below,) = lines(figure, "below")
-    assert points(below)[:, 0] == pytest.approx(found.robot.foot.below * 1e3)
+    assert points(below)[:, 0] == pytest.approx(prediction.robot.foot.below * 1e3)
 
 
 @pytest.mark.parametrize("name", ["forward", "antennas"])

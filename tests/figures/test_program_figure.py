@@ -1,4 +1,4 @@
-"""The stroke program: windows where they are, states by name, travels as the engine found them."""
+"""The stroke program figure: tolerance intervals, names of states, travels of the engine."""
 
 from dataclasses import replace
 from functools import cache

@@ -62,9 +62,9 @@ def test_draws_of_two_keys_are_too_many_for_numbers():
 @pytest.mark.parametrize(("keys", "panels"), [(3, 3), (5, 5), (10, 8)])
 def test_over_more_keys_each_has_a_panel_up_to_eight(keys, panels):
     rng = np.random.default_rng(keys)
-    found = swept(*rng.random((keys, 20)))
-    assert shown(figures.sweep(found)) == [20] * panels
-    assert untidy_on_a_phone(partial(figures.sweep, found)) == []
+    result = swept(*rng.random((keys, 20)))
+    assert shown(figures.sweep(result)) == [20] * panels
+    assert untidy_on_a_phone(partial(figures.sweep, result)) == []
 
 
 def test_pathways_have_their_colours_and_rare_gaits_share_one():

@@ -49,12 +49,12 @@ def without_boundaries(shuffle):
 def key(figure) -> dict[str, str]:
     """What the letters and numbers in the column beside the map mean, pathways by themselves."""
     texts = iter(text.get_text() for text in figure.axes[1].texts)
-    found = {}
+    meanings = {}
     for text in texts:
         # Each row is a letter, a number or nothing, and what it means.
         meaning = next(texts) if re.fullmatch(r"[A-Z]|[0-9]*", text) else text
-        found[text if text else meaning] = meaning
-    return found
+        meanings[text if text else meaning] = meaning
+    return meanings
 
 
 def codes(dataset) -> dict[str, int]:
@@ -257,7 +257,7 @@ def test_regions_reach_to_their_exact_boundaries_however_few_nodes_there_are():
     few = ("outer.q.x", np.linspace(0.0, 0.020, 9)), ("outer.q.y", np.linspace(-0.015, 0.015, 11))
     many = tuple((name, np.linspace(ends[0], ends[-1], PLACES)) for name, ends in few)
     exact = parameter_map(chain, *many)
-    dataset, found = parameter_map(chain, *few), parameter_boundaries(chain, *few, search=31)
+    dataset, borders = parameter_map(chain, *few), parameter_boundaries(chain, *few, search=31)
 
     def wrong(curves) -> float:
         figure = figures.transition_map(dataset, curves)
@@ -272,7 +272,7 @@ def test_regions_reach_to_their_exact_boundaries_however_few_nodes_there_are():
         return float(np.mean(np.abs(shown - wanted).max(axis=-1) > 0.02))
 
     assert wrong(()) > 0.04
-    assert wrong(found) < 0.004
+    assert wrong(borders) < 0.004
 
 
 @pytest.mark.slow

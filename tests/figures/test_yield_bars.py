@@ -13,23 +13,26 @@ LOOSE = Tolerances(anchor=0.002, stiffness=0.15)
 
 
 @pytest.fixture(scope="module")
-def found():
+def yield_result():
     return yields(files.preset("paper-forward"), LOOSE, samples=20_000, sensitivity=True)
 
 
-def test_bars_are_as_long_as_the_shares(found):
-    bars = boxes(figures.yield_bars(found), "outcomes")
-    shares = [found.share, *(count / found.samples for count in found.outcomes.values())]
+def test_bars_are_as_long_as_the_shares(yield_result):
+    bars = boxes(figures.yield_bars(yield_result), "outcomes")
+    shares = [
+        yield_result.share,
+        *(count / yield_result.samples for count in yield_result.outcomes.values()),
+    ]
     assert [bar.get_width() for bar in bars] == pytest.approx([100 * share for share in shares])
     assert sum(bar.get_width() for bar in bars) == pytest.approx(100.0)
 
 
-def test_the_interval_is_drawn_and_told(found):
-    figure = figures.yield_bars(found)
+def test_the_interval_is_drawn_and_told(yield_result):
+    figure = figures.yield_bars(yield_result)
     (interval,) = lines(figure, "interval")
-    assert points(interval)[:, 0] == pytest.approx(100 * np.array(found.interval))
-    low, high = (f"{100 * bound:.1f} %" for bound in found.interval)
-    assert f"{100 * found.share:.1f} % ({low} to {high}) reach the target" in says(figure)
+    assert points(interval)[:, 0] == pytest.approx(100 * np.array(yield_result.interval))
+    low, high = (f"{100 * bound:.1f} %" for bound in yield_result.interval)
+    assert f"{100 * yield_result.share:.1f} % ({low} to {high}) reach the target" in says(figure)
 
 
 @pytest.mark.parametrize("anchor", [0.0003, 0.002, 0.0035])
@@ -41,9 +44,9 @@ def test_the_interval_strikes_through_no_word(name, anchor):
     assert not [t.get_text() for t in words(figure) if t.get_window_extent().overlaps(box)]
 
 
-def test_parts_are_sorted_by_what_their_tolerance_causes(found):
-    figure = figures.yield_bars(found)
-    table = found.sensitivities
+def test_parts_are_sorted_by_what_their_tolerance_causes(yield_result):
+    figure = figures.yield_bars(yield_result)
+    table = yield_result.sensitivities
     order = [i for i in np.argsort(-table.total, kind="stable") if table.total[i] >= 0.01]
     names = [label.get_text() for label in figure.axes[1].get_yticklabels()]
     assert names == [table.parameters[i] for i in order]
@@ -54,24 +57,24 @@ def test_parts_are_sorted_by_what_their_tolerance_causes(found):
 
 
 @pytest.mark.slow
-def test_words_stay_apart_and_on_the_page(found):
+def test_words_stay_apart_and_on_the_page(yield_result):
     shuffle = yields(files.preset("four-shuffle"), LOOSE, samples=20_000, sensitivity=True)
     plain = yields(files.preset("three-wave"), Tolerances(anchor=0.0003), samples=1000)
-    for result, width in ((found, 180.0), (shuffle, 180.0), (plain, 85.0)):
+    for result, width in ((yield_result, 180.0), (shuffle, 180.0), (plain, 85.0)):
         figure = figures.yield_bars(result)
         assert untidy(figure, 7.0) == []
         assert 25.4 * figure.get_size_inches()[0] == pytest.approx(width)
 
 
-def test_rare_outcomes_are_counted_together(found):
+def test_rare_outcomes_are_counted_together(yield_result):
     shuffle = yields(files.preset("four-shuffle"), LOOSE, samples=20_000)
     figure = figures.yield_bars(shuffle)
     assert f"{len(shuffle.outcomes) - 6} other outcomes" in says(figure)
     assert sum(bar.get_width() for bar in boxes(figure, "outcomes")) == pytest.approx(100.0)
 
 
-def test_axes_say_what_is_counted(found):
-    left, right = figures.yield_bars(found).axes
+def test_axes_say_what_is_counted(yield_result):
+    left, right = figures.yield_bars(yield_result).axes
     assert left.get_xlabel() == "Fraction of 20\N{THIN SPACE}000 samples [%]"
     assert right.get_xlabel() == "Variance fraction of the smallest force gap"
 

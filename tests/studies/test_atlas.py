@@ -68,35 +68,35 @@ def stores(tmp_path_factory):
         key = cells, designs, drive, low
         if key not in made:
             chain, folder = sw.Chain([CELL] * cells), home / f"{len(made)}.zarr"
-            found = atlas(chain, axes_of(cells, low), designs, folder, drive=drive, workers=0)
-            assert found.finished
-            made[key] = found.study, charted(found.study, samples=100, checks=40)
+            run_status = atlas(chain, axes_of(cells, low), designs, folder, drive=drive, workers=0)
+            assert run_status.finished
+            made[key] = run_status.study, charted(run_status.study, samples=100, checks=40)
         return made[key]
 
     return store
 
 
 def test_of_two_cells_it_is_proved_that_no_other_graph_occurs(stores):
-    _, found = stores(2, 20_000)
-    assert found.whole and found.possible == len(found.machines) == 3
-    assert found.closed_form == found.designs == 20_000 and found.space_proved
-    assert sum(one.share.times for one in found.machines) == found.closed_form
-    assert sum(one.share.times for one in found.cycles) == found.closed_form
+    _, catalogue = stores(2, 20_000)
+    assert catalogue.whole and catalogue.possible == len(catalogue.machines) == 3
+    assert catalogue.closed_form == catalogue.designs == 20_000 and catalogue.space_proved
+    assert sum(one.share.times for one in catalogue.machines) == catalogue.closed_form
+    assert sum(one.share.times for one in catalogue.cycles) == catalogue.closed_form
 
 
 @pytest.mark.parametrize(
     ("cells", "designs", "drive"), [(2, 20_000, "force"), (3, 2_000, "stroke"), (3, 2_000, "force")]
 )
 def test_the_engine_finds_the_same_graphs(stores, cells, designs, drive):
-    _, found = stores(cells, designs, drive)
-    assert all(one.agrees for one in found.machines)
-    assert found.checked > 30 and found.agreed == found.checked
-    assert sum(one.share.times for one in found.machines) == found.closed_form
+    _, catalogue = stores(cells, designs, drive)
+    assert all(one.agrees for one in catalogue.machines)
+    assert catalogue.checked > 30 and catalogue.agreed == catalogue.checked
+    assert sum(one.share.times for one in catalogue.machines) == catalogue.closed_form
 
 
 def test_machines_say_of_their_design_what_its_graph_says(stores):
-    _, found = stores(3, 2_000)
-    for one in found.machines[:6]:
+    _, catalogue = stores(3, 2_000)
+    for one in catalogue.machines[:6]:
         graph = one.chain.graph()
         reading = graph.reading
         assert one.states == len(graph.vertices)
@@ -110,9 +110,9 @@ def test_machines_say_of_their_design_what_its_graph_says(stores):
 
 
 def test_cycles_are_those_of_their_designs(stores):
-    _, found = stores(3, 2_000)
-    assert len(found.cycles) == 36
-    for one in found.cycles[::6]:
+    _, catalogue = stores(3, 2_000)
+    assert len(catalogue.cycles) == 36
+    for one in catalogue.cycles[::6]:
         assert str(one.chain.cycle().sequence) == one.sequence
 
 
@@ -133,15 +133,18 @@ def test_the_papers_map_of_two_cells_has_its_shares(tmp_path):
 
 
 def test_what_is_not_proved_is_followed_by_the_engine_and_called_a_sample(stores):
-    study, found = stores(2, 20_000, low=-0.008)
-    assert found.not_proved > 0 and not found.space_proved and not found.whole
-    assert found.closed_form + found.not_proved + found.ties + found.wakes == found.designs
-    assert found.sampled.asked == 40
-    assert sum(found.sampled.machines.values()) + found.sampled.failed == 40
+    study, catalogue = stores(2, 20_000, low=-0.008)
+    assert catalogue.not_proved > 0 and not catalogue.space_proved and not catalogue.whole
+    assert (
+        catalogue.closed_form + catalogue.not_proved + catalogue.ties + catalogue.wakes
+        == catalogue.designs
+    )
+    assert catalogue.sampled.asked == 40
+    assert sum(catalogue.sampled.machines.values()) + catalogue.sampled.failed == 40
     for number in json.loads(str(study.values("asked")[0]))[:9]:
         chain = changed(
             study.subject,
-            [axis.name for axis in found.axes],
+            [axis.name for axis in catalogue.axes],
             study.designs.space.points(number, number + 1)[0].tolist(),
         )
         assert packed_certificate(chain) is False
@@ -187,8 +190,8 @@ def test_numbers_of_many_designs_are_those_of_each(seed):
     made = changed(chain, names, point.tolist())
     assert isinstance(made, sw.Chain)
     wanted = np.array([simple(cell) for cell in made.cells], float)
-    found = packed(chain, names).at(point[None])[0]
-    assert np.allclose(found, wanted, rtol=1e-12, atol=1e-17)
+    catalogue = packed(chain, names).at(point[None])[0]
+    assert np.allclose(catalogue, wanted, rtol=1e-12, atol=1e-17)
 
 
 @pytest.mark.parametrize(
@@ -232,8 +235,8 @@ def test_tolerances_of_what_no_cell_has_are_refused(stores):
 
 
 def test_a_yield_is_that_of_mechanisms_built_one_by_one(stores):
-    study, found = stores(2, 20_000)
-    machine = min(found.machines, key=lambda one: one.gap)
+    study, catalogue = stores(2, 20_000)
+    machine = min(catalogue.machines, key=lambda one: one.gap)
     wide, many = Tolerances(anchor=0.006, stiffness=0.2), examples(80, full=200)
     (one,) = (
         m for m in charted(study, tolerances=wide, samples=many).machines if m.name == machine.name
@@ -251,8 +254,8 @@ def test_a_yield_is_that_of_mechanisms_built_one_by_one(stores):
     ("cells", "drive", "count"), [(1, STROKE, 1), (2, STROKE, 3), (2, FORCE, 3), (3, FORCE, 15)]
 )
 def test_possible_graphs_are_listed_where_forces_alone_tell_them(cells, drive, count):
-    found = possible(cells, drive)
-    assert found is not None and len(found) == count
+    catalogue = possible(cells, drive)
+    assert catalogue is not None and len(catalogue) == count
 
 
 def test_no_list_of_possible_graphs_is_claimed_where_landings_tell_them():
@@ -291,30 +294,33 @@ def test_canonical_texts_of_other_graphs_differ():
 
 
 def test_machines_are_found_by_what_they_do(stores):
-    _, found = stores(3, 2_000)
-    everything = set(found.machines)
-    remembering, forgetting = set(find(found, "remembers")), set(find(found, "not remembers"))
+    _, catalogue = stores(3, 2_000)
+    everything = set(catalogue.machines)
+    remembering, forgetting = (
+        set(find(catalogue, "remembers")),
+        set(find(catalogue, "not remembers")),
+    )
     assert remembering | forgetting == everything and not remembering & forgetting
-    assert set(find(found, "forgets")) == forgetting
-    counting = find(found, "counts to one by hand")
+    assert set(find(catalogue, "forgets")) == forgetting
+    counting = find(catalogue, "counts to one by hand")
     assert counting and all(one.counts_by_hand >= 1 for one in counting)
-    assert set(find(found, "counts by hand")) == set(counting)
-    assert find(found, "counts to 9") == ()
-    one = found.machines[0]
-    assert find(found, one.name) == (one,) and one in find(found, one.cycle)
-    both = find(found, "Reaches every state and not remembers, has loops")
+    assert set(find(catalogue, "counts by hand")) == set(counting)
+    assert find(catalogue, "counts to 9") == ()
+    one = catalogue.machines[0]
+    assert find(catalogue, one.name) == (one,) and one in find(catalogue, one.cycle)
+    both = find(catalogue, "Reaches every state and not remembers, has loops")
     assert all(m.reached == m.states and not m.remembers and m.sub_loops for m in both)
-    sure = find(found, "snaps", 0.95)
+    sure = find(catalogue, "snaps", 0.95)
     assert sure and all(m.kept.low >= 0.95 for m in sure)
     assert [m.kept.share for m in sure] == sorted((m.kept.share for m in sure), reverse=True)
 
 
 def test_a_phrase_that_means_nothing_is_answered_with_the_nearest(stores):
-    _, found = stores(2, 20_000)
+    _, catalogue = stores(2, 20_000)
     with refuses(sw.InputError, "'remember'", "'remembers'"):
-        find(found, "remember")
+        find(catalogue, "remember")
     with pytest.raises(sw.InputError, match="00>10>11>01>00"):
-        find(found, "counts to nothing")
+        find(catalogue, "counts to nothing")
 
 
 def test_the_status_of_an_atlas_is_a_few_numbers(stores):
@@ -323,8 +329,8 @@ def test_the_status_of_an_atlas_is_a_few_numbers(stores):
     study, _ = stores(2, 20_000)
     record = account(status(study)).record
     assert record["outcomes"] == [] and record["finished"]
-    told = {one["column"]: one["most"] for one in record["numbers"]}
-    assert told == {"told": 20_000, "not_proved": 0, "ties": 0, "wakes": 0}
+    largest = {one["column"]: one["most"] for one in record["numbers"]}
+    assert largest == {"told": 20_000, "not_proved": 0, "ties": 0, "wakes": 0}
 
 
 def test_the_atlas_that_comes_with_stepwell_is_what_its_command_makes(tmp_path):
@@ -339,49 +345,49 @@ def test_the_atlas_that_comes_with_stepwell_is_what_its_command_makes(tmp_path):
 
 
 def test_machines_are_drawn_with_their_states_in_one_place_and_their_own_way_back(stores):
-    _, found = stores(3, 2_000)
-    figure = found.plot(most=5)
+    _, catalogue = stores(3, 2_000)
+    figure = catalogue.plot(most=5)
     assert untidy(figure, 7.0) == []
     *panels, shares, yields = figure.axes
     places = set()
-    for ax, machine in zip(panels, found.machines[:5], strict=True):
+    for ax, machine in zip(panels, catalogue.machines[:5], strict=True):
         states = {text.get_text(): text for text in ax.texts if text.get_text().isdigit()}
         places |= {(name, text.get_position()) for name, text in states.items()}
         bold = {name for name, text in states.items() if text.get_fontweight() == "bold"}
         assert bold == set(machine.cycle.split(">")), machine
     assert len(places) == 8
-    for ax, told in ((shares, "share"), (yields, "kept")):
+    for ax, attribute in ((shares, "share"), (yields, "kept")):
         (line,) = (line for line in ax.lines if line.get_gid() == "machines")
-        wanted = [100.0 * getattr(one, told).share for one in found.machines]
+        wanted = [100.0 * getattr(one, attribute).share for one in catalogue.machines]
         assert list(line.get_ydata()) == pytest.approx(wanted)
     with pytest.raises(ValueError, match="5 cells"):
-        figures.machines(replace(found, chain=sw.Chain([CELL] * 5)))
+        figures.machines(replace(catalogue, chain=sw.Chain([CELL] * 5)))
 
 
 def test_an_atlas_fills_a_folder_of_which_the_page_tells_all_machines(stores, tmp_path):
-    _, found = stores(2, 20_000)
-    names = reports.write(found, tmp_path)
+    _, catalogue = stores(2, 20_000)
+    names = reports.write(catalogue, tmp_path)
     assert set(names) == {"atlas.json", "machines.png", "machines.svg", "report.html"}
     page = (tmp_path / "report.html").read_text("utf-8")
     assert "3 graphs and 4 cycles" in page
-    assert all(one.name in page for one in found.machines)
+    assert all(one.name in page for one in catalogue.machines)
     record = json.loads((tmp_path / "atlas.json").read_text("utf-8"))
-    assert record["machines"] == account(found).record["machines"]
+    assert record["machines"] == account(catalogue).record["machines"]
 
 
 def chain_at(chain: sw.Chain, name: str, value: float) -> sw.Chain:
-    found = changed(chain, [name], [value])
-    assert isinstance(found, sw.Chain)
-    return found
+    catalogue = changed(chain, [name], [value])
+    assert isinstance(catalogue, sw.Chain)
+    return catalogue
 
 
 @pytest.mark.parametrize(("cells", "designs", "low"), [(2, 20_000, -0.008), (3, 2_000, 0.0)])
 def test_at_a_border_the_engine_finds_one_machine_and_then_the_other(stores, cells, designs, low):
-    study, found = stores(cells, designs, low=low)
-    near = borders(study, found)
-    known = {one.name: one for one in found.machines}
+    study, catalogue = stores(cells, designs, low=low)
+    near = borders(study, catalogue)
+    known = {one.name: one for one in catalogue.machines}
     assert {one.machine for one in near} == known.keys()
-    span = {axis.name: (axis.low, axis.high) for axis in found.axes}
+    span = {axis.name: (axis.low, axis.high) for axis in catalogue.axes}
     for one in near[:: 1 if cells == 2 else 17]:
         chain = known[one.machine].chain
         first, last = span[one.parameter]
@@ -403,18 +409,18 @@ def test_at_a_border_the_engine_finds_one_machine_and_then_the_other(stores, cel
 
 def test_a_machine_that_is_passed_over_is_looked_for_by_brute_force(stores):
     # Shares nothing with the search but the closed form: the first change on 4000 places a way.
-    study, found = stores(2, 20_000)
-    near = {(one.machine, one.parameter, one.step > 0): one for one in borders(study, found)}
-    names, places = [axis.name for axis in found.axes], 4000
-    numbers = packed(found.chain, names)
-    for machine in found.machines:
+    study, catalogue = stores(2, 20_000)
+    near = {(one.machine, one.parameter, one.step > 0): one for one in borders(study, catalogue)}
+    names, places = [axis.name for axis in catalogue.axes], 4000
+    numbers = packed(catalogue.chain, names)
+    for machine in catalogue.machines:
         (start,) = study.designs.space.points(machine.design, machine.design + 1)
-        for k, axis in enumerate(found.axes):
+        for k, axis in enumerate(catalogue.axes):
             for end in (axis.low, axis.high):
                 points = np.tile(start, (places, 1))
                 points[:, k] = np.linspace(start[k], end, places)
-                key, _, _, told = classed(numbers.at(points), STROKE)
-                other = np.flatnonzero((key != key[0]) & (told == TOLD))
+                key, _, _, verdict = classed(numbers.at(points), STROKE)
+                other = np.flatnonzero((key != key[0]) & (verdict == TOLD))
                 one = near.get((machine.name, axis.name, end > start[k]))
                 assert (one is None) == (not len(other))
                 if one is not None:
@@ -427,7 +433,7 @@ def test_what_was_not_seen_is_bounded_by_what_the_second_half_adds(tmp_path):
     each = examples(10, full=30)
     blocks = IndependentBlocks(axes, each, 5)
     study = sweep(chain, "atlas", blocks, tmp_path / "a", chunk=1, workers=0).study
-    found = charted(study, samples=1, checks=0)
+    catalogue = charted(study, samples=1, checks=0)
     names, space = [], blocks.space
     for number in range(5 * each):
         (point,) = space.points(number, number + 1).tolist()
@@ -436,10 +442,10 @@ def test_what_was_not_seen_is_bounded_by_what_the_second_half_adds(tmp_path):
         names.append(canonical(ways_of(made.graph()), 3))
     first = set(names[: 2 * each])
     new = sum(name not in first for name in names[2 * each :])
-    assert found.unseen is not None
-    assert 0 < new == found.unseen.times
-    assert found.unseen.of == 3 * each == found.closed_form - 2 * each
-    assert new / (3 * each) < found.unseen.high < 1
+    assert catalogue.unseen is not None
+    assert 0 < new == catalogue.unseen.times
+    assert catalogue.unseen.of == 3 * each == catalogue.closed_form - 2 * each
+    assert new / (3 * each) < catalogue.unseen.high < 1
     one = sweep(
         chain, "atlas", IndependentBlocks(axes, each, 1), tmp_path / "b", chunk=1, workers=0
     ).study

@@ -59,9 +59,9 @@ class Cluster:
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory) -> Iterator[Cluster]:
     """One for both tests: the last of them kills it."""
-    found = Cluster(tmp_path_factory.mktemp("cluster"))
-    yield found
-    found.end()
+    running = Cluster(tmp_path_factory.mktemp("cluster"))
+    yield running
+    running.end()
 
 
 @pytest.mark.slow
@@ -78,8 +78,8 @@ def test_a_cluster_whose_workers_are_killed_writes_what_this_machine_writes(tmp_
             cluster.workers[number].wait()
             cluster.workers[number] = cluster.worker()
 
-    found = sweep(LEG, "cycle", GRID, there, chunk=4, scheduler=cluster.address, progress=kill)
-    assert found.finished and killed
+    result = sweep(LEG, "cycle", GRID, there, chunk=4, scheduler=cluster.address, progress=kill)
+    assert result.finished and killed
     assert bytes_of(there) == bytes_of(here)
 
 

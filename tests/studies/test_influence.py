@@ -1,4 +1,4 @@
-"""Which number decides what: shares that are known, chance that is not told, reports of both."""
+"""First-order influences: known fractions, no false influences by chance, reports."""
 
 import json
 from functools import partial
@@ -38,25 +38,25 @@ def test_shares_of_a_known_function_are_those_that_are_known():
     """Ishigami and Homma 1990, with 7 and 0.1: 0.3139, 0.4424 and 0."""
     x = np.random.default_rng(1).uniform(-np.pi, np.pi, (2**16, 3))
     y = np.sin(x[:, 0]) + 7 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
-    found = [explained(x[:, k], y)[0] for k in range(3)]
-    assert found == pytest.approx([0.3139, 0.4424, 0.0], abs=0.01)
+    shares = [explained(x[:, k], y)[0] for k in range(3)]
+    assert shares == pytest.approx([0.3139, 0.4424, 0.0], abs=0.01)
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(60, 400), st.integers(1, 30))
 def test_shares_are_what_a_loop_over_the_classes_gives(seed, n, levels):
     rng = np.random.default_rng(seed)
     x, y = rng.integers(0, levels, n).astype(float), rng.standard_normal(n)
-    found, classes = explained(x, y)
+    share, classes = explained(x, y)
     if len(np.unique(x)) > round(n ** (1 / 3)):
         assert 1 <= classes <= round(n ** (1 / 3))
         return
     parts = [y[x == level] for level in np.unique(x)]
     assert classes == len(parts)
     if classes < 2:
-        assert found == 0.0
+        assert share == 0.0
         return
     within = sum(((part - part.mean()) ** 2).sum() for part in parts) / (n - classes)
-    assert found == pytest.approx(1 - within / y.var(ddof=1), abs=1e-9)
+    assert share == pytest.approx(1 - within / y.var(ddof=1), abs=1e-9)
 
 
 def test_chance_alone_decides_in_about_one_study_of_twenty():
@@ -66,15 +66,15 @@ def test_chance_alone_decides_in_about_one_study_of_twenty():
     for _ in range(200):
         varied = {str(k): rng.random(200) for k in range(6)}
         y = rng.standard_normal(200)
-        found = influence._decided("y", "", y, np.ones(200, bool), varied)
-        assert found is not None
-        surely += bool(found.sure)
+        result = influence._decided("y", "", y, np.ones(200, bool), varied)
+        assert result is not None
+        surely += bool(result.sure)
     assert surely <= 20
 
 
 def test_an_anchor_decides_the_cycle_and_its_share_is_that_of_the_store(study):
-    found = {one.column: one for one in decided(study.study)}
-    cycle = found["sequence"]
+    by_column = {one.column: one for one in decided(study.study)}
+    cycle = by_column["sequence"]
     assert cycle.value in set(study.study.values("sequence"))
     assert cycle.sure[0].name == "outer.q.y"
     low, high = (study.study.values(cycle.influences[0].name)[k] for k in (0, 1))
@@ -86,10 +86,10 @@ def test_an_anchor_decides_the_cycle_and_its_share_is_that_of_the_store(study):
 
 
 def test_a_grid_is_no_sample_and_few_designs_say_nothing(tmp_path):
-    found = sweep(
+    result = sweep(
         LEG, "cycle", Space((Axis("outer.q.x", 0.0, 0.020, 5),)), tmp_path / "a.zarr", workers=0
     )
-    record = account(found).record
+    record = account(result).record
     assert record["decided"] == []
     assert {one["share_low"] for one in record["outcomes"]} == {None}
 
@@ -116,8 +116,8 @@ def test_a_report_of_what_is_done_so_far_can_be_had(study, tmp_path):
 
 @pytest.mark.parametrize("width", [85.0, 180.0])
 def test_figures_of_a_study_are_read_on_a_phone_too(study, width):
-    found = decided(study.study)
-    for draw in (partial(figures.outcomes, study.study), partial(figures.influences, found)):
+    influences = decided(study.study)
+    for draw in (partial(figures.outcomes, study.study), partial(figures.influences, influences)):
         assert untidy(figures.compose([draw], width=width)) == []
 
 
@@ -129,8 +129,8 @@ def test_a_plane_of_two_numbers_is_drawn_as_one_and_what_is_alike_is_refused(tmp
     assert (first.get_xlabel(), first.get_ylabel()) == ("outer.q.x [mm]", "outer.q.y [mm]")
     # A few whole numbers are classes with a colour each, and no scale.
     (key,) = drawn.legends
-    told = [text.get_text() for text in key.get_texts()]
-    assert {*told[told.index("Snaps") + 1 :][:2]} == {"0", "2"}
+    texts = [text.get_text() for text in key.get_texts()]
+    assert {*texts[texts.index("Snaps") + 1 :][:2]} == {"0", "2"}
     alike = Space((Axis("outer.q.x", 0.018, 0.0181, 2),))
     same = sweep(LEG, "graph", alike, tmp_path / "same.zarr", workers=0).study
     with refuses(ValueError, "all designs", "same"):
@@ -141,8 +141,8 @@ def test_an_atlas_has_no_report_of_a_study(tmp_path):
     from stepwell.studies import atlas
 
     cell = sw.Cell(sw.Band(p=(-0.01, 0.0), q=(0.01, 0.0), stiffness=28.5, rest_length=0.01))
-    found = atlas(
+    status = atlas(
         sw.Chain([cell] * 2), (Axis("1.q.x", 0.0, 0.02),), 1000, tmp_path / "a.zarr", workers=0
     )
     with pytest.raises(ValueError, match="stepwell atlas show"):
-        reports.write(found, tmp_path / "out")
+        reports.write(status, tmp_path / "out")

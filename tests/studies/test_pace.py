@@ -1,4 +1,4 @@
-"""How fast a study goes is told from when its chunks were written, whoever wrote them."""
+"""The speed of a study follows from the times of its chunk files."""
 
 import os
 from pathlib import Path
@@ -26,11 +26,11 @@ def written(tmp_path: Path, *times: float, count: int = 1000):
 def test_a_rate_is_that_of_the_last_stretch_without_a_pause(tmp_path):
     before = [1000.0 + k for k in range(5)]
     after = [90_000.0 + 0.5 * k for k in range(9)]
-    found = pace(written(tmp_path, *before, *after), now=90_005.0)
-    assert found is not None
-    assert found.rate == pytest.approx(10 / 0.5)
-    assert found.since == pytest.approx(1.0)
-    assert found.at_work
+    speed = pace(written(tmp_path, *before, *after), now=90_005.0)
+    assert speed is not None
+    assert speed.rate == pytest.approx(10 / 0.5)
+    assert speed.since == pytest.approx(1.0)
+    assert speed.at_work
 
 
 def test_work_that_rests_is_told_from_work_whose_chunks_take_long(tmp_path):
@@ -42,8 +42,8 @@ def test_work_that_rests_is_told_from_work_whose_chunks_take_long(tmp_path):
 
 
 def test_the_last_chunk_counts_as_the_designs_that_it_has(tmp_path):
-    found = pace(written(tmp_path, 0.0, 1.0, 2.0, count=25), now=3.0)
-    assert found is not None and found.rate == pytest.approx(15 / 2)
+    speed = pace(written(tmp_path, 0.0, 1.0, 2.0, count=25), now=3.0)
+    assert speed is not None and speed.rate == pytest.approx(15 / 2)
 
 
 @pytest.mark.parametrize("times", [(), (5.0,), (5.0, 5.0), (0.0, 1.0, 1e6)])

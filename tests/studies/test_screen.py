@@ -49,7 +49,7 @@ def does(robot: Any) -> str:
 
 
 class Wrong:
-    """A screen that errs where it is told to, and otherwise every second time that it is asked."""
+    """A screen with prescribed errors, and an error in every second call."""
 
     def __init__(self, errs: tuple[int, ...] = (), untold: tuple[int, ...] = ()):
         self.errs, self.untold, self.asked = errs, untold, 0
@@ -95,10 +95,10 @@ def test_what_is_kept_what_is_untold_and_some_by_lot_are_computed_and_no_other(m
     data = study.to_xarray()
     lot = np.array([study.by_lot(k) for k in range(COUNT)])
     kept = data.screened.values == "A"
-    told = data.screened.values != ""
+    known = data.screened.values != ""
     assert 0 < lot.sum() < COUNT and np.array_equal(data.lot.values, lot)
-    assert np.flatnonzero(~told).tolist() == [13, 18]
-    assert np.array_equal(data.again.values == 1, kept | ~told | lot)
+    assert np.flatnonzero(~known).tolist() == [13, 18]
+    assert np.array_equal(data.again.values == 1, kept | ~known | lot)
     # A number that is there was computed, and by nobody else than who computes all.
     there = np.isfinite(data.depth.values)
     assert np.array_equal(there, data.again.values == 1)
@@ -136,8 +136,8 @@ def test_of_two_that_screen_a_chunk_at_once_the_first_is_heard_by_both(make):
 def test_agreement_is_what_counting_gives(make):
     errs = tuple(range(0, COUNT, 3))
     study = filled(make(Wrong(errs=errs, untold=(7, 15))))
-    found = screened(study)
-    assert found is not None
+    agreement = screened(study)
+    assert agreement is not None
     rows = range(COUNT)
     truth = ["A" if 0.2 + 1.2 * k / (COUNT - 1) < 0.8 else "B" for k in rows]
     said = [
@@ -147,12 +147,12 @@ def test_agreement_is_what_counting_gives(make):
     lot = [k for k in rows if study.by_lot(k) and said[k]]
     kept = [k for k in rows if said[k] == "A"]
     missed = [k for k in lot if said[k] == "B"]
-    assert (found.designs, found.kept) == (COUNT - 2, len(kept))
-    assert found.computed == len({*kept, 7, 15, *(k for k in rows if study.by_lot(k))})
+    assert (agreement.designs, agreement.kept) == (COUNT - 2, len(kept))
+    assert agreement.computed == len({*kept, 7, 15, *(k for k in rows if study.by_lot(k))})
     for share, times, of in (
-        (found.alike, sum(said[k] == truth[k] for k in lot), len(lot)),
-        (found.held, sum(truth[k] == "A" for k in kept), len(kept)),
-        (found.missed, sum(truth[k] == "A" for k in missed), len(missed)),
+        (agreement.alike, sum(said[k] == truth[k] for k in lot), len(lot)),
+        (agreement.held, sum(truth[k] == "A" for k in kept), len(kept)),
+        (agreement.missed, sum(truth[k] == "A" for k in missed), len(missed)),
     ):
         assert share is not None and (share.times, share.of) == (times, of) and of > 0
 
@@ -178,14 +178,14 @@ def test_a_study_that_is_not_screened_has_no_screen_and_asks_for_what_it_asked_b
 
 @pytest.fixture
 def simulated(monkeypatch) -> dict[str, Any]:
-    """What robots do, told instead of simulated."""
+    """Prescribed results of robots instead of simulations."""
     from stepwell import simulation
 
-    told: dict[str, Any] = {"trial": trial(), "outcomes": []}
+    results: dict[str, Any] = {"trial": trial(), "outcomes": []}
     monkeypatch.setattr(simulation, "walk", lambda _robot, _cycles: None)
-    monkeypatch.setattr(simulation.Trial, "of", lambda _walk: told["trial"])
+    monkeypatch.setattr(simulation.Trial, "of", lambda _walk: results["trial"])
     monkeypatch.setattr(extras, "find_spec", lambda _name: True)
-    return told
+    return results
 
 
 def trial(stopped: str = "") -> Trial:
@@ -257,7 +257,7 @@ def test_a_design_that_cannot_be_is_not_screened_and_its_problem_is_told(tmp_pat
         seen.append(len(robots))
         return ["A"] * len(robots)
 
-    screen = Screen(verdicts, lambda row: str(row["gaits"]), lambda told: told == "A", str)
+    screen = Screen(verdicts, lambda row: str(row["gaits"]), lambda verdict: verdict == "A", str)
     work = Work({"gaits": "text"}, lambda robot, _seed: {"gaits": does(robot)}, screen)
     monkeypatch.setitem(WORKS, "walk", (Robot, lambda engine="cpu", wanted="": work))
     axes = (Axis("body.mass_g", -50.0, 250.0, 2),)

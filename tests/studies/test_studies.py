@@ -76,9 +76,9 @@ if __name__ == "__main__":
 def whole(tmp_path_factory) -> Study:
     """The whole grid, computed by two processes: nothing is written there any more."""
     folder = tmp_path_factory.mktemp("undisturbed") / "study.zarr"
-    found = sweep(LEG, "cycle", GRID, folder, chunk=CHUNK, workers=2)
-    assert found.finished
-    return found.study
+    result = sweep(LEG, "cycle", GRID, folder, chunk=CHUNK, workers=2)
+    assert result.finished
+    return result.study
 
 
 @pytest.fixture(scope="module")
@@ -86,11 +86,11 @@ def undisturbed(whole) -> dict[str, str]:
     return bytes_of(whole.folder)
 
 
-def client(folder: Path, workers: int = 1, **told) -> Any:
+def client(folder: Path, workers: int = 1, **options) -> Any:
     script = folder.parent / "client.py"
     script.write_text(CLIENT)
     command = [sys.executable, str(script), str(folder), str(workers)]
-    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, **told)
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, **options)
 
 
 def children(pid: int) -> list[int]:
@@ -187,8 +187,8 @@ def test_what_is_damaged_or_gone_is_told_and_done_again(tmp_path, whole, undistu
     gone.unlink()
     assert study.missing() == [1, 3, 5] and status(folder).done == study.chunks - 3
     # What holds can be read meanwhile.
-    told = {one["column"]: one for one in account(status(folder)).record["numbers"]}
-    assert told["snaps"]["designs"] == GRID.count - CHUNK
+    numbers = {one["column"]: one for one in account(status(folder)).record["numbers"]}
+    assert numbers["snaps"]["designs"] == GRID.count - CHUNK
     assert study.to_csv(tmp_path / "some.csv", partial=True) == GRID.count - 3 * CHUNK
     assert resumed(opened(folder), 0).finished
     assert bytes_of(folder) == undisturbed
@@ -203,9 +203,9 @@ def test_a_full_disk_ends_it_with_a_word_and_room_lets_it_go_on(tmp_path, undist
         resource.setrlimit(resource.RLIMIT_FSIZE, (60, 60))
 
     full = client(folder, preexec_fn=little)
-    told = full.communicate()[1].decode()
+    stderr = full.communicate()[1].decode()
     assert full.returncode == 1
-    says(told.replace("\n", " "), "chunks", "File too large", "same command")
+    says(stderr.replace("\n", " "), "chunks", "File too large", "same command")
     assert not status(folder).finished
     assert resumed(opened(folder), 0).finished
     assert bytes_of(folder) == undisturbed
@@ -223,11 +223,11 @@ def test_two_clients_at_once_write_the_same(tmp_path, undisturbed):
 
 def test_a_design_that_cannot_be_has_a_problem_and_the_others_go_on(tmp_path):
     axes = (Axis("outer.lever", -0.010, 0.020, 4),)
-    found = sweep(LEG, "cycle", Space(axes), tmp_path / "s.zarr", workers=0)
-    data = found.study.to_xarray()
+    result = sweep(LEG, "cycle", Space(axes), tmp_path / "s.zarr", workers=0)
+    data = result.study.to_xarray()
     assert [bool(one) for one in data.problem.values] == [True, True, False, False]
     assert np.isnan(data.peak_force.values[:2]).all() and np.isfinite(data.peak_force[3])
-    assert found.finished and sum(found.problems.values()) == 2
+    assert result.finished and sum(result.problems.values()) == 2
 
 
 def test_another_study_and_another_version_are_refused(tmp_path):
@@ -266,9 +266,9 @@ def test_a_study_that_fails_says_how_far_it_is(tmp_path, monkeypatch):
 def test_a_study_that_grows_ends_as_if_it_had_been_so_large_from_the_start(tmp_path):
     small, large = (Space((Axis("outer.q.x", 0.0, 0.02),), How.SOBOL, n, seed=3) for n in (4, 9))
     grown, whole = tmp_path / "grown.zarr", tmp_path / "whole.zarr"
-    found = sweep(LEG, "yield", small, grown, chunk=CHUNK, workers=0)
-    before = found.study.column("share")[:]
-    after = resumed(extended(found.study, 9), 0)
+    result = sweep(LEG, "yield", small, grown, chunk=CHUNK, workers=0)
+    before = result.study.column("share")[:]
+    after = resumed(extended(result.study, 9), 0)
     sweep(LEG, "yield", large, whole, chunk=CHUNK, workers=0)
     assert bytes_of(grown) == bytes_of(whole)
     assert after.finished and (after.study.column("share")[:4] == before).all()
@@ -310,13 +310,13 @@ def test_mechanisms_as_built_are_those_that_a_yield_judges(tmp_path):
 
     within = sw.Tolerances(anchor=0.002, stiffness=0.1, friction=0.01)
     data = sweep(LEG, "cycle", Workshop(within, 12, seed=5), tmp_path / "s.zarr", workers=0)
-    drawn, found = Draws(LEG, within, 5), data.study.to_xarray()
+    drawn, table = Draws(LEG, within, 5), data.study.to_xarray()
     for k in range(12):
         chain = drawn.sample(k)
-        assert found.sequence.values[k] == str(chain.cycle().sequence)
-        assert found.peak_force.values[k] == abs(chain.cycle().peak_force)
-        assert found["2.q.x"].values[k] == chain.levers[1].bands[0].q[0]
-        assert found["1.friction"].values[k] == chain.cells[0].friction
+        assert table.sequence.values[k] == str(chain.cycle().sequence)
+        assert table.peak_force.values[k] == abs(chain.cycle().peak_force)
+        assert table["2.q.x"].values[k] == chain.levers[1].bands[0].q[0]
+        assert table["1.friction"].values[k] == chain.cells[0].friction
 
 
 @pytest.mark.slow
@@ -337,7 +337,7 @@ def test_a_table_that_was_exported_is_a_list_of_the_same_designs(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("outer.q.x_mm\n1\nx\n", "line 3, outer.q.x = 'x': must be a number"),
         ("outer.q.x_mm\n1,2\n", "line 2 has 2 cells: must have 1"),
@@ -348,9 +348,9 @@ def test_a_table_that_was_exported_is_a_list_of_the_same_designs(tmp_path):
         ("", "must be one or more"),
     ],
 )
-def test_a_list_that_cannot_be_read_says_which_line_and_why(tmp_path, text, told):
+def test_a_list_that_cannot_be_read_says_which_line_and_why(tmp_path, text, message):
     (tmp_path / "list.csv").write_text(text)
-    with pytest.raises(ValueError, match=told):
+    with pytest.raises(ValueError, match=message):
         read_table(tmp_path / "list.csv", LEG)
 
 
@@ -375,15 +375,15 @@ def test_programs_are_found_of_every_design_or_proved_impossible(tmp_path):
 
     given = {"start": "00", "target": "01"}
     data = sweep(LEG, "program", space, tmp_path / "p.zarr", given=given, workers=0)
-    found = data.study.to_xarray()
+    table = data.study.to_xarray()
     for k, x in enumerate(np.linspace(0.0, 0.02, 5)):
         chain = parameter(LEG, "outer.q.x").changed(LEG, x)
         try:
             wanted = chain.program("01", start="00").strokes
         except sw.Unreachable:
             wanted = 0
-        assert found.found.values[k] == (wanted > 0)
-        assert not wanted or found.strokes.values[k] == wanted
+        assert table.found.values[k] == (wanted > 0)
+        assert not wanted or table.strokes.values[k] == wanted
 
 
 OWN = """
@@ -408,14 +408,14 @@ def test_a_function_of_ones_own_is_called_on_every_design_and_kept_as_it_was(tmp
     space = Space((Axis("outer.q.x", 0.0, 0.02, 3),))
     given = function_of(f"{file}:measure", sw.preset("three-wave"))
     folder = tmp_path / "s.zarr"
-    found = sweep(LEG, "call", space, folder, given=given, workers=0)
-    data = found.study.to_xarray()
-    assert found.problems == {"KeyError": 1} and "too far" in data.problem.values[2]
+    result = sweep(LEG, "call", space, folder, given=given, workers=0)
+    data = result.study.to_xarray()
+    assert result.problems == {"KeyError": 1} and "too far" in data.problem.values[2]
     assert data.seed.attrs["units"] == "s" and data.cells.values[0] == 2
-    assert [int(one) for one in data.seed.values[:2]] == [found.study.seed_of(k) for k in (0, 1)]
+    assert [int(one) for one in data.seed.values[:2]] == [result.study.seed_of(k) for k in (0, 1)]
     given = function_of(f"{file}:other", LEG)
-    found = sweep(LEG, "call", space, tmp_path / "o.zarr", given=given, workers=0)
-    assert found.problems == {"StudyError": 3}  # another name than on the design as it was
+    result = sweep(LEG, "call", space, tmp_path / "o.zarr", given=given, workers=0)
+    assert result.problems == {"StudyError": 3}  # another name than on the design as it was
     (folder / "seed" / "c" / "0").unlink()
     file.write_text(OWN + "# changed\n")
     with refuses(ValueError, str(file), "SHA-256"):
@@ -424,8 +424,11 @@ def test_a_function_of_ones_own_is_called_on_every_design_and_kept_as_it_was(tmp
     (tmp_path / "broken.py").write_text("1 / 0\n")
     with refuses(ValueError, "broken.py:f", "ZeroDivisionError"):
         function_of(f"{tmp_path / 'broken.py'}:f", LEG)
-    for name, told in (("wrong", "must give values by name"), ("none", "no function of that name")):
-        with pytest.raises(ValueError, match=told):
+    for name, message in (
+        ("wrong", "must give values by name"),
+        ("none", "no function of that name"),
+    ):
+        with pytest.raises(ValueError, match=message):
             function_of(f"{file}:{name}", LEG)
 
 
@@ -437,9 +440,9 @@ def test_robots_walk_and_find_their_way_as_they_do_alone(tmp_path):
     robot = sw.preset("robot-forward")
     space = Space((Axis("foot.below_mm", 0.3, 0.6, 2),))
     data = sweep(robot, "walk", space, tmp_path / "w.zarr", given={"cycles": 1}, workers=0)
-    found = data.study.to_xarray()
+    table = data.study.to_xarray()
     alone = Trial.of(walk(sw.files.vary(robot, {"foot.below_mm": 0.6}), 1))
-    assert found.advance.values[1] == alone.advance and found["foot.below_mm"].units == "mm"
+    assert table.advance.values[1] == alone.advance and table["foot.below_mm"].units == "mm"
     data.study.to_csv(tmp_path / "w.csv")
     head, first, _ = (tmp_path / "w.csv").read_text().splitlines()
     assert head.startswith("design,foot.below_mm,advance") and first.startswith("0,0.3,")
@@ -452,7 +455,7 @@ def test_robots_walk_and_find_their_way_as_they_do_alone(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("what", "given", "told"),
+    ("what", "given", "message"),
     [
         ("cycle", {"cycles": 2}, "takes nothing else, not cycles"),
         ("program", {}, "target: must be a state"),
@@ -461,8 +464,10 @@ def test_robots_walk_and_find_their_way_as_they_do_alone(tmp_path):
         ("call", {"file": "gone.py", "name": "f"}, "must be FILE.py:NAME"),
     ],
 )
-def test_what_cannot_be_computed_is_refused_before_anything_is_written(tmp_path, what, given, told):
-    with pytest.raises(ValueError, match=told):
+def test_what_cannot_be_computed_is_refused_before_anything_is_written(
+    tmp_path, what, given, message
+):
+    with pytest.raises(ValueError, match=message):
         sweep(LEG, what, GRID, tmp_path / "s.zarr", given=given)
     assert not (tmp_path / "s.zarr").exists()
 
@@ -503,12 +508,12 @@ def test_a_description_that_was_changed_by_hand_is_refused(tmp_path, change):
 @pytest.mark.slow
 def test_an_estimate_is_of_all_designs_and_its_disk_is_an_upper_bound(tmp_path):
     study = Study(tmp_path / "s.zarr", "cycle", sw.files.dumps(LEG), GRID, CHUNK)
-    found = estimate(study, 2)
-    assert found.designs == 63 and found.sample == 8 and found.each > 0
-    assert found.seconds == pytest.approx(found.each * 63 / 2)
+    result = estimate(study, 2)
+    assert result.designs == 63 and result.sample == 8 and result.each > 0
+    assert result.seconds == pytest.approx(result.each * 63 / 2)
     done = resumed(store.begun(study), 0).study
     chunks = (done.folder / name / "c" for name in done.columns)
-    assert not any(file.stat().st_size > found.disk for one in chunks for file in one.iterdir())
+    assert not any(file.stat().st_size > result.disk for one in chunks for file in one.iterdir())
 
 
 @pytest.mark.slow
