@@ -194,9 +194,8 @@ def _ways(graph: TransitionGraph, shown: Sequence[str]) -> list[FoldedTransition
 
 
 def followed(graph: TransitionGraph, program: Program) -> list[list[str]]:
-    """Labels of the nodes visited on each stroke of a program, both ends included.
-
-    A stroke that reverses after it has smoothly passed a vertex ends at that vertex.
+    """Labels of the nodes visited on each stroke of a program, both ends included. A stroke that
+    reverses after it has smoothly passed a vertex ends at that vertex.
     """
     another = graph.chain is not None and graph.chain != program.chain
     if another or program.start not in graph:

@@ -256,9 +256,8 @@ def machines(atlas: Atlas, most: int = _GRAPHS) -> Figure:
 
 
 def _in_loading_order(chain: Chain) -> Chain:
-    """The same cells in loading order, which for the concave cells of an atlas is that of F0.
-
-    The order of cells in series does not change the behaviour.
+    """The same cells in loading order, which for the concave cells of an atlas is that of F0. The
+    order of cells in series does not change the behaviour.
     """
     cells = [cell for cell in chain.cells if isinstance(cell, Cell)]
     return replace(chain, cells=tuple(sorted(cells, key=lambda cell: cell.force_0)))

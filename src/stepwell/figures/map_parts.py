@@ -135,7 +135,6 @@ def name_regions(
     ax: Axes, x: Floats, y: Floats, inside: Bools, forms: Sequence[str], shade: ColorType
 ) -> None:
     """Write a name into every connected region of nodes (ny, nx), in the first form that fits.
-
     Nodes have equal steps on the page, and the axes have their final limits.
     """
     from scipy import ndimage

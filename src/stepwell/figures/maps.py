@@ -307,9 +307,8 @@ def _draw_regions(
     regions: Sequence[_Region],
     spread: Callable[[NDArray[np.intp]], NDArray[np.intp]],
 ) -> list[_Region]:
-    """Draw the regions and return them with all points inside, not only nodes.
-
-    Regions without a sequence stay white.
+    """Draw the regions and return them with all points inside, not only nodes. Regions without a
+    sequence stay white.
     """
     number = np.zeros(regions[0].inside.shape, int)
     for k, region in enumerate(regions):
@@ -350,7 +349,6 @@ def _clear(
     ax: Axes, on_page: Floats, along: Floats, half: float, taken: Sequence[Bbox]
 ) -> tuple[float, float, bool]:
     """Position of a curve's number, as near to its middle as others allow, and whether it overlaps.
-
     `half` is half the width of the number [pixels].
     """
     places = np.column_stack([np.interp(along[-1] * _ALONG, along, on_page[:, k]) for k in (0, 1)])

@@ -124,10 +124,8 @@ def _panels(
     xlabel: str,
     ylabel: str,
 ) -> Figure:
-    """Panels in rows under a legend.
-
-    `sizes` are the panels per row, and in mm the height of a row, the left margin of a panel, and
-    the difference of panel and axes in width and height.
+    """Panels in rows under a legend. `sizes` are the panels per row, and in mm the height of a row,
+    the left margin of a panel, and the difference of panel and axes in width and height.
     """
     most, tall, left, narrower, lower = sizes
     page = sheet.page_width(style.PAGE)
@@ -340,9 +338,8 @@ def _draw_errors(ax: Axes, result: Calibration, geometries: Sequence[tuple[float
 
 
 def _draw_correlations(ax: Axes, result: Calibration, letters: float) -> AxesImage:
-    """Draw the correlations as colours, with values below the diagonal.
-
-    `letters` is the sum of the font sizes in a row.
+    """Draw the correlations as colours, with values below the diagonal. `letters` is the sum of the
+    font sizes in a row.
     """
     names = [_symbol(p.name) for p in result.parameters]
     image = ax.imshow(result.correlations, vmin=-1, vmax=1, cmap="PuOr")

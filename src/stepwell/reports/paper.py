@@ -32,9 +32,8 @@ def unit_cells() -> Figure:
 
 
 def pathways() -> Figure:
-    """Energy, force and travels of a pair for each pathway (Figs. 2B and 2D to 2G).
-
-    A further pair has a monostable outer cell.
+    """Energy, force and travels of a pair for each pathway (Figs. 2B and 2D to 2G). A further pair
+    has a monostable outer cell.
     """
     lone = monostable_pair()
     name = f"Outer monostable: q = ({_mm(lone.chain.levers[1].bands[0].q)}) mm"

@@ -111,9 +111,8 @@ def _merged(blocks: Iterable[str]) -> dict[int, tuple[int, _Best]]:
 
 
 def _unseen(study: Study, done: Sized[int]) -> Share | None:
-    """Fraction of designs of the second half with a graph that does not occur in the first half.
-
-    It bounds the fraction of designs with a graph that occurs in neither half.
+    """Fraction of designs of the second half with a graph that does not occur in the first half. It
+    bounds the fraction of designs with a graph that occurs in neither half.
     """
     half = len(done) // 2
     if not half:

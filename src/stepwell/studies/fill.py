@@ -21,9 +21,8 @@ _SAMPLE, _PATIENCE = 8, 10.0
 
 
 def fill(folder: str, identity: str, chunk: int) -> None:
-    """Compute a chunk and write it; the result is bit-identical for every worker.
-
-    Another study in the folder, or one of another version, raises a `StudyError`.
+    """Compute a chunk and write it; the result is bit-identical for every worker. Another study in
+    the folder, or one of another version, raises a `StudyError`.
     """
     study = _meant(folder, identity, edition(folder))
     if not study.is_done(chunk):

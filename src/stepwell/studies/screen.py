@@ -28,9 +28,8 @@ def ranked(columns: Mapping[str, Floats], by: Sequence[str]) -> list[int]:
 
 
 def aimed(what: str, given: Mapping[str, Any], subject: Subject) -> dict[str, Any]:
-    """The options of a study, with the verdict of the nominal design as the target of its screen.
-
-    A `ValueError` is raised if the nominal design has no verdict to reproduce.
+    """The options of a study, with the verdict of the nominal design as the target of its screen. A
+    `ValueError` is raised if the nominal design has no verdict to reproduce.
     """
     if given.get("engine") != WARP or "wanted" in given:
         return dict(given)

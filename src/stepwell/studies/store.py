@@ -139,9 +139,8 @@ class Study(base.ByValue):
         return columns
 
     def display_unit(self, name: str) -> tuple[str, float]:
-        """Display unit of a column, and the factor from its stored unit.
-
-        A key of a robot has its unit in its name and is not converted.
+        """Display unit of a column, and the factor from its stored unit. A key of a robot has its
+        unit in its name and is not converted.
         """
         unit = self.columns[name]
         if unit in (TEXT, "1") or (name in self.varied and isinstance(self.subject, robot.Robot)):
@@ -162,9 +161,8 @@ class Study(base.ByValue):
 
     @cached_property
     def identity(self) -> str:
-        """SHA-256 of the description; two studies with one identity have bit-identical results.
-
-        It does not depend on the number of designs if a study can be extended.
+        """SHA-256 of the description; two studies with one identity have bit-identical results. It
+        does not depend on the number of designs if a study can be extended.
         """
         asked = self.asked()
         if self.designs.grows:
@@ -225,10 +223,8 @@ class Study(base.ByValue):
             _sync(self.folder / name / "c" / str(chunk))
 
     def once(self, name: str, chunk: int, find: Callable[[], Sequence[str]]) -> list[str]:
-        """Texts for a chunk that may differ between two computations; the first result is kept.
-
-        The file is next to the chunks of its column; an `OSError` is raised if it cannot be
-        written.
+        """Texts for a chunk that may differ between two computations; the first result is kept. The
+        file is next to the chunks of its column; an `OSError` is raised if it cannot be written.
         """
         rows = self.rows(chunk)
         place = self.folder / name / f".found-{rows.start}-{rows.stop}.json"

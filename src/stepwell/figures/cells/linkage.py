@@ -23,7 +23,6 @@ _EDGE = 0.14
 
 class Symbol:
     """The force curve of an element in a square of side 1, travel to the right, force upwards.
-
     Travels [m] that are `reached` past an open end are included.
     """
 
@@ -213,9 +212,8 @@ SLACK_DASHES = (0, (2.0, 1.6))
 
 
 class Drawing:
-    """The artists of one chain, with the fixed block's joint midpoint at the origin.
-
-    `scale` is page units per metre; `weight` is a factor on all line widths.
+    """The artists of one chain, with the fixed block's joint midpoint at the origin. `scale` is
+    page units per metre; `weight` is a factor on all line widths.
     """
 
     def __init__(

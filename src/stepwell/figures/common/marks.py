@@ -132,9 +132,8 @@ def trace(
 
 
 def headings(ax: Axes, path: Path, x: Floats, y: Floats, sizes: Point = (10.0, 10.0)) -> None:
-    """Draw an arrow head on every leg of the path, unless there are too many.
-
-    `sizes` are those of loading and unloading [pt]. The axes must have their final limits.
+    """Draw an arrow head on every leg of the path, unless there are too many. `sizes` are those of
+    loading and unloading [pt]. The axes must have their final limits.
     """
     legs = reading.legs(path)
     for direction, at in legs if len(legs) <= MOST_HEADS else ():
@@ -153,9 +152,8 @@ def head(
 
 
 def heading(ax: Axes, x: Floats, y: Floats, colour: str, *, at: float, size: float) -> None:
-    """Draw an arrow head at the fraction `at` of a curve's length, unless the curve is short.
-
-    The axes must have their final limits.
+    """Draw an arrow head at the fraction `at` of a curve's length, unless the curve is short. The
+    axes must have their final limits.
     """
     xy = ax.transData.transform(np.column_stack([x, y]))
     frame = ax.get_window_extent()
@@ -177,9 +175,8 @@ def legend(
     *,
     fit: bool = False,
 ) -> None:
-    """Add the legend of a path and `more` entries above the axes, which may `fit` it.
-
-    If panels share a legend, the entries of the path go there.
+    """Add the legend of a path and `more` entries above the axes, which may `fit` it. If panels
+    share a legend, the entries of the path go there.
     """
     back = legends.line("unloading", style.UNLOADING, widths[1], linestyle=unloading_style)
     circle = hollow(4.2, linestyle=SNAP_DASHES, marker="o")

@@ -74,9 +74,8 @@ def curve(path: Path, direction: int, *columns: Floats) -> tuple[Floats, ...]:
 
 
 def legs(path: Path) -> list[tuple[int, NDArray[np.intp]]]:
-    """(direction, sample indices) of the pieces, also cut where every cell rests at a stop.
-
-    Pieces with a constant stroke are left out.
+    """(direction, sample indices) of the pieces, also cut where every cell rests at a stop. Pieces
+    with a constant stroke are left out.
     """
     slip = _SLIP * np.array(path.chain.full_travels)
     stops = [np.where(c.stopped, (c.low, c.high), (-np.inf, np.inf)) for c in path.chain.cells]
@@ -91,9 +90,8 @@ def legs(path: Path) -> list[tuple[int, NDArray[np.intp]]]:
 
 
 def vertices(path: Path) -> list[Vertex]:
-    """Samples where every cell is in a phase, one per visit.
-
-    The sample is the first of the visit if all cells rest, and half-way if they move.
+    """Samples where every cell is in a phase, one per visit. The sample is the first of the visit
+    if all cells rest, and half-way if they move.
     """
     columns = zip(path.chain.cells, path.travel.T, path.sheet.T, strict=True)
     digits = np.column_stack([phases(*column) for column in columns])
@@ -127,9 +125,8 @@ def span(path: Path, cell: int) -> tuple[float, float]:
 def phases(
     cell: Cell | Element, travel: ArrayLike, sheet: ArrayLike, near: float = _SLIP
 ) -> NDArray[np.intp]:
-    """Phase of a cell at travels [m] on sheets, both of one shape; -1 in transit.
-
-    `near` is the tolerance, as a fraction of the full travel.
+    """Phase of a cell at travels [m] on sheets, both of one shape; -1 in transit. `near` is the
+    tolerance, as a fraction of the full travel.
     """
     travel, sheet, slip = np.asarray(travel), np.asarray(sheet), near * cell.full_travel
     digits = np.full(travel.shape, -1)

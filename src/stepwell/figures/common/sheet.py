@@ -27,9 +27,8 @@ _MOST = 400_000
 
 
 class PageFigure(Figure):
-    """A figure that notebooks display on white and at one scale.
-
-    One column of a page is 480 pixels wide, and no figure is wider than the notebook.
+    """A figure that notebooks display on white and at one scale. One column of a page is 480 pixels
+    wide, and no figure is wider than the notebook.
     """
 
     def _repr_html_(self) -> str:

@@ -67,7 +67,6 @@ _logged: set[str] = set()
 
 def literal(text: str) -> str:
     """The name as literal text for matplotlib, never mathematics and never hidden in a legend.
-
     Letters that no font has become squares, which is logged once.
     """
     lines = text.split("\n")

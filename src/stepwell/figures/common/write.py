@@ -37,9 +37,8 @@ class _Face(NamedTuple):
 
 
 def with_fonts(svg: str) -> str:
-    """The SVG with its fonts embedded, cut to the letters it shows.
-
-    Its text stays text and looks the same if the fonts are not installed.
+    """The SVG with its fonts embedded, cut to the letters it shows. Its text stays text and looks
+    the same if the fonts are not installed.
     """
     shown: dict[_Face, set[str]] = defaultdict(set)
     for text in _TEXT.finditer(svg):
@@ -101,7 +100,6 @@ def write_gif(
     hundredths: int | Sequence[int],
 ) -> Path:
     """Write frames of one size as a GIF that repeats for ever, with the colours of `seen`.
-
     `hundredths` is the duration of a frame, or of each [0.01 s].
     """
     shared = _palette(seen)

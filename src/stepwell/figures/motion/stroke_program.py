@@ -74,9 +74,8 @@ def limits(values: Floats, margin: float) -> tuple[float, float]:
 
 
 def draw_plan(ax: Axes, plan: StrokePlan, windows: list[Window], margin: float) -> list[Line2D]:
-    """Draw the drive, snaps and tolerance intervals, with a margin above and below.
-
-    `margin` is a fraction of the range. Returns the legend entries.
+    """Draw the drive, snaps and tolerance intervals, with a margin above and below. `margin` is a
+    fraction of the range. Returns the legend entries.
     """
     path, way, drive = plan.path, plan.way, plan.drive
     bars = np.array([(window.low, window.high) for window in windows]).ravel()

@@ -30,7 +30,6 @@ _WIDTH, _PALE = 1.0, 0.5
 
 def draw_recorded(ax: Axes, recordings: Sequence[Recording], measure: Measure) -> list[Artist]:
     """Draw measured force [N] over stroke [mm], each half in the pale colour of its direction.
-
     Returns the legend entries.
     """
     if recordings and measure is not Measure.TRAVEL:

@@ -74,9 +74,8 @@ def resting(walk: Walk, leg: str, some: slice) -> list[tuple[float, float, str]]
 
 
 def direction(gait: str) -> int:
-    """+1 for a forward step, -1 for a backward step, 0 for none.
-
-    In a forward step the last cell, which lifts the foot, moves last on loading and on unloading.
+    """+1 for a forward step, -1 for a backward step, 0 for none. In a forward step the last cell,
+    which lifts the foot, moves last on loading and on unloading.
     """
     states = gait.split(">")
     ones = "1" * (len(states[0]) - 1)
