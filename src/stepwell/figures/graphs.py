@@ -179,7 +179,7 @@ class _Drawing:
             half_way = legends.mark("cell half-way", "_", 4.2, color=_GREY)
         aside = _box(style.FAINT, 0.7, f"unreachable from {'0' * self.cells}")
         way = f"program, {program.start} to {program.target}" if program is not None else ""
-        return legends.those(
+        return legends.applicable(
             (True, legends.line("loading", style.LOADING, 1.2)),
             (True, legends.line("unloading", style.UNLOADING, 1.2, linestyle=(0, _DASHES))),
             (True, legends.line("main loop", width=_BOLD)),

@@ -131,7 +131,7 @@ def _panels(
     page = sheet.page_width(style.PAGE)
     columns = max(1, round(most * page / style.PAGE))
     wide = page / columns
-    legend_columns, below = legends.laid(len(handles), page - left, _ENTRY)
+    legend_columns, below = legends.grid_size(len(handles), page - left, _ENTRY)
     rows = math.ceil(len(shown) / columns)
     figure = sheet.blank(page, rows * tall + _KEY + _ROW * (below - 1))
     legends.on_top(figure, handles, left, 2.0, columns=legend_columns)

@@ -69,7 +69,7 @@ def margins(margin: Margin, tolerances: Tolerances | None = None) -> Figure:
     drawn = [(label, rows) for label, rows in panels if rows]
     every = [row for _, rows in drawn for row in rows]
     near = legends.shade("margin smaller than the tolerance", _pale(style.VERMILLION))
-    handles = legends.those(
+    handles = legends.applicable(
         (True, legends.shade("margin to another sequence", _pale(style.GREEN))),
         (any(row.near for row in every), near),
         (any(row.off for row in every), legends.shade("tolerance", _OFF)),
@@ -197,7 +197,7 @@ def tornado(results: Sensitivity | Sequence[Sensitivity]) -> Figure:
             _bars(sheet.place(figure, k * wide + 2.0, top - own, wide - 7.0, own), one, k * wide)
         top -= high + _TORNADO_FOOT
     missing = any(math.isinf(effect.span) for one in shown for effect in one.effects)
-    handles = legends.those(
+    handles = legends.applicable(
         (True, legends.shade("at the low value", LOW)),
         (True, legends.shade("at the high value", HIGH)),
         (any(one.target for one in shown), legends.shade("target", _TARGET)),

@@ -83,7 +83,7 @@ def element_curves(elements: Mapping[str, Element]) -> Figure:
     each, tall, foot = page / across, 54.0, 7.0
     rows = -(-len(elements) // across)
     key = _key(elements.values())
-    columns, lines = legends.laid(len(key), page, _ENTRY)
+    columns, lines = legends.grid_size(len(key), page, _ENTRY)
     foot += 3.8 * (lines - 1)
     figure = sheet.blank(page, rows * tall + foot)
     corners = sheet.grid(len(elements), across, (each, tall), (13.0, 11.0 + foot))
@@ -233,7 +233,7 @@ def _key(elements: Iterable[Element]) -> list[Artist]:
     open_end = not all(stop for element in shown for stop in element.stopped)
     error_band = any(element.error_band for element in shown)
     friction = any(element.friction for element in shown)
-    return legends.those(
+    return legends.applicable(
         (True, legends.shade("phase", style.PHASE, **_SHADE)),
         (bistable, legends.mark("snap-through (loading)", **_circle(style.LOADING))),
         (bistable, legends.mark("snap-back (unloading)", **_circle(style.UNLOADING))),
@@ -301,7 +301,7 @@ def _curves(
 
     ends = law is Cell.force
     # Names are side by side if there is room; the marks have their own row.
-    columns, rows = legends.laid(len(levers), sheet.page_width(style.COLUMN), _NAME, 2)
+    columns, rows = legends.grid_size(len(levers), sheet.page_width(style.COLUMN), _NAME, 2)
     top = 8.0 + 3.75 * rows
     own = ax is None
     figure, ax = sheet.canvas(ax, (style.COLUMN, 62.0 + top), (13.0, 10.0, 2.0, top))

@@ -97,7 +97,7 @@ def force_plane(
     gap_label, shade = "smallest force gap", style.pale(style.YELLOW, 0.0)
     if step <= 0:
         gap_label, shade = "order violated by", style.pale(style.VERMILLION, 0.3)
-    key = legends.those(
+    key = legends.applicable(
         (region, legends.shade("feasible anchors", _FILL, edgecolor=style.FAINT, linewidth=0.8)),
         (places is not None, legends.mark("feasible anchors", ".", 3.0, color=style.FAINT)),
         (cloud is not None, legends.line("95 % of samples", width=1.0)),

@@ -99,7 +99,7 @@ def arrange(
     ways = [1 if b >= a else -1 for a, b in pairwise(strokes)]
     page = page_width(style.PAGE)
     # Entries: cells, the thickness of a band, and a slack band.
-    key = _KEY + _MORE * (legends.laid(len(chain) + 2, page, _ENTRY)[1] - 1)
+    key = _KEY + _MORE * (legends.grid_size(len(chain) + 2, page, _ENTRY)[1] - 1)
 
     def sized(c: int) -> tuple[list[tuple[int, int]], tuple[bool, bool], float, float]:
         """Cells of the grid, arrows at the left and right edge, scale and height of c columns."""
@@ -213,7 +213,7 @@ def _key(ax: Axes, plan: DrawingPlan, slack: bool) -> None:
         handles.append(legends.line(strongest, width=THICKEST * 0.8))
     if slack:
         handles.append(legends.line("slack band", width=0.8, linestyle=SLACK_DASHES))
-    columns, _ = legends.laid(len(handles), plan.width, _ENTRY)
+    columns, _ = legends.grid_size(len(handles), plan.width, _ENTRY)
     legends.above(ax, handles, columns, bbox_to_anchor=(0.02, 0.6 / plan.height))
     if not len(linkage.owner):
         return  # Only elements: the drawing has no length scale.

@@ -1,1 +1,1 @@
-"""What figures share: style, names, labels, marks."""
+"""Shared parts of figures: style, names, labels, marks."""

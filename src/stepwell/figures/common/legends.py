@@ -149,12 +149,12 @@ def cells(
     ]
 
 
-def those(*handles: tuple[object, Artist]) -> list[Artist]:
+def applicable(*handles: tuple[object, Artist]) -> list[Artist]:
     """The handles whose condition, the first of each pair, is true."""
     return [handle for holds, handle in handles if holds]
 
 
-def laid(count: int, room: float, entry: float, most: int = 100) -> tuple[int, int]:
+def grid_size(count: int, room: float, entry: float, most: int = 100) -> tuple[int, int]:
     """Columns (at most `most`) and rows of `count` entries of width `entry` in `room` [mm]."""
     columns = max(1, min(count, most, int(room / entry)))
     return columns, -(-count // columns)

@@ -180,7 +180,7 @@ def legend(
     """
     back = legends.line("unloading", style.UNLOADING, widths[1], linestyle=unloading_style)
     circle = hollow(4.2, linestyle=SNAP_DASHES, marker="o")
-    entries = legends.those(
+    entries = legends.applicable(
         (np.any(path.direction > 0), legends.line("loading", style.LOADING, widths[0])),
         (np.any(path.direction < 0), back),
         (np.any(path.snap_after), legends.line("snap", width=1.1, **circle)),

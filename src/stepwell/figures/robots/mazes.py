@@ -55,7 +55,7 @@ def maze(maze: Maze) -> Figure:
     title = f"{arena.title}: " if arena.title else ""
     headline = wrap(f"{title}{maze.ending}", int(page / _LETTER))
     handles = _key(maze)
-    columns, rows = legends.laid(len(handles), page, _ENTRY, 5)
+    columns, rows = legends.grid_size(len(handles), page, _ENTRY, 5)
     key = _KEY + _ROW * (rows - 1)
     height = high + _TITLE + _LINE * (len(headline) - 1) + key
     figure = sheet.blank(page, height)
@@ -169,7 +169,7 @@ def _key(maze: Maze) -> list[Artist]:
     """Legend entries for the colours and marks that occur."""
     kinds, touched = walks.motions(maze.walk), maze.touched.values()
     edge = {"edgecolor": style.INK, "linewidth": 0.5}
-    return legends.those(
+    return legends.applicable(
         *((kind in kinds, legends.line(kind, one, 1.7)) for kind, one in walks.MOTION.items()),
         (maze.contacts, legends.line("antenna pressed", _HALO, 5.5)),
         ({*touched} - {None}, legends.shade("touched obstacle", parts.TOUCHED)),
@@ -206,7 +206,7 @@ def maze_timeline(maze: Maze) -> Figure:
     colours = walks.gait_colours(walk)
     page = sheet.page_width(style.PAGE)
     entries = len(colours) + 2 * bool(antennas)
-    columns, key_rows = legends.laid(entries, page - _LEFT, _TIMELINE_ENTRY, 3)
+    columns, key_rows = legends.grid_size(entries, page - _LEFT, _TIMELINE_ENTRY, 3)
     tall = [_ANTENNA] * len(antennas) + [len(legs) * _LANE, len(order) * _LANE][: 1 + bool(order)]
     bottom = 3.0 + 4.2 * key_rows + _BOTTOM
     figure = sheet.blank(page, bottom + sum(tall) + _GAP * (len(tall) - 1) + _TOP)
@@ -227,7 +227,7 @@ def maze_timeline(maze: Maze) -> Figure:
         legends.shade(walks.gait_words(gait) if gait else "no state reached", colour)
         for gait, colour in colours.items()
     ]
-    handles += legends.those(
+    handles += legends.applicable(
         (antennas, legends.shade("antenna pressed", _PRESSED)),
         (antennas, Line2D([], [], **walks.DASHED, label="full swing")),
     )

@@ -317,7 +317,7 @@ def _view(robot: Robot, ax: Axes | None, view: _View) -> Figure:
 def _page(robot: Robot, views: Sequence[_View], head: float) -> Figure:
     """Stack views at one scale under a margin `head` [mm], with the legend below."""
     page = sheet.page_width(style.PAGE)
-    columns, rows = legends.laid(_ENTRIES, page, _ENTRY, 4)
+    columns, rows = legends.grid_size(_ENTRIES, page, _ENTRY, 4)
     key = _KEY + 3.8 * (rows - 2)
     lefts, rights, bottoms, tops = zip(*(limits_of(robot) for limits_of, _ in views), strict=True)
     left, right = min(lefts), max(rights)

@@ -87,7 +87,7 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
         legends.shade("along the heading", style.BLUE),
         legends.mark("to its left", "D", **_SIDEWAYS),
     ]
-    columns, keys = legends.laid(len(handles), page - _LEFT, _ENTRY)
+    columns, keys = legends.grid_size(len(handles), page - _LEFT, _ENTRY)
     key = _KEY + _ROW * (keys - 1)
     height = sum(tall) + sum(named) + len(tall) * (_ABOVE + _BELOW + lower) + key
     figure = sheet.blank(page, height)

@@ -197,7 +197,7 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
         legends.line("stroke", width=1.2),
         legends.line("command", style.FAINT, 1.0),
     ]
-    columns, rows = legends.laid(len(handles), page - _LEFT, _ENTRY)
+    columns, rows = legends.grid_size(len(handles), page - _LEFT, _ENTRY)
     above = _TOP + _ROW * (rows - 1)
     legs = len(robot.legs) * (_LEG + _STATES)
     figure = sheet.blank(page, above + _STROKE + 3.0 + legs + _BOTTOM)
@@ -329,7 +329,7 @@ def _carried(bars: Axes, force: Axes, walk: Walk, some: slice) -> None:
     force.axhline(weight, **look, label="weight of the robot")
     force.set(xlabel="Time [s]", ylabel="Ground reaction force [N]")
     room = sheet.page_width(style.PAGE) - _CONTACTS_LEFT - _CONTACTS_RIGHT
-    columns, rows = legends.laid(len(names) + 1, room, _CONTACTS_ENTRY, 7)
+    columns, rows = legends.grid_size(len(names) + 1, room, _CONTACTS_ENTRY, 7)
     force.set_ylim(0.0, (1.14 + 0.14 * rows) * max(weight, float(loads.max(initial=0.0))))
     force.spines[["top", "right"]].set_visible(False)
     force.legend(loc="upper left", bbox_to_anchor=(0.0, 1.0), ncols=columns)
