@@ -87,7 +87,9 @@ _MACHINES: Schema = (
 _CYCLES: Schema = (Quantity("sequence", head="cycle"), _MACHINES[2])
 ATLAS: Schema = (
     *keys(title=(str, "chain.title"), cells=(int, lambda atlas: len(atlas.chain)), drive=str),
-    *keys(space=([VARIED], _space), designs=int, closed_form=int, not_proved=int, ties=int, wakes=int),
+    *keys(
+        space=([VARIED], _space), designs=int, closed_form=int, not_proved=int, ties=int, wakes=int
+    ),
     *keys(tolerances=keys(anchor="mm", stiffness="percent", rest_length="percent")),
     *keys(graphs=(int, lambda atlas: len(atlas.machines)), possible=int | None),
     *keys(space_proved=bool, whole=bool),
@@ -151,7 +153,9 @@ def _facts(atlas: Atlas) -> list[Fact]:
         Fact("Proved", _proved(atlas)),
         Fact("Unseen", "" if atlas.whole else unseen),
         Fact("Space", f"{len(atlas.chain)} cells driven by {atlas.drive}, {varied} varied"),
-        Fact("Designs", f"{atlas.designs} drawn evenly, {atlas.closed_form} of them in closed form"),
+        Fact(
+            "Designs", f"{atlas.designs} drawn evenly, {atlas.closed_form} of them in closed form"
+        ),
         Fact("Engine", f"the same graph for {atlas.agreed} of {atlas.checked} more designs"),
         Fact("Others", others if sampled.asked else ""),
     ]
