@@ -144,8 +144,8 @@ def _facts(atlas: Atlas) -> list[Fact]:
         unseen = f"at most {most} % of designs have another graph, at 95 %"
     sampled, known = atlas.sampled, {one.name for one in atlas.machines}
     others = (
-        f"{atlas.designs - atlas.closed_form} designs; of a sample of {sampled.asked} the engine finds "
-        f"{counted(len(sampled.machines), 'graph')}, "
+        f"{atlas.designs - atlas.closed_form} designs; of a sample of {sampled.asked} the engine "
+        f"finds {counted(len(sampled.machines), 'graph')}, "
         f"{len(sampled.machines.keys() - known) or 'none'} of them new"
     )
     varied = counted(len(atlas.axes), "parameter")
