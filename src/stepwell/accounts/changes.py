@@ -1,19 +1,17 @@
-"""The smallest changes after which a chain does something else."""
+"""The smallest changes after which a chain has another sequence."""
 
 import math
-from collections.abc import Mapping, Sequence
 from typing import Any
 
-from stepwell import base, mechanism
-from stepwell.accounts.head import About, Shape, keys, recorded
+from stepwell import base
+from stepwell.accounts.head import About, Shape, keys
 from stepwell.accounts.parts import CARD, Account, Part, RecordTable
 from stepwell.base import Quantity
 from stepwell.design import LONGEST_FOLLOWED, Change, Margin
 
 # A displacement [m] and a fraction of this size are no change.
 _NO_MOVE, _NO_CHANGE = 1e-9, 1e-11
-# A longer sequence is not written in a sentence.
-_MOST_LETTERS = 60
+_KINDS = "anchor", "stiffness", "force_scale", "travel_scale", "friction"
 
 
 def change_schema(shape: Shape) -> base.Schema:
@@ -46,36 +44,44 @@ def _becomes(change: Change) -> str | None:
     return change.becomes or None if len(change.chain) <= LONGEST_FOLLOWED else None
 
 
+def change_words(change: Change) -> str:
+    """A change of a cell, and the sequence past it; how far an anchor moves is in brackets."""
+    anchor = _of_anchor(change)
+    if change.distance < (_NO_MOVE if anchor else _NO_CHANGE):
+        return "any change at all decides the sequence"
+    becomes, far = _becomes(change), f" ({_distance(change)})" if anchor else ""
+    moved = _moved(change, f" of {change.chain.names[change.cell]}")
+    return f"{moved}{far}" + (f", then {becomes}" if becomes else "")
+
+
+def _moved(change: Change, of: str = "") -> str:
+    """What is changed, `of` which cell, and by how much; the latter only where it is finite."""
+    measure = change.chain.measure
+    part = f"{_part(change.parameter, measure)}{of}"
+    if not math.isfinite(change.distance):
+        return part
+    if isinstance(change.move, tuple):
+        x, y = (base.signed(base.to_unit(v, "mm")) for v in change.move)
+        return f"{part} by ({x}, {y}) mm"
+    largest = f" of the largest {measure.force}" * (change.parameter == "friction")
+    return f"{part} by {base.signed(change.move * 100)} %{largest}"
+
+
 def _part(parameter: str, measure: base.Measure) -> str:
-    """What of a cell is changed, in a word or two."""
     scales = {"force_scale": f"{measure.force}s", "travel_scale": f"{measure.travel}s"}
     return {"anchor": "anchor q", **scales}.get(parameter, parameter)
 
 
-def critical_words(change: Change) -> str:
-    """The change that breaks a design first, and what the design does past it."""
-    chain, part = change.chain, change.parameter
-    name, what = chain.names[change.cell], _part(part, chain.measure)
-    if change.distance < (_NO_MOVE if _of_anchor(change) else _NO_CHANGE):
-        return "any change at all decides what it does"
-    if isinstance(change.move, tuple):
-        far, way = base.amount(change.distance, "m", 3), _sides(*change.move)
-        words = f"{what} of {name} {far} {way}"
-    else:
-        of = f" of its largest {chain.measure.force}" * (part == "friction")
-        words = f"{name}'s {what}: {base.signed(float(f'{change.move * 1e2:.3g}'))} %{of}"
-    becomes = _becomes(change)
-    return f"{words} breaks it" + (f": then {becomes}" if becomes else "")
+def _distance(change: Change) -> str:
+    if not math.isfinite(change.distance):
+        return "none within reach" if _of_anchor(change) else "none"
+    if _of_anchor(change):
+        return base.amount(change.distance, "m")
+    return f"{base.number(change.distance * 100)} %"
 
 
-def _sides(x: float, y: float) -> str:
-    """Where an anchor goes, (x, y) [m], as it is seen on a drawing."""
-    size = max(abs(x), abs(y))
-    ways = [(x, "to the right" if x > 0 else "to the left"), (y, "up" if y > 0 else "down")]
-    kept = [(base.to_unit(abs(v), "mm"), way) for v, way in ways if abs(v) > 0.02 * size]
-    if len(kept) == 1:
-        return kept[0][1]
-    return "(" + " and ".join(f"{base.number(v, 3)} {way}" for v, way in kept) + ")"
+def _nearest(margin: Margin) -> list[Change]:
+    return sorted(margin.changes, key=lambda change: change.distance)
 
 
 def margin_schema(shape: Shape) -> base.Schema:
@@ -85,118 +91,60 @@ def margin_schema(shape: Shape) -> base.Schema:
 
 def margin_words(margin: Margin) -> str:
     """The smallest change of each kind that gives another sequence."""
-    chain, measure = margin.chain, margin.chain.measure
-    kinds = {
-        "anchor": "mm of an anchor",
-        "stiffness": "% of a stiffness",
-        "force_scale": f"% in {measure.force}",
-        "travel_scale": f"% in {measure.travel}",
-        "friction": "% in friction",
-    }
-    found: list[str] = []
-    for kind, text in kinds.items():
-        distances = [one.distance for one in margin.changes if one.parameter == kind]
-        least = min(distances, default=math.inf)
-        if math.isfinite(least):
-            unit = "mm" if kind == "anchor" else "percent"
-            found.append(f"{base.number(base.to_unit(least, unit))} {text}")
-    if found:
-        near = " or ".join([*([", ".join(found[:-1])] if found[1:] else []), found[-1]])
-        return f"{near} to another sequence ({margin.method})"
-    if len(chain.elements) == len(chain):
+    finite = [one for one in _nearest(margin) if math.isfinite(one.distance)]
+    near = {one.parameter: one for one in reversed(finite)}
+    if near:
+        measure = margin.chain.measure
+        kinds = [kind for kind in _KINDS if kind in near]
+        words = [f"{_distance(near[kind])} in {_part(kind, measure)}" for kind in kinds]
+        return f"{', '.join(words)} to another sequence ({margin.method})"
+    if len(margin.chain.elements) == len(margin.chain):
         return "no other sequence by any change of one thing"
     return f"no other sequence within {base.amount(margin.reach, 'm')} of any anchor"
 
 
 def margin_section(margin: Margin, *parts: Part) -> dict[str, tuple[Part, ...]]:
     """The smallest change of each thing as a table, the nearest first; `parts` stand above it."""
-    shape = Shape.of(margin.chain)
-    near = sorted(margin.changes, key=lambda change: change.distance)
+    chain, near = margin.chain, _nearest(margin)
+    schema = change_schema(Shape.of(chain))
     exact = margin.method == "exact"
     searched = f"searched with the engine. {margin.resolution}"
     how = "exact: every change is in closed form" if exact else searched
-    reach = f"; anchors were moved by up to {base.amount(margin.reach, 'm')}" * shape.levers
-    gap = (
-        f" The smallest gap between two F0 or two F1 is {base.number(margin.gap)} times k r of the "
-        f"innermost cell."
-    ) * math.isfinite(margin.gap)
-    about = (
-        f"The smallest change of one thing at a time that gives another sequence ({how})"
-        f"{reach}.{gap}"
+    about = f"The smallest change of one thing at a time that gives another sequence ({how})"
+    if len(chain.elements) < len(chain):
+        about += f"; anchors were moved by up to {base.amount(margin.reach, 'm')}"
+    if math.isfinite(margin.gap):
+        about += (
+            f". The smallest gap between two F0 or two F1 is {base.number(margin.gap)} times k r "
+            "of the innermost cell"
+        )
+    # The sequence past a change of a long chain is not computed.
+    becomes = len(chain) <= LONGEST_FOLLOWED and any(change.becomes for change in near)
+    columns = (
+        Quantity("cell", head="cell", form=lambda cell: chain.names[cell]),
+        base.Column("change", lambda row: _moved(row["change"])),
+        base.Column("distance", lambda row: _distance(row["change"]), True),
+        *schema[-1:] * becomes,
     )
-    rows = recorded(change_schema(shape), near)
-    table = RecordTable(_columns(margin.chain, near), rows, about, more="changes", level=CARD)
+    table = RecordTable(
+        columns,
+        lambda: [base.record(schema, change) | {"change": change} for change in near],
+        f"{about}.",
+        more="changes",
+        level=CARD,
+    )
     return {"Margin: the smallest change of one thing that gives another sequence": (*parts, table)}
 
 
-def _columns(chain: mechanism.Chain, changes: Sequence[Change]) -> base.Columns:
-    """The columns of a table of changes; where a change leads is not known of long chains."""
-    names, measure = chain.names, chain.measure
-
-    def far(change: Mapping[str, Any]) -> str:
-        if change.get("distance_mm") is not None:
-            return f"{base.number(change['distance_mm'])} mm"
-        if change["distance_percent"] is not None:
-            return f"{base.number(change['distance_percent'])} %"
-        return "none within reach" if change["parameter"] == "anchor" else "none"
-
-    def way(change: Mapping[str, Any]) -> str:
-        if change.get("distance_mm") is not None:
-            x, y = map(base.signed, change["move_mm"])
-            return f"q by ({x}, {y}) mm"
-        if change["distance_percent"] is None:
-            return ""
-        by, part = f"by {base.signed(change['move_percent'])} %", change["parameter"]
-        if part == "friction":
-            return f"{by} of the largest {measure.force}"
-        return f"{'k' if part == 'stiffness' else _part(part, measure)} {by}"
-
-    _, what, *_, past = change_schema(Shape.of(chain))
-    becomes = len(chain) <= LONGEST_FOLLOWED and any(change.becomes for change in changes)
-    return (
-        Quantity("cell", head="cell", form=lambda cell: names[cell]),
-        what,
-        base.Column("how far", far, True),
-        base.Column("which way", way),
-        *([past] if becomes else []),
-    )
-
-
-def otherwise_words(margin: Margin, *, tied: bool = False) -> str:
-    """The smallest changes after which a chain, which may be `tied` already, does another thing."""
+def nearest_words(margin: Margin, *, tied: bool = False) -> str:
+    """The smallest changes of an anchor and of a number; a chain may be `tied` already."""
     if tied and all(change.distance < _NO_MOVE for change in margin.changes):
-        return "It stands between two sequences: any change at all decides which it takes."
-    near = sorted(margin.changes, key=lambda change: change.distance)
-    near = [change for change in near if math.isfinite(change.distance)]
+        return "Degenerate: any change at all decides between two sequences."
     # An anchor and a number do not compare: the nearest of both is reported.
-    kinds = {_of_anchor(change): change for change in reversed(near)}
-    nearest = [kinds[kind] for kind in (True, False) if kind in kinds]
-    if nearest:
-        return f"It would go {', or '.join(map(_instead, nearest))}."
-    anchors = any(_of_anchor(change) for change in margin.changes)
-    reach = f" of an anchor within {base.amount(margin.reach, 'm')}, and none" * anchors
-    return f"No change{reach} of one number alone makes it do anything else."
-
-
-def _instead(change: Change) -> str:
-    becomes = _becomes(change) or ""
-    spelled = 0 < len(becomes) <= _MOST_LETTERS and "no answer" not in becomes
-    return f"{becomes if spelled else 'another way'} if {_changed(change)}"
-
-
-def _changed(change: Change) -> str:
-    name = change.chain.names[change.cell]
-    if isinstance(change.move, tuple):
-        return f"the anchor q of {name} were moved by {base.amount(change.distance, 'm', 3)}"
-    words = change.chain.measure
-    share = f"{base.number(abs(change.move) * 100, 3)} %"
-    if change.parameter == "friction":
-        return f"{name} had friction of {share} of its largest {words.force} more"
-    more = change.move > 0
-    if change.parameter == "stiffness":
-        return f"the bands of {name} were {share} {'stiffer' if more else 'softer'}"
-    of = words.travel if change.parameter == "travel_scale" else words.force
-    return f"all {of}s of {name} were {share} {'larger' if more else 'smaller'}"
+    finite = [one for one in _nearest(margin) if math.isfinite(one.distance)]
+    near = {_of_anchor(one): one for one in reversed(finite)}
+    words = "; ".join(change_words(near[kind]) for kind in (True, False) if kind in near)
+    return f"Smallest changes to another sequence: {words}." if words else ""
 
 
 def margin_account(margin: Margin, about: About) -> Account:

@@ -66,7 +66,7 @@ def check_account(found: Check, about: About) -> Account:
     chain, sampled = found.chain, found.yield_
     broken = "no single change within reach breaks it" if found.meets_target else ""
     if found.critical_change is not None:
-        broken = changes.critical_words(found.critical_change)
+        broken = changes.change_words(found.critical_change)
     # The largest force is one in grams too where it is a force.
     mass, unit = _mass(found), chain.measure.force_unit
     grams = "" if mass is None else f" ({base.amount(mass, 'kg', 3)})"

@@ -80,7 +80,7 @@ def run_account(run: Run, about: About) -> Account:
         Fact("Landings", landings),
     )
     nearby = (
-        Text(changes.otherwise_words(margin, tied=tied), PAGE),
+        Text(changes.nearest_words(margin, tied=tied), PAGE),
         Picture("margins", "Distance of each parameter to another sequence"),
         Picture("around", "Sequences around the most sensitive anchor"),
     )
