@@ -75,7 +75,9 @@ def built_schema(shape: Shape) -> Schema:
     name, p, q, *band = BAND
     forces = [one for one in cell_schema(shape) if one.key in ("F0_N", "F1_N")]
     # What can be chosen stands before what is given.
-    first = [replace(one, read=lambda it, q=one: q.of(it.cell.bands[0])) for one in (q, p, *band)]
+    first = [
+        replace(one, read=lambda it, q=one: q.of(it["cell"].bands[0])) for one in (q, p, *band)
+    ]
     return (name, *first, *base.read_off(_LEVER, "cell"), *forces)
 
 

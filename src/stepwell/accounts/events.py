@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 from operator import itemgetter
-from typing import Any, NamedTuple
+from typing import Any
 
 from stepwell import base, mechanism
-from stepwell.accounts.head import About, Shape, keys, recorded
+from stepwell.accounts.head import About, Row, Shape, keys, recorded
 from stepwell.accounts.parts import CARD, PAGE, Account, RecordTable, Sections, Text
 from stepwell.base import Column, Quantity
 from stepwell.statics import Cause, Event, Landing
@@ -36,30 +36,24 @@ def event_schema(shape: Shape) -> base.Schema:
 
 
 def way(event: Any) -> str:
-    """Whether something happens on the way out or back."""
+    """Whether an event happens during loading or unloading."""
     return "loading" if event.direction > 0 else "unloading"
 
 
-class Landed(NamedTuple):
-    """A landing, and the number of its snap among the events."""
-
-    event: int
-    landing: Landing
-
-
-def landed(landings: Sequence[Landing] | None, events: Sequence[Event]) -> list[Landed] | None:
+def landed(landings: Sequence[Landing] | None, events: Sequence[Event]) -> list[Row] | None:
     """Landings with the numbers of their snaps; None where they were not checked."""
     if landings is None:
         return None
-    found: list[Landed] = []
+    rows: list[Row] = []
+    # Landings are in the order of their snaps: of equal snaps the next one is meant.
     for landing in landings:
-        after = found[-1].event + 1 if found else 0
-        found.append(Landed(events.index(landing.event, after), landing))
-    return found
+        at = events.index(landing.event, rows[-1]["event"] + 1 if rows else 0)
+        rows.append({"event": at, "landing": landing})
+    return rows
 
 
 def landing_schema(shape: Shape) -> base.Schema:
-    """What is known of the landing of a snap; it is read from `Landed`."""
+    """What is known of the landing of a snap, read from a row of `landed`."""
     known = keys(holds=bool, ratio=float, proof=str | None, corners=int, samples=int, bound=float)
     elsewhere = Quantity("elsewhere", holds=[_elsewhere(shape)])
     return (*keys(event=int), *base.read_off((*known, elsewhere), "landing"))
@@ -84,22 +78,14 @@ def event_sections(
     event, place = event_schema(Shape.of(chain)), _elsewhere(Shape.of(chain))
     known = {quantity.attribute: quantity for quantity in event}
     table = RecordTable(
-        _columns(chain),
+        _columns(chain, known),
         recorded(event, events),
         f"A switch is a cell arriving {arriving}; a snap is a jump at a fixed {measure.stroke}. "
         f"{measure.stroke.capitalize()}s are exact, not read off a grid.",
-        wide=[Column("cause", lambda event: Cause[event["cause"].upper()].value)],
+        wide=[Column("cause", lambda row: Cause[row["cause"].upper()].value)],
         more="switches and snaps",
         level=CARD,
     )
-
-    def elsewhere() -> list[dict[str, Any]]:
-        return [
-            base.record(event, events[at]) | base.record(place, one)
-            for at, landing in landed(landings, events) or ()
-            for one in landing.elsewhere
-        ]
-
     columns = (
         known["direction"],
         known["stroke"],
@@ -107,49 +93,48 @@ def event_sections(
         place[0],
         Column("samples", lambda row: f"{100 * row['share']:.0f} %", True),
     )
-    about = (
-        "The same snaps with other mobilities of the cells: the other landings, the mobilities "
-        "nearest to those given that were found to lead there, and the fraction of the samples."
+    other = RecordTable(
+        columns,
+        lambda: [
+            base.record(event, landing.event) | base.record(place, one)
+            for landing in landings or ()
+            for one in landing.elsewhere
+        ],
+        "Landings of the same snaps for other mobilities of the cells, with the mobilities nearest "
+        "to the given ones that lead there and the fraction of the samples.",
     )
     return {
         "Switches and snaps": (table, Text(f"Landings: {words}." if words else "", PAGE)),
-        "Landings that other mobilities of the cells change": RecordTable(
-            columns, elsewhere, about
-        ),
+        "Landings that other mobilities of the cells change": other,
     }
 
 
-def _columns(chain: mechanism.Chain) -> base.Columns:
+def _columns(chain: mechanism.Chain, known: Mapping[str, Quantity]) -> base.Columns:
     names = chain.names
-    schema = {q.attribute: q for q in event_schema(Shape.of(chain))}
-    here, there, lost = (schema[key] for key in ("before", "after", "released"))
-    before, after = schema["force_before"], schema["force_after"]
+    here, there, lost = (known[key] for key in ("before", "after", "released"))
+    forces = known["force_before"], known["force_after"]
 
-    def moves(event: Mapping[str, Any]) -> str:
-        if event["kind"] == "switch":
-            return ", ".join(f"{names[a['cell']]} at {a['state']}" for a in event["arrivals"])
-        rows = zip(event["cells"], event[here.key], event[there.key], strict=True)
+    def moves(row: Row) -> str:
+        if row["kind"] == "switch":
+            return ", ".join(f"{names[a['cell']]} at {a['state']}" for a in row["arrivals"])
+        ends = zip(row["cells"], row[here.key], row[there.key], strict=True)
         # Lever cells show by their travels where they arrive.
-        to = {a["cell"]: f" at {a['state']}" for a in event["arrivals"] if chain.elements}
+        to = {a["cell"]: f" at {a['state']}" for a in row["arrivals"] if chain.elements}
         return ", ".join(
             f"{names[cell]} {base.number(a)} → {base.number(b)}{to.get(cell, '')}"
-            for cell, a, b in rows
+            for cell, a, b in ends
         )
 
-    def force(event: Mapping[str, Any]) -> str:
-        first, last = before.cell(event), after.cell(event)
-        return f"{first} → {last}" if event["kind"] == "snap" else first
-
-    def released(event: Mapping[str, Any]) -> str:
-        return lost.cell(event) if event["kind"] == "snap" else ""
+    def force(row: Row) -> str:
+        return " → ".join(q.cell(row) for q in forces[: 2 if row["kind"] == "snap" else 1])
 
     return (
-        schema["direction"],
-        schema["kind"],
-        schema["stroke"],
+        known["direction"],
+        known["kind"],
+        known["stroke"],
         Column(f"cells [{here.sign} of {chain.measure.travel}]", moves),
-        Column(f"{chain.measure.force} [{before.sign}]", force, True),
-        Column(lost.heading, released, True),
+        Column(f"{chain.measure.force} [{forces[0].sign}]", force, True),
+        Column(lost.heading, lambda row: lost.cell(row) * (row["kind"] == "snap"), True),
     )
 
 
@@ -163,29 +148,23 @@ def landing_words(landings: Sequence[Landing] | None) -> str:
     ratios = f"for mobility ratios up to {base.number(landings[0].ratio)}"
     if not holding:
         return f"no landing holds {ratios}"
-    all_hold = len(holding) == len(landings)
-    many = "all hold" if all_hold else f"{len(holding)} of {len(landings)} hold"
-    return f"{many if landings[1:] else 'holds'} {ratios}: {_held_by(holding)}"
-
-
-def _held_by(holding: Sequence[Landing]) -> str:
-    """How many of the landings that hold are proved, and what samples show of the others."""
+    count = "all" if len(holding) == len(landings) else f"{len(holding)} of {len(landings)}"
     sampled = [one for one in holding if one.proof is None]
-    if not sampled:
-        return "proved"
     proved = len(holding) - len(sampled)
-    most = base.percent_at_most(max(one.bound for one in sampled))
-    least = min(one.samples for one in sampled)
-    many = (f"{proved} proved, " if proved else "") + f"in {len(sampled)} " * (len(holding) > 1)
-    each = " each" * (len(sampled) > 1)
-    return (
-        f"{many}at most {most} of mobilities lead elsewhere "
-        f"(95 % confidence, {least} samples{each})"
-    )
+    # How many are proved, and what samples show of the others.
+    held = "proved" if not sampled else f"{proved} proved, " if proved else ""
+    if sampled:
+        held += f"in {len(sampled)} " * (len(holding) > 1)
+        held += (
+            f"at most {base.percent_at_most(max(one.bound for one in sampled))} of mobilities lead "
+            f"elsewhere (95 % confidence, {min(one.samples for one in sampled)} samples"
+            f"{' each' * (len(sampled) > 1)})"
+        )
+    return f"{f'{count} hold' if landings[1:] else 'holds'} {ratios}: {held}"
 
 
 def _condition(mobility: Sequence[float], names: Sequence[str]) -> str:
-    """Factors on the given mobilities in words, such as "outer is 7 times faster"."""
+    """Factors on the given mobilities, such as "outer is 7 times faster"."""
     least, most = min(mobility), max(mobility)
     named = list(zip(names, mobility, strict=True))
     fast = [name for name, factor in named if factor > least]
