@@ -1,11 +1,11 @@
 """A run: what a design does in a full cycle, and how far it is from doing something else."""
 
 from stepwell.accounts import changes, events, words
-from stepwell.accounts.chain import actuator_schema, cell_schema, cell_section, named, with_sign
+from stepwell.accounts.chain import actuator_schema, cell_schema, cell_section, named, texts
 from stepwell.accounts.head import About, Shape, keys
 from stepwell.accounts.parts import PAGE, Account, Fact, Picture, Replay, Text
 from stepwell.accounts.yields import PICTURES, sample_words, yield_words
-from stepwell.base import Quantity, Schema, in_measure, number, read_off, record
+from stepwell.base import Quantity, Schema, in_measure, number, read_off
 from stepwell.design import Run
 from stepwell.sequences import Cycle, Pathway
 from stepwell.statics import EventKind, Path
@@ -25,7 +25,7 @@ def run_schema(shape: Shape) -> Schema:
     )
     return (
         *keys(title=(str, "chain.title"), actuator=(actuator_schema(shape), "chain")),
-        Quantity("cells", read=lambda run: named(run.chain), holds=[cell_schema(shape)]),
+        *keys(cells=([cell_schema(shape)], lambda run: named(run.chain))),
         *read_off(cycle, "cycle"),
         Quantity(
             "landings",
@@ -34,27 +34,23 @@ def run_schema(shape: Shape) -> Schema:
             missing=True,
         ),
         *read_off(cycle_schema(shape), "cycle"),
-        Quantity("margin", holds=changes.margin_schema(shape)),
+        *keys(margin=changes.margin_schema(shape)),
         *keys(ties=([str], lambda run: words.tie_notes(run.cycle.degenerate, run.chain))),
     )
 
 
 def cycle_schema(shape: Shape) -> Schema:
     """The numbers of a cycle."""
-    # Ends of curves say little of how far a chain of elements is driven.
-    points = [_points(shape)] if shape.elements else []
     full = keys(dissipated="mJ", peak_force="N", full_stroke=("mm", "chain.full_stroke"))
-    return in_measure((*full, *points), shape.measure)
-
-
-def _points(shape: Shape) -> Quantity:
-    return Quantity(
+    turns = Quantity(
         "turning_points",
         shape.drive,
         read="path.turning_points",
         form=lambda points: " → ".join(map(number, points)),
         holds=[float],
     )
+    # The ends of the curves say little about how far a chain of elements is driven.
+    return in_measure((*full, *([turns] if shape.elements else [])), shape.measure)
 
 
 def cycle_account(cycle: Cycle, about: About) -> Account:
@@ -73,7 +69,7 @@ def run_account(run: Run, about: About) -> Account:
     made = f"Design file {about.source}" if about.source else "A design made in Python"
     origin = f"{made}. {words.cells_of(chain)}."
     landings = events.landing_words(run.landings)
-    tied = bool(cycle.degenerate)
+    tied, measure = bool(cycle.degenerate), chain.measure
     facts = (
         *cycle_facts(cycle),
         Fact("Margin", changes.margin_words(margin)),
@@ -84,9 +80,6 @@ def run_account(run: Run, about: About) -> Account:
         Picture("margins", "Distance of each parameter to another sequence"),
         Picture("around", "Sequences around the most sensitive anchor"),
     )
-    samples = Text(lambda: _samples(run, tied), PAGE), PICTURES[0]
-    rest = Text(lambda: run.built.assumptions if run.built else "", PAGE)
-    measure = chain.measure
     captions = {
         "mechanism": "The mechanism in the states of its cycle",
         "landscape": "The energy landscape and the path through it",
@@ -98,7 +91,11 @@ def run_account(run: Run, about: About) -> Account:
         **events.event_sections(chain, cycle.events, run.landings),
         **cell_section(chain),
         **changes.margin_section(margin, *nearby),
-        "Yield within the usual tolerances": (*samples, rest),
+        "Yield within the usual tolerances": (
+            Text(lambda: _samples(run, tied), PAGE),
+            PICTURES[0],
+            Text(lambda: run.built.assumptions if run.built else "", PAGE),
+        ),
         "Motion": Replay(chain.title, _NOT_PLAYED),
         "Figures": [Picture(*one) for one in captions.items()],
         **words.assumed(chain),
@@ -119,9 +116,7 @@ def _answer(cycle: Cycle) -> str:
 def cycle_facts(cycle: Cycle) -> list[Fact]:
     """What a chain does in a full cycle."""
     chain, names = cycle.chain, cycle.chain.names
-    schema = cycle_schema(Shape.of(chain))
-    found = record(schema, cycle)
-    lost, peak, full, *driven = (with_sign(q, found[q.key]) for q in schema)
+    lost, peak, full, *driven = texts(cycle_schema(Shape.of(chain)), cycle)
     snaps = sum(event.kind is EventKind.SNAP for event in cycle.events)
     return [
         Fact("Pathway", cycle.pathway.label if cycle.pathway is not None else ""),
@@ -129,36 +124,29 @@ def cycle_facts(cycle: Cycle) -> list[Fact]:
         Fact("Unloading", words.listed([names[cell] for cell in cycle.unloading_order])),
         Fact("Snaps", str(snaps)),
         Fact(f"Peak {chain.measure.force}", peak),
-        Fact("Driven", "".join(driven)),
+        Fact("Turning points", "".join(driven)),
         Fact(f"Full {chain.measure.stroke}", "" if driven else full),
         Fact("Dissipated", f"{lost} in a cycle"),
     ]
 
 
 def _samples(run: Run, tied: bool) -> str:
-    """How many samples reproduce the sequence."""
     from stepwell.design import judged
 
-    found = run.built
-    if found is None:
+    built = run.built
+    if built is None:
         return "Not computed here: the command stepwell yield counts samples."
-    verdict = judged(meets_target=True, tied=tied, interval=found.interval)
-    return f"{verdict}: {yield_words(found)}, of {sample_words(found)}"
+    verdict = judged(meets_target=True, tied=tied, interval=built.interval)
+    return f"{verdict}: {yield_words(built)}, of {sample_words(built)}"
 
 
 def path_account(path: Path, about: About) -> Account:
     """What a notebook shows of a path."""
-    chain, most = path.chain, words.LONGEST_IN_A_LINE
-    points = _points(Shape.of(chain))
-    turns = [number(point * points.factor) for point in path.turning_points]
-    lost, peak, *_ = cycle_schema(Shape.of(chain))
-    found = record((lost, peak), path)
+    chain = path.chain
+    lost, peak = texts(cycle_schema(Shape.of(chain))[:2], path)
     title = f"Path of {chain.title}" if chain.title else "Path"
-    answer = f"{' → '.join(turns[:most])}{' → …' * (len(turns) > most)} {points.sign}"
-    facts = [
-        Fact("Dissipated", with_sign(lost, found[lost.key])),
-        Fact(f"Peak {chain.measure.force}", with_sign(peak, found[peak.key])),
-    ]
+    answer = words.turning_points(path.turning_points, chain)
+    facts = [Fact("Dissipated", lost), Fact(f"Peak {chain.measure.force}", peak)]
     sections = events.event_sections(chain, path.events, None)
     warnings = [words.degenerate(path.degenerate, chain)]
     return Account(path, title, answer=answer, facts=facts, sections=sections, warnings=warnings)
