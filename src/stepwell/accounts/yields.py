@@ -1,4 +1,4 @@
-"""Samples within tolerances: how many reproduce the target, or end where a program leads."""
+"""Samples within tolerances: the fraction that reproduces a target or a program."""
 
 from dataclasses import replace
 from operator import itemgetter
@@ -35,15 +35,19 @@ _PART: Schema = (
 
 def counted_schema(shape: Shape) -> Schema:
     """What is counted of samples, and within which tolerances."""
+    low, high = (lambda result, k=k: result.interval[k] for k in (0, 1))
     return (
-        *keys(share=float, share_low=(float, lambda found: found.interval[0])),
-        Quantity("share_high", holds=float, read=lambda found: found.interval[1]),
+        *keys(share=float, share_low=(float, low), share_high=(float, high)),
         *keys(samples=int, successes=int, tolerances=tolerance_schema(shape)),
     )
 
 
 def tolerance_schema(shape: Shape) -> Schema:
     """The tolerances of a chain; each kind of cell has its own."""
+
+    def ratio(tolerances: Tolerances) -> float | None:
+        return tolerances.mobility if tolerances.mobility > 1 else None
+
     of_levers = (
         Quantity("anchor", "mm", "anchors ±"),
         Quantity("stiffness", "percent", "stiffness ±"),
@@ -54,40 +58,36 @@ def tolerance_schema(shape: Shape) -> Schema:
         *(of_levers if shape.levers else [Quantity("stiffness", "percent", "force ±")]),
         Quantity("friction", "N", "friction up to "),
         *([Quantity("travel", "percent", "travel ±")] if shape.elements else ()),
-        Quantity("mobility", head="mobility ratio up to ", read=_ratio, holds=float),
+        Quantity("mobility", head="mobility ratio up to ", read=ratio, holds=float),
     )
     return in_measure(schema, shape.measure)
-
-
-def _ratio(tolerances: Tolerances) -> float | None:
-    return tolerances.mobility if tolerances.mobility > 1 else None
 
 
 def tolerance_words(given: Tolerances, chain: Chain) -> str:
     """The tolerances of a chain in words."""
     schema = tolerance_schema(Shape.of(chain))
-    found = record(schema, given)
-    words = [f"{q.head}{number(found[q.key])} {q.sign}".strip() for q in schema if found[q.key]]
+    row = record(schema, given)
+    words = [f"{q.head}{number(row[q.key])} {q.sign}".strip() for q in schema if row[q.key]]
     return ", ".join(words) or "no tolerance"
 
 
-def yield_words(found: Yield | Survival) -> str:
-    """The share of samples that reproduce the target, with its confidence interval."""
-    low, high = map(percent, found.interval)
-    return f"{percent(found.share)}, with 95 % confidence {low} to {high}"
+def yield_words(result: Yield | Survival) -> str:
+    """The fraction of samples that reproduce the target, with its confidence interval."""
+    low, high = map(percent, result.interval)
+    return f"{percent(result.share)}, with 95 % confidence {low} to {high}"
 
 
-def sample_words(found: Yield | Survival) -> str:
-    """How many samples were made, and within which tolerances."""
-    return f"{found.samples} samples with {tolerance_words(found.tolerances, found.chain)}"
+def sample_words(result: Yield | Survival) -> str:
+    """The number of samples, and their tolerances."""
+    return f"{result.samples} samples with {tolerance_words(result.tolerances, result.chain)}"
 
 
-def counted_facts(found: Yield | Survival) -> tuple[Fact, ...]:
+def counted_facts(result: Yield | Survival) -> tuple[Fact, ...]:
     """The facts that yields and survivals share."""
     return (
-        Fact("Yield", yield_words(found)),
-        Fact("Successes", f"{found.successes} of {found.samples}", PAGE),
-        Fact("Samples", sample_words(found)),
+        Fact("Yield", yield_words(result)),
+        Fact("Successes", f"{result.successes} of {result.samples}", PAGE),
+        Fact("Samples", sample_words(result)),
     )
 
 
@@ -102,7 +102,7 @@ def inner_yield_schema(shape: Shape) -> Schema:
         Quantity("target"),
         Quantity("target_states", read="states", holds=[str], missing=True),
         *counted_schema(shape),
-        *keys(seed=int, outcomes=([_OUTCOME], lambda found: [*found.outcomes.items()])),
+        *keys(seed=int, outcomes=([_OUTCOME], lambda result: [*result.outcomes.items()])),
         Quantity("critical", holds=_CRITICAL, missing=True),
         *keys(by_engine=int, robust=float, proved=int | None, assumptions=str),
         *in_measure(keys(gap_deviation=("N", _of_gap("deviation"))), shape.measure),
@@ -112,49 +112,49 @@ def inner_yield_schema(shape: Shape) -> Schema:
 
 
 def _of_gap(name: str) -> Any:
-    return lambda found: found.sensitivities and getattr(found.sensitivities, name)
+    return lambda result: result.sensitivities and getattr(result.sensitivities, name)
 
 
-def _parts(found: Yield) -> list[tuple[str, float, float]] | None:
-    table = found.sensitivities
+def _parts(result: Yield) -> list[tuple[str, float, float]] | None:
+    table = result.sensitivities
     return table and [*zip(table.parameters, table.first_order, table.total, strict=True)]
 
 
-def yield_account(found: Yield, about: About) -> Account:
+def yield_account(result: Yield, about: About) -> Account:
     """What is reported of a yield."""
-    chain = found.chain
-    target = "target sequence" if found.states is None else "target states and no others"
-    answer = f"{percent(found.share)} of the samples reproduce the {target}"
-    title, seed = chain.title or "A yield", found.seed
-    facts = (Fact("Target", found.target), *counted_facts(found), critical_fact(found))
+    chain, seed = result.chain, result.seed
+    target = "target sequence" if result.states is None else "target states and no others"
+    answer = f"{percent(result.share)} of the samples reproduce the {target}"
+    title, origin = chain.title or "A yield", f"{cells_of(chain)}."
+    facts = (Fact("Target", result.target), *counted_facts(result), critical_fact(result))
     sections = {
-        "Outcomes of the samples": (*PICTURES, other_outcomes(found)),
-        "Variance of the smallest gap, by part": _sensitivities(found),
+        "Outcomes of the samples": (*PICTURES, other_outcomes(result)),
+        "Variance of the smallest gap, by part": _sensitivities(result),
         **calibration(about),
-        **assumed(chain, found.assumptions),
+        **assumed(chain, result.assumptions),
     }
-    origin, warnings = f"{cells_of(chain)}.", [advised(found)]
-    return Account(found, title, "yield/2", answer, facts, sections, warnings, origin, seed=seed)
+    warnings = [advised(result)]
+    return Account(result, title, "yield/2", answer, facts, sections, warnings, origin, seed=seed)
 
 
-def critical_fact(found: Yield) -> Fact:
-    """The two cells whose order is reversed first."""
-    return Fact("Critical order", "" if found.critical is None else str(found.critical))
+def critical_fact(result: Yield) -> Fact:
+    """The two cells whose order is reversed most easily."""
+    return Fact("Critical order", "" if result.critical is None else str(result.critical))
 
 
-def advised(found: Yield) -> Warned:
-    """Why no sample reproduces the target, and what to ask for instead."""
-    return Warned("No sample reproduces the target", "", [found.advice] if found.advice else [])
+def advised(result: Yield) -> Warned:
+    """Why no sample reproduces the target, and a target that samples reproduce."""
+    return Warned("No sample reproduces the target", "", list(filter(None, [result.advice])))
 
 
-def other_outcomes(found: Yield) -> RecordTable:
-    """What the samples do that do not reproduce the target."""
+def other_outcomes(result: Yield) -> RecordTable:
+    """Outcomes of the samples that do not reproduce the target."""
     return RecordTable(
         [
             Column("other outcome", itemgetter("outcome")),
-            Column("fraction", lambda row: percent(row["count"] / found.samples), True),
+            Column("fraction", lambda row: percent(row["count"] / result.samples), True),
         ],
-        lambda: [{"outcome": text, "count": n} for text, n in found.outcomes.items()],
+        recorded(_OUTCOME, result.outcomes.items()),
         "Outcomes of the samples that do not reproduce the target, most frequent first.",
         most=_MOST_ROWS,
         more="outcomes",
@@ -162,21 +162,18 @@ def other_outcomes(found: Yield) -> RecordTable:
     )
 
 
-def _sensitivities(found: Yield) -> tuple[RecordTable, Text]:
-    rows = sorted(_parts(found) or (), key=itemgetter(2), reverse=True)
+def _sensitivities(result: Yield) -> tuple[RecordTable, Text]:
+    rows = sorted(_parts(result) or (), key=itemgetter(2), reverse=True)
     about = (
         "The fraction of the variance of the smallest gap between two switching forces that the "
         "tolerance of each part causes, alone and with others (Sobol' indices)."
     )
-    agreed = _of_gap("agreed")(found)
-    checked = (
-        ""
-        if agreed is None
-        else (
+    checked, agreed = "", _of_gap("agreed")(result)
+    if agreed is not None:
+        checked = (
             "The sign of the smallest gap agrees with the outcome that the engine computes "
             f"in {percent(agreed)} of the samples"
         )
-    )
     return RecordTable(_PART, recorded(_PART, rows), about, most=_MOST_ROWS), Text(checked)
 
 
@@ -193,15 +190,17 @@ def survival_schema(shape: Shape) -> Schema:
     )
 
 
-def survival_account(found: Survival, about: About) -> Account:
+def survival_account(result: Survival, about: About) -> Account:
     """What is reported of a survival."""
-    chain = found.chain
+    chain = result.chain
     title, origin = chain.title or "A program with tolerances", f"{cells_of(chain)}."
-    answer = f"The program ends in {found.target} in {percent(found.share)} of the samples"
+    answer = f"The program ends in {result.target} in {percent(result.share)} of the samples"
     facts = (
-        Fact("Target", f"{found.start} to {found.target} by the program"),
-        Fact("Turning points", turning_points(found.turning_points, chain)),
-        *counted_facts(found),
+        Fact("Target", f"{result.start} to {result.target} by the program"),
+        Fact("Turning points", turning_points(result.turning_points, chain)),
+        *counted_facts(result),
     )
-    sections = {**calibration(about), **assumed(chain, found.assumptions)}
-    return Account(found, title, "survival/2", answer, facts, sections, (), origin, seed=found.seed)
+    sections = {**calibration(about), **assumed(chain, result.assumptions)}
+    return Account(
+        result, title, "survival/2", answer, facts, sections, (), origin, seed=result.seed
+    )
