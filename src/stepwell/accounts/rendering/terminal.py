@@ -3,16 +3,17 @@
 import os
 import re
 import shutil
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
+from itertools import zip_longest
 from textwrap import TextWrapper
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from stepwell.accounts import parts
 from stepwell.accounts.parts import TERMINAL, Account
-from stepwell.base import Columns, headed, printable, shown
+from stepwell.base import headed, printable, shown
 
-# What a pipe, a file and a page get; more than the most is hard to read, and less than the least
-# holds no table.
+# The width of pipes, files and pages; longer lines are hard to read, and shorter ones hold no
+# table.
 _USUAL, _LEAST, _MOST = 80, 40, 100
 _GAP, _HANG = "  ", "  "
 # Where a cell of a table may be folded: behind a comma outside of brackets, or else at a space or
@@ -24,24 +25,24 @@ _KEYS = re.compile(rf"{_WORDS.pattern}|(?<=\.)(?=[a-z*])")
 _PLACES = (_LISTS, _WORDS, _KEYS)
 # Heads are folded before any cell, and cells at each kind of place in turn.
 _HEADS, _COMMAS, _ALL = 0, 1, 3
-# A column of words as narrow as this is still read; in a narrower one every word has a line.
+# The narrowest readable column of words; in a narrower one every word has a line.
 _READ = 20
-# A name, and what is said of it in a column of its own.
+# A name, and its description in a column of its own.
 _NAMED = re.compile(r" *\S.*? {2,}(?=\S)")
 
 Cells = Sequence[str]
 
 
 def width() -> int:
-    """Letters of a line: those of the terminal, or of COLUMNS; 80 where nobody looks."""
-    found = shutil.get_terminal_size((_USUAL, 24)).columns
-    # Who asks for more by COLUMNS gets it: each row of a table on a line, for grep.
+    """Letters of a line: those of the terminal, or of COLUMNS; 80 without a terminal."""
+    letters = shutil.get_terminal_size((_USUAL, 24)).columns
+    # COLUMNS may ask for more: each row of a table on a line, for grep.
     asked = os.environ.get("COLUMNS", "").isdecimal()
-    return max(found if asked else min(found, _MOST), _LEAST)
+    return max(letters if asked else min(letters, _MOST), _LEAST)
 
 
 def folded(text: str) -> list[str]:
-    """A line in lines that are short enough; what follows stands under the words, not the name."""
+    """A line in lines that are short enough; further lines are below the words, not the name."""
     most = width()
     if len(text) <= most:
         return [text]
@@ -58,100 +59,91 @@ def blocks(
 ) -> list[tuple[list[str], list[str]]]:
     """Heads and rows of a table as lines, in several blocks where it is too wide for one.
 
-    Columns that find no room stand in a block below, again with those that tell the rows apart;
-    those in `left` start at the left, the others end at the right.
+    Columns for which there is no room are in a block below, again with those that distinguish the
+    rows; those in `left` start at the left, the others end at the right.
     """
     columns = [[name, *(row[k] for row in rows)] for k, name in enumerate(head)]
     at_left = [k in set(left) for k in range(len(columns))]
     return [
-        _drawn([columns[k] for k in chosen], [at_left[k] for k in chosen])
-        for chosen in _shares(columns)
+        _block([columns[k] for k in chosen], [at_left[k] for k in chosen])
+        for chosen in _distributed(columns)
     ]
 
 
-def _shares(columns: Sequence[Cells]) -> list[list[int]]:
-    """Which columns each block has."""
+def _distributed(columns: Sequence[Cells]) -> list[list[int]]:
+    """The columns of each block."""
     room = width()
-    wanted = [max(_least(column, _ALL), min(_least(column, _COMMAS), _READ)) for column in columns]
-    if _total(wanted) <= room:
+    least = [max(_least(column, _ALL), min(_least(column, _COMMAS), _READ)) for column in columns]
+    if _total(least) <= room:
         return [list(range(len(columns)))]
-    keys = _keys(columns, wanted, room // 2)
-    found = [keys]
-    for k in range(len(keys), len(columns)):
-        longer = [*found[-1], k]
-        if found[-1] != keys and _total([wanted[i] for i in longer]) > room:
-            found.append([*keys, k])
-        else:
-            found[-1] = longer
-    return found
-
-
-def _keys(columns: Sequence[Cells], widths: Sequence[int], room: int) -> list[int]:
-    """The first columns, if not many, by which the rows are told apart; else the first alone."""
+    keys = [0]
+    # The first columns that distinguish the rows if they are narrow; else the first alone.
     for count in range(1, len(columns)):
-        if _total(widths[:count]) > room:
+        if _total(least[:count]) > room // 2:
             break
         if len(set(zip(*columns[:count], strict=True))) == len(columns[0]):
-            return list(range(count))
-    return [0]
+            keys = list(range(count))
+            break
+    chosen = [keys]
+    for k in range(len(keys), len(columns)):
+        longer = [*chosen[-1], k]
+        if chosen[-1] != keys and _total([least[i] for i in longer]) > room:
+            chosen.append([*keys, k])
+        else:
+            chosen[-1] = longer
+    return chosen
 
 
-def _drawn(columns: Sequence[Cells], left: Sequence[bool]) -> tuple[list[str], list[str]]:
+def _block(columns: Sequence[Cells], left: Sequence[bool]) -> tuple[list[str], list[str]]:
     widths = _widths(columns)
+
+    def lines(cells: Iterable[Cells]) -> list[str]:
+        """The lines of a row; its tallest cell decides how many."""
+        sides = list(zip(widths, left, strict=True))
+        return [
+            _GAP.join(
+                text.ljust(most) if at_left else text.rjust(most)
+                for text, (most, at_left) in zip(line, sides, strict=True)
+            ).rstrip()
+            for line in zip_longest(*cells, fillvalue="")
+        ]
+
     heads, *rows = zip(*columns, strict=True)
-    head = _row([_wrap(*one, "", _WORDS) for one in zip(heads, widths, strict=True)], widths, left)
-    lines: list[str] = []
-    for row in rows:
-        cells = [_folded_cell(*one) for one in zip(row, widths, left, strict=True)]
-        lines += _row(cells, widths, left)
-    return head, lines
-
-
-def _row(cells: Sequence[Cells], widths: Sequence[int], left: Sequence[bool]) -> list[str]:
-    """The lines of a row, as many as its tallest cell has."""
-    tall = max(map(len, cells))
-    columns = (
-        [(text.ljust if at_left else text.rjust)(most) for text in [*cell, *[""] * tall][:tall]]
-        for cell, most, at_left in zip(cells, widths, left, strict=True)
-    )
-    return [_GAP.join(texts).rstrip() for texts in zip(*columns, strict=True)]
+    body = (lines(map(_folded_cell, row, widths, left)) for row in rows)
+    head = lines(_wrap(text, most, "", _WORDS) for text, most in zip(heads, widths, strict=True))
+    return head, [line for row in body for line in row]
 
 
 def _folded_cell(text: str, most: int, at_left: bool) -> list[str]:
     lines = [text]
     for places in _PLACES:
-        if max(map(len, lines)) <= most:
-            break
-        lines = _wrap(text, most, _HANG if at_left else "", places)
+        if max(map(len, lines)) > most:
+            lines = _wrap(text, most, _HANG if at_left else "", places)
     return lines
 
 
 def _widths(columns: Sequence[Cells]) -> list[int]:
-    """How wide each column is: as it likes, and if that is too much, the widest are folded."""
-    room = width()
-    found = [max(map(len, column)) for column in columns]
+    """The width of each column: unfolded, and if that is too wide, the widest are folded."""
+    widths = [max(map(len, column)) for column in columns]
     for effort in range(_HEADS, _ALL + 1):
         least = [_least(column, effort) for column in columns]
-        while _total(found) > room:
-            foldable = [(now, k) for k, now in enumerate(found) if now > least[k]]
+        while _total(widths) > width():
+            foldable = [(now, k) for k, now in enumerate(widths) if now > least[k]]
             if not foldable:
                 break
-            found[max(foldable)[1]] -= 1
-    return found
+            widths[max(foldable)[1]] -= 1
+    return widths
 
 
 def _least(column: Cells, effort: int) -> int:
-    """How narrow a column can be whose head is folded, and its cells with so much effort."""
+    """The least width of a column whose head is folded, and its cells with this effort."""
     head, *cells = column
-    words = max((len(part) for part in _WORDS.split(head) if part), default=0)
-    return max([words, *(_longest(text, effort) for text in cells)])
-
-
-def _longest(text: str, effort: int) -> int:
-    if effort == _HEADS:
-        return len(text)
-    parts = [part for part in _PLACES[effort - 1].split(text) if part and part != " "]
-    return max((len(part) + len(_HANG) * (k > 0) for k, part in enumerate(parts)), default=0)
+    letters = [len(part) for part in _WORDS.split(head) if part]
+    for text in cells:
+        pieces = [text] if effort == _HEADS else _PLACES[effort - 1].split(text)
+        words = [piece for piece in pieces if piece and piece != " "]
+        letters += [len(piece) + len(_HANG) * (k > 0) for k, piece in enumerate(words)]
+    return max(letters, default=0)
 
 
 def _total(widths: Sequence[int]) -> int:
@@ -186,11 +178,15 @@ def terminal(account: Account) -> list[Line]:
     for warned in account.warnings:
         if warned.lines:
             lines += [*heading(warned.heading), *_paragraphs(warned.lines), _EMPTY]
-    lines += [*paragraph(account.answer), *facts(account.known(TERMINAL))]
-    for title, found in account.within(TERMINAL):
-        for part in found:
+    lines += paragraph(account.answer)
+    facts = account.known(TERMINAL)
+    label = 2 + max(map(len, facts), default=0)
+    for name, text in facts.items():
+        lines += map(Line, folded(f"{name:<{label}}{escaped(text)}"))
+    for title, shown_here in account.within(TERMINAL):
+        for part in shown_here:
             if isinstance(part, parts.RecordTable):
-                lines += records(title, part.columns, account.rows(part), most=part.most)
+                lines += _records(account, title, part)
             elif under := _part(part):
                 lines += [_EMPTY, *heading(title), *under]
     for hint in account.hints:
@@ -218,20 +214,13 @@ def escaped(text: str) -> str:
 
 
 def paragraph(text: str) -> list[Line]:
-    """Sentences, which begin with a capital; nothing of none."""
+    """Sentences, which begin with a capital; no lines without a text."""
     return [*map(Line, _wrap(escaped(headed(text)), width(), "", _WORDS))] if text else []
 
 
 def heading(text: str) -> list[Line]:
-    """A line that others stand under."""
+    """A heading of other lines."""
     return [Line(line, bold=True) for line in folded(escaped(text))]
-
-
-def facts(found: Mapping[str, str]) -> list[Line]:
-    """Labels and what stands behind them, in two columns."""
-    width = 2 + max(map(len, found), default=0)
-    rows = (f"{label:<{width}}{escaped(text)}" for label, text in found.items())
-    return [Line(line) for row in rows for line in folded(row)]
 
 
 def table(
@@ -245,27 +234,24 @@ def table(
         rows: text.
         left: columns that start at the left; the others hold numbers.
     """
-    # Escaped here: a column is as wide as what is shown.
-    found = blocks([*map(escaped, head)], [[*map(escaped, row)] for row in rows], left)
     lines = [_EMPTY, *heading(title)]
-    for k, (heads, body) in enumerate(found):
+    # Escaped here: a column is as wide as what is shown.
+    names, cells = [*map(escaped, head)], [[*map(escaped, row)] for row in rows]
+    for k, (heads, body) in enumerate(blocks(names, cells, left)):
         lines += [_EMPTY] if k else []
         lines += [*(Line(line, bold=True) for line in heads), *map(Line, body)]
     return lines
 
 
-def records(
-    title: str, columns: Columns, found: Sequence[Mapping[str, Any]], *, most: int | None = 40
-) -> list[Line]:
-    """Records as a table, `most` of them or all; nothing where there are none."""
-    if not found:
+def _records(account: Account, title: str, part: parts.RecordTable) -> list[Line]:
+    if not (rows := account.rows(part)):
         return []
-    kept = shown(columns)
+    columns = shown(part.columns)
     lines = table(
         title,
-        [column.heading for column in kept],
-        [[column.cell(one) for column in kept] for one in found[:most]],
-        [k for k, column in enumerate(kept) if not column.numeric],
+        [column.heading for column in columns],
+        [[column.cell(row) for column in columns] for row in rows[: part.most]],
+        [k for k, column in enumerate(columns) if not column.numeric],
     )
-    hidden = 0 if most is None else len(found) - most
+    hidden = 0 if part.most is None else len(rows) - part.most
     return [*lines, Line(f"and {hidden} more; --json shows all")] if hidden > 0 else lines
