@@ -1,4 +1,4 @@
-"""Designs that were found or changed: what to build, and how surely it works."""
+"""Designs that a search returned or changed: what to build, and the yield."""
 
 import math
 from dataclasses import replace
@@ -26,10 +26,10 @@ _SCALES: Schema = (
     Quantity("travel_scale", head="travel scale", holds=float, left=False),
 )
 _LEVER: Schema = (Quantity("lever", "mm", "lever"), Quantity("limit", "deg"))
-# Of the places on the way tables have every k-th.
+# Tables have every k-th place of a displacement.
 _EVERY = 5
 _PLACE: Schema = (
-    Quantity("fraction", read=itemgetter(0), holds=float),
+    *keys(fraction=(float, itemgetter(0))),
     Quantity("at", "mm", read=itemgetter(1), holds=[float]),
     Quantity("force_at_0", "N", "at state 0", itemgetter(2)),
     Quantity("force_at_1", "N", "at state 1", itemgetter(3)),
@@ -38,24 +38,23 @@ _PLACE: Schema = (
 
 
 def design_schema(shape: Shape) -> Schema:
-    """What is reported of a design; where there is none, what is known of it has null."""
-    found = (
+    """What is reported of a design; an impossible one has null for most of it."""
+    built = (
         *keys(sequence=str, loading_order=([int], "loading"), unloading_order=([int], "unloading")),
         *keys(state_count=(int, "reached.count"), states=([str], _states)),
         *keys(states_whole=(bool, "reached.whole"), states_how=(str, "reached.how")),
-        Quantity("actuator", read="chain", holds=actuator_schema(shape)),
-        Quantity("cells", read=lambda one: named(one.chain), holds=[built_schema(shape)]),
+        *keys(actuator=(actuator_schema(shape), "chain")),
+        *keys(cells=([built_schema(shape)], lambda one: named(one.chain))),
         *keys(holes="mm", candidates=int, robustness=_ROBUSTNESS),
         Quantity("yield", read="yield_", holds=yields.inner_yield_schema(shape)),
         Quantity("assumptions"),
     )
     gaps = base.in_measure(keys(largest_gap="N", gap_needed="N"), shape.measure)
     return (
-        Quantity("title", read=lambda one: "" if _none(one) else one.chain.title),
-        Quantity("possible", read=lambda one: not _none(one), holds=bool),
-        Quantity("proved", holds=bool),
-        Quantity("reason", read=lambda one: str(one) if _none(one) else one.method),
-        *of_class(Design, found),
+        *keys(title=(str, lambda one: "" if _none(one) else one.chain.title)),
+        *keys(possible=(bool, lambda one: not _none(one)), proved=bool),
+        *keys(reason=(str, lambda one: str(one) if _none(one) else one.method)),
+        *of_class(Design, built),
         *of_class(Impossible, gaps),
     )
 
@@ -64,8 +63,8 @@ def _none(value: Design | Impossible) -> bool:
     return isinstance(value, Impossible)
 
 
-def _states(found: Design) -> tuple[str, ...] | None:
-    return found.states if len(found.chain) <= LONGEST_IN_A_LINE else None
+def _states(design: Design) -> tuple[str, ...] | None:
+    return design.states if len(design.chain) <= LONGEST_IN_A_LINE else None
 
 
 def built_schema(shape: Shape) -> Schema:
@@ -74,7 +73,7 @@ def built_schema(shape: Shape) -> Schema:
         return (*cell_schema(shape), *base.read_off(_SCALES, "cell"))
     name, p, q, *band = BAND
     forces = [one for one in cell_schema(shape) if one.key in ("F0_N", "F1_N")]
-    # What can be chosen stands before what is given.
+    # Chosen numbers are before given ones.
     first = [
         replace(one, read=lambda it, q=one: q.of(it["cell"].bands[0])) for one in (q, p, *band)
     ]
@@ -82,7 +81,7 @@ def built_schema(shape: Shape) -> Schema:
 
 
 def impossible_account(value: Impossible, about: About) -> Account:
-    """What is reported where there is no such design."""
+    """What is reported if a search returns no design."""
     proved = "This is proved." if value.proved else "A search found none; that is no proof."
     schema = design_schema(Shape(value.measure))
     return Account(value, "No such design", "design/2", str(value), origin=proved, schema=schema)
@@ -93,13 +92,13 @@ def robustness_account(value: Robustness, about: About) -> Account:
     return Account(value, "Robustness", answer=str(value))
 
 
-def design_account(found: Design, about: About) -> Account:
+def design_account(design: Design, about: About) -> Account:
     """What is reported of a design."""
-    chain, sampled = found.chain, found.yield_
+    chain, sampled = design.chain, design.yield_
     facts = (
         *yields.counted_facts(sampled),
         yields.critical_fact(sampled),
-        *(replace(fact, level=PAGE) for fact in run.cycle_facts(found.cycle)),
+        *(replace(fact, level=PAGE) for fact in run.cycle_facts(design.cycle)),
     )
     built = built_schema(Shape.of(chain))
     columns, rows = cell_columns(built, chain), recorded(built, named(chain))
@@ -107,133 +106,116 @@ def design_account(found: Design, about: About) -> Account:
     cells = RecordTable(columns, rows, anchors, most=None, more="cells", level=CARD)
 
     def reachable() -> str:
-        count, states = found.reached.count, _states(found)
-        text = f"{count} states" + " surely" * (not found.reached.whole)
-        return text if states is None else f"{text}: {join_first(states, _MOST_STATES)}"
-
-    def more() -> str:
-        reached = found.reached
-        return "" if reached.whole else f"more states may be reachable: {reached.how}"
+        reached, states = design.reached, _states(design)
+        text = f"{reached.count} states" + " at least" * (not reached.whole)
+        text += "" if states is None else f": {join_first(states, _MOST_STATES)}"
+        return text + f"; there may be more: {reached.how}" * (not reached.whole)
 
     sections = {
         "Cells, innermost first": cells,
-        "Robustness": Text(lambda: str(found.robustness or "")),
-        "Reachable states": (Text(reachable), Text(more)),
+        "Robustness": Text(lambda: str(design.robustness or "")),
+        "Reachable states": Text(reachable),
         "Outcomes of the samples": (yields.PICTURES[1], yields.other_outcomes(sampled)),
-        "Method": Text(found.method, CARD),
-        **assumed(chain, found.assumptions),
+        "Method": Text(design.method, CARD),
+        **assumed(chain, design.assumptions),
     }
     spelled = len(chain) <= LONGEST_IN_A_LINE
-    answer = found.sequence if spelled else f"{len(chain)} cells in the target order"
+    answer = design.sequence if spelled else f"{len(chain)} cells in the target order"
     title, origin = chain.title or "A design", f"Found by search. {cells_of(chain)}."
     warned, seed = [yields.advised(sampled)], sampled.seed
-    return Account(found, title, "design/2", answer, facts, sections, warned, origin, seed=seed)
+    return Account(design, title, "design/2", answer, facts, sections, warned, origin, seed=seed)
 
 
 def reprogram_schema(shape: Shape) -> Schema:
-    """What is reported of a reprogramming; what is in another unit than the change has null."""
+    """What is reported of a reprogramming; the units of other changes have null."""
     force = shape.measure.force_unit
     anchors = _change_schema("mm", "m", [float])
     scales = (*_change_schema("", "1"), *_change_schema(base.display_unit(force)[0], force))
-    resistance = keys(largest_force=("N", "largest"), work_at_0=("mJ", "work_0"))
+    resistance = keys(
+        largest_force=("N", "largest"), work_at_0=("mJ", "work_0"), work_at_1=("mJ", "work_1")
+    )
     return (
         *keys(title=(str, "chain.title"), by=str, target=str | None, possible=(bool, _possible)),
-        *keys(before=str, after=(str | None, lambda found: found.after or None)),
+        *keys(before=str, after=(str | None, lambda change: change.after or None)),
         *(anchors if shape.levers else ()),
         *(scales if shape.elements else ()),
         *keys(reach="mm", method=str, resolution=str),
-        *base.read_off((*resistance, Quantity("work_at_1", "mJ", read="work_1")), "resistance"),
-        *keys(way=([_PLACE], _way)),
+        *base.read_off(resistance, "resistance"),
+        *keys(way=([_PLACE], _places)),
     )
 
 
 def _change_schema(unit: str, si: str, holds: Any = float) -> Schema:
-    """Size, way and end of a change; None where it is in another unit than `si`."""
+    """Size, direction and end of a change; None where its unit is not `si`."""
 
     def of(name: str, holds: Any, missing: bool = True) -> Quantity:
-        def read(found: Reprogramming) -> Any:
-            return getattr(found, name) if found.unit == si else None
+        def read(change: Reprogramming) -> Any:
+            return getattr(change, name) if change.unit == si else None
 
         return Quantity(name, unit, read=read, holds=holds, missing=missing)
 
     return of("distance", float, False), of("displacement", holds), of("place", holds)
 
 
-def _way(found: Reprogramming) -> list[tuple[Any, ...]]:
-    pull = found.resistance
+def _places(change: Reprogramming) -> list[tuple[Any, ...]]:
+    pull = change.resistance
     # A rounding error has no sign.
-    at = zip(found.along(0) + 0.0, found.along(1) + 0.0, strict=True)
+    at = zip(change.along(0) + 0.0, change.along(1) + 0.0, strict=True)
     return [*zip(pull.fraction, at, pull.force_0, pull.force_1, pull.peak, strict=True)]
 
 
-def _possible(found: Reprogramming) -> bool:
-    return math.isfinite(found.distance)
+def _possible(change: Reprogramming) -> bool:
+    return math.isfinite(change.distance)
 
 
-def _already(found: Reprogramming) -> bool:
-    """Whether the nominal design reproduces the target; at a tie any change at all decides."""
-    return found.distance == 0 and found.after == found.before
-
-
-def reprogramming_account(found: Reprogramming, about: About) -> Account:
+def reprogramming_account(change: Reprogramming, about: About) -> Account:
     """What is reported of a reprogramming."""
-    chain = found.chain
-    changes = _possible(found) and not _already(found)
-    facts = (
-        Fact("Target", found.target or "any other sequence"),
-        Fact("Sequence now", found.before),
-        *(_change_facts(found) if changes else ()),
-        Fact("Method", str(found.method)),
-    )
-    searched = f"searched, not exact: {found.resolution}" if found.resolution else ""
-    title, answer = chain.title or "Reprogramming", _reprogramming_answer(found)
-    sections = {
-        "Force against the displacement": [_force_table(found)] if changes else [],
-        **assumed(chain, searched),
-    }
-    origin = f"{cells_of(chain)}."
-    return Account(found, title, "reprogram/2", answer, facts, sections, origin=origin)
+    chain, target = change.chain, change.target or "another sequence"
+    facts = [
+        Fact("Target", change.target or "any other sequence"),
+        Fact("Sequence now", change.before),
+    ]
+    tables = []
+    if not _possible(change):
+        up_to = f"displacement of {change.by} up to {amount(change.reach, 'm')}"
+        tried = f"value of {change.by} that was tried" if math.isinf(change.reach) else up_to
+        answer = f"No {tried} gives {target}"
+    # At a tie any change at all decides: then the sequence past it is another one.
+    elif change.distance == 0 and change.after == change.before:
+        answer = f"The nominal design has the sequence {change.before} already"
+    else:
+        moved, more = _change_facts(change)
+        answer = f"{change.by} {moved} gives {change.after}"
+        facts += [Fact("Sequence past it", change.after), *more]
+        tables = [_force_table(change)]
+    facts.append(Fact("Method", str(change.method)))
+    searched = f"searched, not exact: {change.resolution}" if change.resolution else ""
+    sections = {"Force against the displacement": tables, **assumed(chain, searched)}
+    title, origin = chain.title or "Reprogramming", f"{cells_of(chain)}."
+    return Account(change, title, "reprogram/2", answer, facts, sections, origin=origin)
 
 
-def _reprogramming_answer(found: Reprogramming) -> str:
-    target = found.target or "another sequence"
-    if not _possible(found):
-        if math.isinf(found.reach):
-            return f"No value of {found.by} that was tried gives {target}"
-        return f"No displacement of {found.by} up to {amount(found.reach, 'm')} gives {target}"
-    if _already(found):
-        return f"The nominal design has the sequence {found.before} already"
-    if isinstance(found.displacement, tuple):
-        return f"{found.by} moved by {amount(found.distance, 'm')} gives {found.after}"
-    return f"{found.by} changed to {_number(found, found.place)} gives {found.after}"
-
-
-def _change_facts(found: Reprogramming) -> tuple[Fact, ...]:
-    """The change, and what resists it."""
-    past, by, place = Fact("Sequence past it", found.after), found.displacement, found.place
+def _change_facts(change: Reprogramming) -> tuple[str, list[Fact]]:
+    """The change in a few words, its numbers, and what resists it."""
+    by, place = change.displacement, change.place
     if not (isinstance(by, tuple) and isinstance(place, tuple)):
-        sign = signed(float(by) * base.display_unit(found.unit)[1])  # type: ignore[arg-type]
-        return past, Fact("Change", f"{found.by} to {_number(found, place)} ({sign})")
+        factor = base.display_unit(change.unit)[1]
+        to = amount(place, change.unit).removesuffix(" 1")  # type: ignore[arg-type]
+        sign = signed(by * factor)  # type: ignore[operator]
+        return f"changed to {to}", [Fact("Change", f"{change.by} to {to} ({sign})")]
     move = ", ".join(signed(to_unit(one, "mm")) for one in by)
     to = ", ".join(number(to_unit(one, "mm")) for one in place)
-    pull, far = found.resistance, amount(found.distance, "m")
+    pull, far = change.resistance, amount(change.distance, "m")
     work_0, work_1 = amount(pull.work_0, "J"), amount(pull.work_1, "J")
-    return (
-        past,
-        Fact("Displacement", f"{found.by} by ({move}) mm, {far}, to ({to}) mm"),
+    return f"moved by {far}", [
+        Fact("Displacement", f"{change.by} by ({move}) mm, {far}, to ({to}) mm"),
         Fact("Force", f"up to {amount(pull.largest, 'N')} against the displacement"),
         Fact("Work", f"{work_0} at state 0 of the cell, {work_1} at state 1"),
-    )
+    ]
 
 
-def _number(found: Reprogramming, value: Any) -> str:
-    unit, factor = base.display_unit(found.unit)
-    return f"{number(value * factor)} {Quantity('', unit).sign}".removesuffix(" 1")
-
-
-def _force_table(found: Reprogramming) -> RecordTable:
-    """The force on the way of an anchor."""
-    distance = to_unit(found.distance, "mm")
+def _force_table(change: Reprogramming) -> RecordTable:
+    distance = to_unit(change.distance, "mm")
     columns = (
         base.Column("moved [mm]", lambda row: number(row["fraction"] * distance), True),
         base.Column("x [mm]", lambda row: number(row["at_mm"][0]), True),
@@ -241,7 +223,7 @@ def _force_table(found: Reprogramming) -> RecordTable:
         *_PLACE[2:],
     )
     about = (
-        f"The force along the displacement, which resists it where it is positive; of the places "
-        f"on the way every {_EVERY}th."
+        "The force along the displacement; a positive force resists. Every "
+        f"{_EVERY}th place of the displacement is listed."
     )
-    return RecordTable(columns, recorded(_PLACE, _way(found)[::_EVERY]), about)
+    return RecordTable(columns, recorded(_PLACE, _places(change)[::_EVERY]), about)
