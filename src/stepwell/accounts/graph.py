@@ -1,4 +1,4 @@
-"""Transition graphs: loops, memory, scrambling, latches; of the largest ones, a walk."""
+"""Transition graphs: loops, memory, scrambling, latches; a walk through the largest ones."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -14,16 +14,16 @@ from stepwell.sequences import ImplicitGraph, MemoryReading, Sequence, Transitio
 
 # Letters of the longest sequence that a card spells out.
 _MOST_LETTERS = 1000
-_TIES = Quantity("ties", read=lambda graph: tie_notes(graph.ties, graph.chain), holds=[str])
+_TIES = keys(ties=([str], lambda graph: tie_notes(graph.ties, graph.chain)))
 _DIRECTION = Quantity("direction", read=way)
 _SCRAMBLING: Schema = (
     *keys(first_two=([int], "cells")),
     _DIRECTION,
     *keys(in_order_from=(str, "i_first"), in_other_order_from=(str, "j_first")),
-    Quantity("by_hand", read=lambda pair: not pair.reachable, holds=bool),
+    *keys(by_hand=(bool, lambda pair: not pair.reachable)),
 )
 _FEW = 4  # cells of a row
-# What is shown of a cell that has moved; where it has two phases, its name tells that it did.
+# What is shown of a cell that has moved; of a cell with two phases the name is enough.
 _PLACE = {"01": "", "11": "", **{f"-{last}": " in transit" for last in "123456789"}}
 
 
@@ -41,29 +41,29 @@ def graph_schema(shape: Shape) -> Schema:
         *keys(latches=[_latch(unit)]),
     )
     return (
-        Quantity("title", read=lambda graph: graph.chain.title if graph.chain else ""),
+        *keys(title=(str, lambda graph: graph.chain.title if graph.chain else "")),
         *keys(actuator=str, cells=([str], "names"), method=str),
         *keys(vertices=(int, lambda graph: len(graph.nodes.vertices)), nodes=(int, len)),
         *read_off(reading, "reading"),
-        _TIES,
+        *_TIES,
     )
 
 
 def _memory(unit: str) -> Schema:
-    """Whether turning points are remembered, and turning points with which they are not."""
+    """Whether the graph has return-point memory, and a counterexample if not."""
 
     def of(name: str) -> Any:
         return lambda memory: memory.witness and getattr(memory.witness, name)
 
     return (
-        Quantity("holds", holds=bool),
+        *keys(holds=bool),
         Quantity("turning_points", unit, read=of("turns"), holds=[float], missing=True),
         *keys(first=(str | None, of("first")), later=(str | None, of("later"))),
     )
 
 
 def _accumulator(unit: str) -> Schema:
-    """Cycles that take two or more until they repeat."""
+    """Cycles with a transient or a period of two or more."""
     return (
         *keys(states=[str], transient=int, period=int),
         _DIRECTION,
@@ -75,9 +75,8 @@ def _accumulator(unit: str) -> Schema:
 def _latch(unit: str) -> Schema:
     ways = (
         Quantity("from", read=itemgetter(0)),
-        Quantity("to", read=itemgetter(1)),
-        Quantity("direction", read=lambda way: _DIRECTION.of(way[2])),
-        Quantity("drive", unit, read=lambda way: way[2].drive),
+        *keys(to=(str, itemgetter(1)), direction=(str, lambda one: way(one[2]))),
+        *keys(drive=(unit, lambda one: one[2].drive)),
     )
     return keys(left=([str], "nodes"), ways=[ways])
 
@@ -102,35 +101,34 @@ def implicit_graph_account(value: ImplicitGraph, about: About) -> Account:
     return Account(value, _title(value), answer=value.summary, facts=facts)
 
 
-def memory_reading_account(value: MemoryReading, about: About) -> Account:
-    """What is reported of a graph, given what is read off it."""
-    return transition_graph_account(value.graph, about)
-
-
 def _title(graph: TransitionGraph | ImplicitGraph) -> str:
     chain = graph.chain
     return f"Transition graph of {chain.title}" if chain and chain.title else "Transition graph"
 
 
-def transition_graph_account(value: TransitionGraph, about: About) -> Account:
-    """What is reported of a graph."""
-    counts = f"{len(value)} nodes, {value.transition_count} transitions."
-    title, schema = _title(value), graph_schema(shape_of(value))
-    answer = value.reading.summary
-    facts = [Fact(*one) for one in value.reading.facts.items()]
-    sections = {"Nodes": Text(counts)}
-    warnings = [degenerate(value.ties, value.chain)]
-    return Account(value, title, "graph/2", answer, facts, sections, warnings, schema=schema)
+def transition_graph_account(value: TransitionGraph | MemoryReading, about: About) -> Account:
+    """What is reported of a graph, or of what is read off it."""
+    graph = value.graph if isinstance(value, MemoryReading) else value
+    facts = [Fact(*one) for one in graph.reading.facts.items()]
+    sections = {"Nodes": Text(f"{len(graph)} nodes, {graph.transition_count} transitions.")}
+    warnings, schema = [degenerate(graph.ties, graph.chain)], graph_schema(shape_of(graph))
+    answer = graph.reading.summary
+    return Account(
+        graph, _title(graph), "graph/2", answer, facts, sections, warnings, schema=schema
+    )
+
+
+memory_reading_account = transition_graph_account
 
 
 def implicit_graph_schema(shape: Shape) -> Schema:
     """What is reported of a walk."""
     to = (
-        Quantity("to", read=itemgetter(0)),
-        Quantity("kind", read=lambda way: way[1].kind.name.lower()),
-        Quantity("drive", shape.drive, read=lambda way: way[1].drive),
-        Quantity("cells", read=lambda way: way[1].cells, holds=[int]),
-        Quantity("released", "mJ", read=lambda way: way[1].released),
+        *keys(to=(str, itemgetter(0)), kind=(str, lambda one: one[1].kind.name.lower())),
+        *keys(drive=(shape.drive, lambda one: one[1].drive)),
+        *keys(
+            cells=([int], lambda one: one[1].cells), released=("mJ", lambda one: one[1].released)
+        ),
     )
     step = (
         *keys(label=(str, "node.label")),
@@ -148,7 +146,7 @@ def implicit_graph_schema(shape: Shape) -> Schema:
     return (
         *read_off(graph, "graph"),
         *keys(start=str, walk=([step], "steps"), walk_whole=(bool, "whole")),
-        *read_off((_TIES,), "graph"),
+        *read_off(_TIES, "graph"),
     )
 
 

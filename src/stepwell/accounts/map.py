@@ -1,4 +1,4 @@
-"""A map over two parameters: the sequences, how much of the map each takes, the boundaries."""
+"""A map over two parameters: the sequences, the fraction of the map of each, the boundaries."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _BOUNDARY: Schema = (
     Quantity("error_of_axes", read="error", holds=float),
     Quantity("points", head="points", read=lambda one: len(one.points), holds=int, left=False),
 )
-_AXES = ("Across", "x"), ("Up", "y")
+_AXES = ("Across", "across"), ("Up", "up")
 
 
 class _Axis(NamedTuple):
@@ -45,12 +45,12 @@ def _in_unit(at: Callable[[_Axis], Any]) -> Any:
 
 
 _AXIS: Schema = (
-    Quantity("parameter", read=lambda axis: str(axis.values.attrs["long_name"])),
-    Quantity("unit", read=lambda axis: display_unit(str(axis.values.attrs["units"]))[0]),
+    *keys(parameter=(str, lambda axis: str(axis.values.attrs["long_name"]))),
+    *keys(unit=(str, lambda axis: display_unit(str(axis.values.attrs["units"]))[0])),
     Quantity("from", read=_in_unit(lambda axis: axis.values[0]), holds=float),
-    Quantity("to", read=_in_unit(lambda axis: axis.values[-1]), holds=float),
-    Quantity("count", read=lambda axis: len(axis.values), holds=int),
-    Quantity("design", read=_in_unit(lambda axis: axis.design), holds=float),
+    *keys(to=(float, _in_unit(lambda axis: axis.values[-1]))),
+    *keys(count=(int, lambda axis: len(axis.values))),
+    *keys(design=(float, _in_unit(lambda axis: axis.design))),
 )
 
 
@@ -63,19 +63,14 @@ def _attribute(name: str, of: type = int) -> Any:
     return of, lambda view: of(view.dataset.attrs[name])
 
 
-def _monostable(view: MapView) -> float:
-    return float(np.mean(view.dataset["monostable"].to_numpy()))
+def _shares_of(name: str) -> Any:
+    def read(view: MapView) -> dict[str, float] | None:
+        return _shares(view.dataset[name]) if name in view.dataset else None
+
+    return read
 
 
-def _degenerate(view: MapView) -> int:
-    return int(np.sum(view.dataset["degenerate"].to_numpy()))
-
-
-def _pathways(view: MapView) -> dict[str, float] | None:
-    return shares(view.dataset["pathway"]) if "pathway" in view.dataset else None
-
-
-def shares(field: xarray.DataArray) -> dict[str, float]:
+def _shares(field: xarray.DataArray) -> dict[str, float]:
     """The fraction of a map that each value of a field takes [1]."""
     codes, notes = field.to_numpy(), field.attrs
     flags = zip(np.atleast_1d(notes["flag_values"]), notes["flag_meanings"].split(), strict=True)
@@ -86,10 +81,11 @@ def shares(field: xarray.DataArray) -> dict[str, float]:
 MAP: Schema = (
     *keys(title=_attribute("title", str), across=(_AXIS, lambda view: _axis(view, "x"))),
     *keys(up=(_AXIS, lambda view: _axis(view, "y"))),
-    Quantity("shares", read=lambda view: shares(view.dataset["sequence"]), holds={str: float}),
-    Quantity("pathway_shares", read=_pathways, holds={str: float}, missing=True),
-    *keys(moved_cell=_attribute("moved_cell", str), monostable_fraction=(float, _monostable)),
-    *keys(degenerate_designs=(int, _degenerate)),
+    *keys(shares=({str: float}, _shares_of("sequence"))),
+    Quantity("pathway_shares", read=_shares_of("pathway"), holds={str: float}, missing=True),
+    *keys(moved_cell=_attribute("moved_cell", str)),
+    *keys(monostable_fraction=(float, lambda view: float(view.dataset["monostable"].mean()))),
+    *keys(degenerate_designs=(int, lambda view: int(view.dataset["degenerate"].sum()))),
     *keys(closed_form_designs=_attribute("closed_form_designs")),
     *keys(engine_designs=_attribute("engine_designs"), boundaries=[_BOUNDARY]),
 )
@@ -97,52 +93,45 @@ MAP: Schema = (
 
 def map_view_account(view: MapView, about: About) -> Account:
     """What is reported of a map."""
-    data = view.dataset
-    rows = [
-        {"sequence": name, "share": share}
-        for name, share in sorted(shares(data["sequence"]).items(), key=lambda one: -one[1])
-        if share
-    ]
-    largest = rows[0]["sequence"]
+    data, numbers = view.dataset, record(MAP, view)
+    shares = sorted(numbers["shares"].items(), key=lambda one: -one[1])
+    rows = [{"sequence": name, "share": share} for name, share in shares if share]
+    largest, most = rows[0]["sequence"], percent(rows[0]["share"])
     answer = f"{largest} everywhere"
     if rows[1:]:
-        most = percent(rows[0]["share"])
         answer = f"{counted(len(rows), 'sequence')}: {largest} on {most} of the map"
     labels = {pathway.value: pathway.label for pathway in Pathway}
     columns = [
         Column("pathway", lambda row: labels.get(row["sequence"], "")),
         Quantity("sequence", head="sequence"),
-        Column("share of the map", lambda row: percent(row["share"]), True),
+        Column("fraction of the map", lambda row: percent(row["share"]), True),
     ][0 if "pathway" in data else 1 :]
-    share = RecordTable(columns, lambda: rows, most=None, more="sequences", level=CARD)
-    notes = data.attrs
     method = (
-        f"Monostable: {notes['moved_cell']} on {percent(_monostable(view))} of the map. "
-        f"{notes['closed_form_designs']} designs in closed form, {notes['engine_designs']} by the "
-        f"engine; {_degenerate(view)} are on a boundary."
+        f"Monostable: {numbers['moved_cell']} on {percent(numbers['monostable_fraction'])} of the "
+        f"map. {numbers['closed_form_designs']} designs in closed form, "
+        f"{numbers['engine_designs']} by the engine; {numbers['degenerate_designs']} are on a "
+        "boundary."
     )
 
     def error(curve: Row) -> str:
         within = f"{number(curve['error_of_axes'], 2)} of the axes"
         return "" if curve["method"] == "exact" else within
 
-    between = "The curves between the sequences."
     curves = (*_BOUNDARY, Column("within", error))
-    title = str(data.attrs["title"]) or "Map"
-    facts = [Fact(label, _axis_words(_axis(view, name))) for label, name in _AXES]
+    between = "The curves between the sequences."
+    facts = [Fact(label, _axis_words(numbers[key])) for label, key in _AXES]
     sections = {
         "Map": Picture("map", "Sequence at each point of the map"),
-        "Sequences": share,
+        "Sequences": RecordTable(columns, lambda: rows, most=None, more="sequences", level=CARD),
         "Boundaries": RecordTable(curves, "boundaries", between, most=None),
         "Method": Text(method),
     }
-    return Account(view, title, "map/3", answer, facts, sections)
+    return Account(view, numbers["title"] or "Map", "map/3", answer, facts, sections)
 
 
-def _axis_words(axis: _Axis) -> str:
-    found = record(_AXIS, axis)
-    unit = "" if found["unit"] == "1" else f" {Quantity('', found['unit']).sign}"
+def _axis_words(axis: Row) -> str:
+    unit = "" if axis["unit"] == "1" else f" {Quantity('', axis['unit']).sign}"
     return (
-        f"{found['parameter']} {number(found['from'])} to {number(found['to'])}{unit}, "
-        f"{found['count']} values"
+        f"{axis['parameter']} {number(axis['from'])} to {number(axis['to'])}{unit}, "
+        f"{axis['count']} values"
     )
