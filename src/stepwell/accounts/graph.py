@@ -1,12 +1,11 @@
 """Transition graphs: loops, memory, scrambling, latches; a walk through the largest ones."""
 
-from collections.abc import Mapping
 from functools import partial
 from operator import itemgetter
 from typing import Any
 
 from stepwell.accounts.events import way
-from stepwell.accounts.head import About, Shape, keys
+from stepwell.accounts.head import About, Row, Shape, keys
 from stepwell.accounts.parts import Account, Fact, RecordTable, Text
 from stepwell.accounts.words import LONGEST_IN_A_LINE, degenerate, tie_notes
 from stepwell.base import Column, Columns, Quantity, Schema, join_first, read_off
@@ -31,14 +30,36 @@ def graph_schema(shape: Shape) -> Schema:
     """What is reported of a graph; drives are those of its actuator."""
     unit = shape.drive
     loop = keys(up=[str], down=[str], low=unit, high=unit)
-    counted = keys(accumulators=[_accumulator(unit)], accumulators_all=(bool, "exhaustive"))
+
+    def witness(name: str) -> Any:
+        return lambda memory: memory.witness and getattr(memory.witness, name)
+
+    # A counterexample, if the graph has no return-point memory.
+    memory = (
+        *keys(holds=bool),
+        Quantity("turning_points", unit, read=witness("turns"), holds=[float], missing=True),
+        *keys(first=(str | None, witness("first")), later=(str | None, witness("later"))),
+    )
+    # Cycles with a transient or a period of two or more.
+    accumulator = (
+        *keys(states=[str], transient=int, period=int),
+        _DIRECTION,
+        *keys(low=unit, high=unit, slack=unit, set_by_hand=(bool, "by_hand")),
+        Quantity("turning_points", unit, read="turns", holds=[float]),
+    )
+    leaving = (
+        Quantity("from", read=itemgetter(0)),
+        *keys(to=(str, itemgetter(1)), direction=(str, lambda one: way(one[2]))),
+        *keys(drive=(unit, lambda one: one[2].drive)),
+    )
     reading = (
         *keys(branches=int, main_loop=loop, sub_loop_count=int),
         Quantity("sub_loops", holds=[loop], missing=True),
         Quantity("garden_of_eden", holds=[str], missing=True),
-        *keys(unreachable=[str], return_point_memory=_memory(unit), scrambling=[_SCRAMBLING]),
-        *read_off(counted, "counting"),
-        *keys(latches=[_latch(unit)]),
+        *keys(unreachable=[str], return_point_memory=memory, scrambling=[_SCRAMBLING]),
+        *keys(accumulators=([accumulator], "counting.accumulators")),
+        *keys(accumulators_all=(bool, "counting.exhaustive")),
+        *keys(latches=[keys(left=([str], "nodes"), ways=[leaving])]),
     )
     return (
         *keys(title=(str, lambda graph: graph.chain.title if graph.chain else "")),
@@ -47,38 +68,6 @@ def graph_schema(shape: Shape) -> Schema:
         *read_off(reading, "reading"),
         *_TIES,
     )
-
-
-def _memory(unit: str) -> Schema:
-    """Whether the graph has return-point memory, and a counterexample if not."""
-
-    def of(name: str) -> Any:
-        return lambda memory: memory.witness and getattr(memory.witness, name)
-
-    return (
-        *keys(holds=bool),
-        Quantity("turning_points", unit, read=of("turns"), holds=[float], missing=True),
-        *keys(first=(str | None, of("first")), later=(str | None, of("later"))),
-    )
-
-
-def _accumulator(unit: str) -> Schema:
-    """Cycles with a transient or a period of two or more."""
-    return (
-        *keys(states=[str], transient=int, period=int),
-        _DIRECTION,
-        *keys(low=unit, high=unit, slack=unit, set_by_hand=(bool, "by_hand")),
-        Quantity("turning_points", unit, read="turns", holds=[float]),
-    )
-
-
-def _latch(unit: str) -> Schema:
-    ways = (
-        Quantity("from", read=itemgetter(0)),
-        *keys(to=(str, itemgetter(1)), direction=(str, lambda one: way(one[2]))),
-        *keys(drive=(unit, lambda one: one[2].drive)),
-    )
-    return keys(left=([str], "nodes"), ways=[ways])
 
 
 def shape_of(graph: TransitionGraph | ImplicitGraph) -> Shape:
@@ -165,7 +154,7 @@ def walked_account(walked: Walked, about: About) -> Account:
     begin = walked.start
     if len(graph.names) > LONGEST_IN_A_LINE:
         begin = "all cells at 0" if walked.start == graph.zero else "the start"
-    heading = f"A walk from {begin}: {count} {len(walked.steps)} nodes, those near by first"
+    heading = f"A walk from {begin}: {count} {len(walked.steps)} nodes, nearest first"
     title, schema = graph.chain.title or "Transition graph", implicit_graph_schema(shape_of(graph))
     facts = [Fact(*one) for one in graph.facts.items()]
     sections = {heading: RecordTable(_walked_columns(walked), "walk", more="nodes")}
@@ -176,26 +165,28 @@ def walked_account(walked: Walked, about: About) -> Account:
 def _walked_columns(walked: Walked) -> Columns:
     names, unit = walked.graph.names, shape_of(walked.graph).drive
     readable = len(names) <= LONGEST_IN_A_LINE
-    at = {step.node.label: k for k, step in enumerate(walked.steps, 1)}
+    number = {step.node.label: k for k, step in enumerate(walked.steps, 1)}
     last_state = walked.graph.chain.last_state
 
-    def state(row: Mapping[str, Any]) -> str:
+    def state(row: Row) -> str:
         if readable:
             return row["label"]
-        last = zip(names, row["label"], walked.start, last_state, strict=False)
+        cells = zip(names, row["label"], walked.start, last_state, strict=False)
         moved = [
-            name + _PLACE.get(at + most, f" at {at}") for name, at, was, most in last if at != was
+            name + _PLACE.get(at + last, f" at {at}")
+            for name, at, start, last in cells
+            if at != start
         ]
         return join_first(moved, _FEW) or "nothing"
 
-    def leads(way: str, row: Mapping[str, Any]) -> str:
-        if row[way] is None:
+    def leads(direction: str, row: Row) -> str:
+        if (step := row[direction]) is None:
             return ""
-        to, cells = at.get(row[way]["to"]), [names[cell] for cell in row[way]["cells"]]
-        return join_first(cells, _FEW) + (f" → {to}" if to else "")
+        to = number.get(step["to"])
+        return join_first([names[cell] for cell in step["cells"]], _FEW) + (f" → {to}" if to else "")
 
     return (
-        Column("node", lambda row: str(at[row["label"]]), True),
+        Column("node", lambda row: str(number[row["label"]]), True),
         Column("state" if readable else "unlike the start", state),
         Quantity("low", unit, "from"),
         Quantity("high", unit, "to"),

@@ -1,4 +1,4 @@
-"""Where a result comes from, and on what the names in its record depend."""
+"""Provenance of a result, and the properties of a chain that decide the names in its record."""
 
 from __future__ import annotations
 
@@ -8,43 +8,33 @@ from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from stepwell.base import (
-    Measure,
-    Quantity,
-    Schema,
-    __version__,
-    display_unit,
-    keys,
-    record,
-    versions,
-)
+from stepwell import base
+from stepwell.base import Measure, Quantity, Schema, keys
 
 if TYPE_CHECKING:
     from stepwell.mechanism import Chain
     from stepwell.robot import Robot
 
 Row = Mapping[str, Any]
-# The first name of every JSON Schema, and those of what was computed, see `head`.
-BARE: Schema = (Quantity("stepwell"),)
+# The first names of every JSON Schema, and those of computed results, see `head`.
+BARE: Schema = keys(stepwell=str)
+HEAD: Schema = (*BARE, *keys(versions={str: str}, design_sha256=str | None, seed=int | None))
 
 
 def recorded(schema: Schema, values: Iterable[Any]) -> Callable[[], list[Row]]:
-    """What makes the rows of a table: the records of some values."""
-    return lambda: [record(schema, value) for value in values]
-
-
-HEAD: Schema = (*BARE, *keys(versions={str: str}, design_sha256=str | None, seed=int | None))
+    """A function that returns the rows of a table: the records of some values."""
+    return lambda: [base.record(schema, value) for value in values]
 
 
 @dataclass(frozen=True)
 class Calibrated:
-    """The recordings that a design was calibrated on.
+    """The recordings on which a design was calibrated.
 
     Args:
         data: the name of their folder.
         data_sha256: of each file.
         law: of the bands, as fitted.
-        summary: what was fitted, a sentence each.
+        summary: the fitted numbers, a sentence each.
         scatter: standard deviation of the bands' stiffness over its mean [1].
     """
 
@@ -64,13 +54,13 @@ CALIBRATED = Quantity(
 
 @dataclass(frozen=True)
 class About:
-    """From what a result was computed.
+    """The input from which a result was computed.
 
     Args:
         design: text of the design file, or the value for which such a file is written.
         source: the name of that file, or of the folder of recordings.
-        calibrated: of the recordings that the design was calibrated on; None for none.
-        seeds: of what was drawn before the result was computed, by name; None of what was not.
+        calibrated: the recordings on which the design was calibrated; None without any.
+        seeds: of earlier random draws, by name; None for a part without draws.
         data_sha256: of the file of each recording by its name.
         designs_sha256: of each design file by its name, where recordings are compared with several.
     """
@@ -84,20 +74,20 @@ class About:
 
 
 def bare(kind: str) -> dict[str, Any]:
-    """The first names of a record of which nothing was computed: `schema` and `stepwell`."""
-    return {"schema": f"stepwell.{kind}", "stepwell": __version__}
+    """The first names of a record without a computation: `schema` and `stepwell`."""
+    return {"schema": f"stepwell.{kind}", "stepwell": base.__version__}
 
 
 def head(
     kind: str, design: str | Chain | Robot | None, seed: int | None = None, *packages: str
 ) -> dict[str, Any]:
-    """The first names of a record, so that a result can be matched with its design.
+    """The first names of a record, by which a result can be matched with its design.
 
     Args:
         kind: of the record, with its version, such as "check/1".
         design: text of the design file, or the value for which such a file is written.
-        seed: of the draws; None where nothing is drawn.
-        packages: that took part, besides NumPy, SciPy and Numba.
+        seed: of the draws; None without draws.
+        packages: used packages besides NumPy, SciPy and Numba.
 
     Returns:
         `schema`, `stepwell`, `versions`, `design_sha256` (None if no file can hold the design) and
@@ -110,16 +100,13 @@ def head(
             design = dumps(design)
         except ValueError:
             design = None
-    return {
-        **bare(kind),
-        "versions": versions(*packages),
-        "design_sha256": None if design is None else digest(design),
-        "seed": seed,
-    }
+    sha256 = None if design is None else digest(design)
+    versions = base.versions(*packages)
+    return bare(kind) | {"versions": versions, "design_sha256": sha256, "seed": seed}
 
 
 class Shape(NamedTuple):
-    """A kind of chain: in all chains of a shape the same names are in a record."""
+    """The kind of a chain: records of all chains of a shape have the same names."""
 
     measure: Measure = Measure.TRAVEL
     force_driven: bool = False  # Whether the actuator prescribes the force.
@@ -131,27 +118,28 @@ class Shape(NamedTuple):
     def drive(self) -> str:
         """The unit of the drive in records."""
         measure = self.measure
-        return display_unit(measure.force_unit if self.force_driven else measure.travel_unit)[0]
+        si = measure.force_unit if self.force_driven else measure.travel_unit
+        return base.display_unit(si)[0]
 
     @classmethod
     def of(cls, chain: Chain) -> Shape:
         """The shape of a chain."""
-        found, force_driven = chain.elements, chain.actuator_stiffness == 0
-        folds = any(len(element.laws) > 1 for element in found)
-        return cls(chain.measure, force_driven, len(found) < len(chain), bool(found), folds)
+        elements, force_driven = chain.elements, chain.actuator_stiffness == 0
+        folds = any(len(element.laws) > 1 for element in elements)
+        return cls(chain.measure, force_driven, len(elements) < len(chain), bool(elements), folds)
 
 
 def shapes() -> Iterable[Shape]:
-    """All shapes that there are; levers give travel and force alone."""
+    """All possible shapes; cells with levers have travel and force as their measure."""
+    kinds = [(False, True, False), (False, True, True)]
+    levers = [(True, False, False), (True, True, False), (True, True, True)]
     for measure, force_driven in product(Measure, (False, True)):
-        kinds = [(False, True, False), (False, True, True)]
-        if measure is Measure.TRAVEL:
-            kinds += [(True, False, False), (True, True, False), (True, True, True)]
-        yield from (Shape(measure, force_driven, *kind) for kind in kinds)
+        for kind in kinds + levers * (measure is Measure.TRAVEL):
+            yield Shape(measure, force_driven, *kind)
 
 
 def of_class(kind: type, schema: Iterable[Quantity]) -> Schema:
-    """The same quantities, None of a value of another class."""
+    """The same quantities, None for a value of another class."""
 
     def read(value: Any, quantity: Quantity) -> Any:
         return quantity.of(value) if isinstance(value, kind) else None
