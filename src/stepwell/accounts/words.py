@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from stepwell.accounts.head import About
 from stepwell.accounts.parts import PAGE, Notes, Sections, Warned
-from stepwell.base import Measure, Quantity, amount, counted, display_unit, join_first, number
+from stepwell.base import Quantity, amount, counted, display_unit, join_first, grouped, number
 from stepwell.mechanism import Cell, Chain, Element, Linear
 
 if TYPE_CHECKING:
@@ -17,31 +17,43 @@ if TYPE_CHECKING:
     from stepwell.simulation import Walk
     from stepwell.statics import Tie
 
-# Of longer chains states are not written out in a line, and no change is followed to its end.
+# States of longer chains are not written in a line.
 LONGEST_IN_A_LINE = 12
-# The states of a chain are as many as its cells, each as long: past this only orders are given.
+# A sequence of longer chains is reported as orders only: it has a state per cell.
 _LONGEST_SPELLED_OUT = 64
 _MOST_DRIVES = 6
-_RIGID = (
-    "Levers and blocks are rigid, joints have no play, and each cell stops where its blocks touch."
-)
 
 
 def assumptions(chain: Chain) -> list[str]:
-    """What the results of a chain rest on, a sentence each."""
-    words = chain.measure
-    named = list(zip(chain.names, chain.cells, strict=True))
-    levers = [(name, cell) for name, cell in named if isinstance(cell, Cell)]
-    elements = [(name, cell) for name, cell in named if isinstance(cell, Element)]
+    """The assumptions behind the results of a chain, a sentence each."""
+    words, named = chain.measure, list(zip(chain.names, chain.cells, strict=True))
     rubbed = [f"{n} {amount(c.friction, words.force_unit)}" for n, c in named if c.friction]
+    levers = [(name, cell) for name, cell in named if isinstance(cell, Cell)]
+    landing = (
+        "After a snap the chain lands where overdamped flow at fixed drive leads it, "
+        f"{_mobilities(chain)}; the energy released is lost."
+    )
+    friction = f"Coulomb friction against {words.travel}: {listed(rubbed)}."
+    quasi_static = (
+        f"Quasi-static: the {words.stroke} changes slowly, inertia plays no part between snaps."
+    )
+    if not levers:
+        rest = [friction if rubbed else "No friction."]
+        return [quasi_static, *_curves(chain), landing, actuator_words(chain), *rest]
 
     def having(holds: Callable[[Cell], Any], none: str, some: str, every: str = "") -> str:
-        found = [name for name, cell in levers if holds(cell)]
-        if every and len(found) == len(levers):
+        matches = [name for name, cell in levers if holds(cell)]
+        if every and len(matches) == len(levers):
             return every
-        return some.format(listed(found)) if found else none
+        return some.format(listed(matches)) if matches else none
 
-    bands = (
+    return [
+        quasi_static,
+        "Levers and blocks are rigid, joints have no play, and each cell stops where its blocks "
+        "touch.",
+        *_curves(chain),
+        landing,
+        actuator_words(chain),
         having(
             lambda cell: any(band.two_sided for band in cell.bands),
             "Bands pull and never push: a slack band carries nothing.",
@@ -54,29 +66,17 @@ def assumptions(chain: Chain) -> list[str]:
             "Bands of {} follow a nonlinear law; the others are linear.",
             "Bands follow a nonlinear law.",
         ),
-    )
-    load = having(
-        lambda cell: cell.load is not None,
-        "No weight or other load acts on a cell.",
-        "A load that depends on its travel acts on {}.",
-    )
-    smooth = "No friction between blocks." if levers else "No friction."
-    rubs = f"Coulomb friction against {words.travel}: {listed(rubbed)}."
-    return [
-        f"Quasi-static: the {words.stroke} changes slowly, inertia plays no part between snaps.",
-        *([_RIGID] if levers else []),
-        *(_curves(elements, words) if elements else []),
-        "After a snap the chain lands where overdamped flow at fixed drive leads it, "
-        f"{_mobile(named, words)}; the energy released is lost.",
-        actuator_words(chain),
-        *(bands if levers else []),
-        rubs if rubbed else smooth,
-        *([load] if levers else []),
+        friction if rubbed else "No friction between blocks.",
+        having(
+            lambda cell: cell.load is not None,
+            "No weight or other load acts on a cell.",
+            "A load that depends on its travel acts on {}.",
+        ),
     ]
 
 
 def simulation_assumptions(walk: Walk) -> list[str]:
-    """What the numbers of a simulated walk assume, a sentence each."""
+    """The assumptions behind a simulated walk, a sentence each."""
     robot, settings = walk.robot, walk.settings
     rods = " and ".join(dict.fromkeys(number(one.friction) for one in robot.antennas))
     return [
@@ -93,21 +93,25 @@ def simulation_assumptions(walk: Walk) -> list[str]:
     ]
 
 
-def _mobile(named: list[tuple[str, Cell | Element]], words: Measure) -> str:
-    if len({cell.mobility for _, cell in named}) == 1:
-        return f"every {words.travel} being equally mobile"
+def _mobilities(chain: Chain) -> str:
+    if len({cell.mobility for cell in chain.cells}) == 1:
+        return f"with the same mobility of every {chain.measure.travel}"
+    named = zip(chain.names, chain.cells, strict=True)
     others = [f"{name} {number(cell.mobility)}" for name, cell in named if cell.mobility != 1.0]
-    rest = "" if len(others) == len(named) else ", all others 1"
-    return f"every cell with its own mobility: {listed(others)}{rest}"
+    rest = "" if len(others) == len(chain) else ", all others 1"
+    return f"with the mobility of each cell: {listed(others)}{rest}"
 
 
-def _curves(elements: list[tuple[str, Element]], words: Measure) -> Iterable[str]:
-    yield (
-        f"The {words.force} of {listed([name for name, _ in elements])} follows a curve over "
-        f"{words.travel}, at any rate and whatever came before."
-    )
+def _curves(chain: Chain) -> Iterable[str]:
+    words, named = chain.measure, zip(chain.names, chain.cells, strict=True)
+    elements = [(name, cell) for name, cell in named if isinstance(cell, Element)]
+    if elements:
+        yield (
+            f"The {words.force} of {listed([name for name, _ in elements])} follows a curve over "
+            f"{words.travel}, at any rate and for any history."
+        )
     if beyond := [name for name, element in elements if not all(element.stopped)]:
-        yield f"Past an end without a stop the curve of {listed(beyond)} goes on straight."
+        yield f"Past an end without a stop the curve of {listed(beyond)} is extended straight."
     if folded := [name for name, element in elements if len(element.laws) > 1]:
         yield (
             f"Where the curve of {listed(folded)} folds back, it jumps to the next stable stretch "
@@ -130,9 +134,9 @@ def cells_of(chain: Chain) -> str:
     return f"{counted(len(chain), 'cell')}, innermost first"
 
 
-def spelled_out(found: Cycle | Program) -> str | None:
-    """The sequence of a cycle or a program; None of a long chain."""
-    return str(found.sequence) if len(found.chain) <= _LONGEST_SPELLED_OUT else None
+def spelled_out(result: Cycle | Program) -> str | None:
+    """The sequence of a cycle or a program; None for a long chain."""
+    return str(result.sequence) if len(result.chain) <= _LONGEST_SPELLED_OUT else None
 
 
 def listed(items: Sequence[str]) -> str:
@@ -151,20 +155,20 @@ def turning_points(points: Sequence[float], chain: Chain) -> str:
 def degenerate(ties: Iterable[Tie], chain: Chain | None) -> Warned:
     """The warning of ties, see `tie_notes`."""
     return Warned(
-        "Too close to call",
-        "The model cannot tell which of these happens; a real mechanism will decide.",
+        "Degenerate events (ties)",
+        "The model cannot decide between their outcomes; a real mechanism will.",
         tie_notes(ties, chain),
     )
 
 
 def calibration(about: About) -> Sections:
-    """What the recordings gave that a design was calibrated on."""
+    """The results of the recordings on which a design was calibrated."""
     given, heading = about.calibrated, "Bands, weight and friction as calibrated"
     return {f"{heading} on {given.data}": Notes(given.summary)} if given else {heading: ()}
 
 
 def assumed(chain: Chain, *more: str) -> Sections:
-    """What the numbers of a chain assume; terminals have `more` alone, which is of the result."""
+    """The assumptions of a chain, and `more` of a result; terminals show `more` alone."""
     return {"Assumptions": (Notes(assumptions(chain), PAGE), Notes([*filter(None, more)]))}
 
 
@@ -172,37 +176,34 @@ def tie_notes(ties: Iterable[Tie], chain: Chain | None) -> list[str]:
     """Advice on ties, once for the same cells and for cells that are alike.
 
     Args:
-        ties: in the order in which they are met.
-        chain: whose they are; None where it is not known, and then no cells are alike.
+        ties: in the order of the events.
+        chain: the chain with these ties; None if unknown, and then no cells are alike.
 
     Returns:
         A note for each: the advice on the first tie, and where the others are.
     """
-    # For each cell the innermost one that is the same but for its name.
+    # The innermost cell that equals each cell except for the name.
     first: dict[object, int] = {}
     bare = [replace(cell, name="") for cell in (chain.cells if chain else ())]
     alike = {i: first.setdefault(cell, i) for i, cell in enumerate(bare)}
-    groups: dict[tuple[frozenset[int], int], list[Tie]] = {}
-    for tie in ties:
-        cells = frozenset(alike.get(cell, cell) for cell in tie.cells)
-        groups.setdefault((cells, len(tie.cells)), []).append(tie)
+    groups = grouped(
+        ((frozenset(alike.get(cell, cell) for cell in tie.cells), len(tie.cells)), tie)
+        for tie in ties
+    )
     return [_note(group, chain) for group in groups.values()]
 
 
 def _note(group: list[Tie], chain: Chain | None) -> str:
     unit, factor = display_unit(chain.drive_unit if chain else "m")
-    # A rounding error is no other place, and has no sign.
+    # A rounding error is no other drive, and has no sign.
     drives = dict.fromkeys(f"{round(tie.drive * factor, 6) + 0.0:.6g}" for tie in group)
-    others = list(drives)[1:]
+    others, note = [*drives][1:], group[0].advice
     cells = {cell for tie in group for cell in tie.cells}
-    note = group[0].advice
+    alike = ""
     if cells != set(group[0].cells) and chain is not None:
-        note += f" So it is with all of {', '.join(chain.names[c] for c in sorted(cells))}, alike"
-        note += " as they are" + (", also" if others else ".")
-    elif others:
-        note += " So it is also"
+        alike = f" for all of {', '.join(chain.names[c] for c in sorted(cells))}, which are alike"
+    also = ""
     if others:
-        more = len(others) - _MOST_DRIVES
-        note += f" at {', '.join(others[:_MOST_DRIVES])} {unit}"
-        note += f" and {more} places more." if more > 0 else "."
-    return note
+        more = f" and at {len(others) - _MOST_DRIVES} more" * (len(others) > _MOST_DRIVES)
+        also = f"{', also' if alike else ''} at {', '.join(others[:_MOST_DRIVES])} {unit}{more}"
+    return f"{note} The same holds{alike}{also}." if alike or others else note
