@@ -1,4 +1,4 @@
-"""An account: what is reported of a result, before any renderer gives it a form."""
+"""An account: the content of a report on a result, before any renderer gives it a form."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -23,7 +23,7 @@ CARD, TERMINAL, PAGE = Level
 
 @dataclass(frozen=True)
 class Fact:
-    """A number or a phrase by its label, a noun without the unit; without text it is not shown."""
+    """A number or a phrase with its label, a noun without the unit; shown if it has a text."""
 
     label: str
     text: str | Callable[[], str]
@@ -32,7 +32,7 @@ class Fact:
 
 @dataclass(frozen=True)
 class Text:
-    """A paragraph, or a function where it takes time; without text it is not shown."""
+    """A paragraph, or a function that returns it; shown if it has a text."""
 
     text: str | Callable[[], str]
     level: Level = TERMINAL
@@ -40,7 +40,7 @@ class Text:
 
 @dataclass(frozen=True)
 class Notes:
-    """Sentences as a list; without any it is not shown."""
+    """Sentences as a list; shown if there are any."""
 
     lines: Sequence[str]
     level: Level = TERMINAL
@@ -48,22 +48,22 @@ class Notes:
 
 @dataclass(frozen=True)
 class RecordTable:
-    """Records as a table, made when it is shown."""
+    """Records as a table; the rows are computed when it is shown."""
 
     columns: Columns  # Quantities without a head are not shown.
     rows: str | Callable[[], Sequence[Row]]  # A function, or the key in the account's record.
     about: str = ""  # How to read the table; pages alone have it.
     wide: Columns = ()  # Further columns, which pages alone have room for.
     most: int | None = 40  # How many rows a terminal shows; None for all.
-    more: str = "rows"  # What the rows are: of cut cards, and of pages where `about` is empty.
+    more: str = "rows"  # A noun for the rows: in cut cards, and in pages if `about` is empty.
     level: Level = TERMINAL
-    # Makes the rows of what the record has under the key.
+    # Returns the rows, given the value of the key in the record.
     pick: Callable[[Any], Sequence[Row]] | None = None
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure by the name of its files: pages show it where it was drawn."""
+    """A figure by the name of its files: pages show it if it was drawn."""
 
     name: str
     caption: str
@@ -72,7 +72,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Replay:
-    """The motion of the result as a replay; pages show it, or `instead` where there is none."""
+    """The motion of the result as a replay; pages show it, or `instead` without a replay."""
 
     title: str
     instead: str = ""
@@ -81,7 +81,7 @@ class Replay:
 
 @dataclass(frozen=True)
 class Verbatim:
-    """Text that is copied as it is, such as TOML, and what it is."""
+    """Text that is copied as it is, such as TOML, and a noun for it."""
 
     text: str
     about: str
@@ -95,7 +95,7 @@ Sections = Mapping[str, Part | Sequence[Part]]
 
 @dataclass(frozen=True)
 class Warned:
-    """What a reader has to know before the numbers: every form shows it first, if it has lines."""
+    """A warning: every form shows it before the numbers, if it has lines."""
 
     heading: str
     text: str
@@ -104,24 +104,24 @@ class Warned:
 
 @dataclass(frozen=True, eq=False)
 class Account:
-    """All that is reported of a result.
+    """The report on a result.
 
     Args:
         value: the result.
-        title: what the result is of.
-        kind: of the record, with its version, such as "check/1"; "" where there is no record.
-        answer: what the reader came for, in one sentence.
-        facts: the numbers that matter.
-        sections: the rest by its headings; one of which no part is shown is not shown either.
-        warnings: what has to be known first.
-        origin: from what it was computed, in sentences.
-        hints: what to do next on the command line; the terminal alone has them.
-        about: the design file and the recordings that it was computed from.
-        seed: of the draws; None where nothing is drawn.
-        packages: that took part, besides NumPy, SciPy and Numba.
-        computed: whether it was computed of a design; else its record has no provenance.
-        given: quantities by name that the value does not have itself.
-        schema: of its record; `account` sets that of its kind by default.
+        title: of the report.
+        kind: of the record, with its version, such as "check/1"; "" without a record.
+        answer: the main result, in one sentence.
+        facts: the main numbers.
+        sections: the rest by heading; a section is shown if one of its parts is.
+        warnings: shown before the numbers.
+        origin: the input of the computation, in sentences.
+        hints: next steps on the command line; the terminal alone has them.
+        about: the design file and the recordings from which it was computed.
+        seed: of the draws; None without draws.
+        packages: used packages besides NumPy, SciPy and Numba.
+        computed: whether it was computed from a design; else its record has no provenance.
+        given: quantities by name that are no attributes of the value.
+        schema: of its record; by default `account` sets the one of its kind.
     """
 
     value: Any
@@ -142,7 +142,7 @@ class Account:
 
     @cached_property
     def record(self) -> dict[str, Any]:
-        """What JSON has of it: provenance first, then the schema's quantities."""
+        """The JSON object: provenance first, then the quantities of the schema."""
         first = bare(self.kind)
         if self.computed:
             first = head(self.kind, self.about.design, self.seed, *self.packages)
@@ -151,8 +151,8 @@ class Account:
 
     def known(self, level: Level) -> dict[str, str]:
         """The facts that a form shows, by label; those without a text are left out."""
-        texts = {one.label: text_of(one) for one in self.facts if one.level <= level}
-        return {label: text for label, text in texts.items() if text}
+        texts = ((one.label, text_of(one)) for one in self.facts if one.level <= level)
+        return {label: text for label, text in texts if text}
 
     def within(self, level: Level) -> Iterator[tuple[str, list[Part]]]:
         """The parts of each section that a form shows, with its heading."""
@@ -164,10 +164,16 @@ class Account:
         """The rows of a table of this account."""
         if callable(table.rows):
             return table.rows()
-        found = self.record[table.rows]
-        return (table.pick(found) if table.pick else found) or ()
+        value = self.record[table.rows]
+        return (table.pick(value) if table.pick else value) or ()
 
 
 def text_of(part: Fact | Text) -> str:
     """The text of a fact or a paragraph."""
     return part.text if isinstance(part.text, str) else part.text()
+
+
+def lines_of(part: Part) -> list[str]:
+    """The sentences of a paragraph or a list; none of another part."""
+    lines = [text_of(part)] if isinstance(part, Text) else getattr(part, "lines", ())
+    return [line for line in lines if line]

@@ -4,10 +4,10 @@ from collections.abc import Callable, Iterable, Sequence
 from html import escape
 
 from stepwell.accounts.head import Row
-from stepwell.accounts.parts import CARD, Account, Notes, RecordTable, Text, text_of
+from stepwell.accounts.parts import CARD, Account, RecordTable, lines_of
 from stepwell.base import headed, printable, shown
 
-# Rows of a table and letters of a sentence; all else is in the value itself.
+# Most rows of a table and letters of a sentence.
 _ROWS, _LETTERS = 8, 1000
 
 # No colour of its own but a grey that shows on white and on black: text keeps the notebook's.
@@ -24,23 +24,23 @@ _ROW = '<tr style="background:none">'
 
 def card(account: Account) -> str:
     """What a notebook shows of a result: HTML with inline styles, no script, all text escaped."""
-    found = [f"<strong>{_safe(account.title)}</strong>"]
-    found += map(_sentence, filter(None, (account.answer, account.origin)))
-    found += [_sentence(line) for warned in account.warnings for line in warned.lines]
     facts = (
         f'<th scope="row" style="{_CELL}left;{_FAINT}">{_safe(headed(label))}</th>'
         f'<td style="{_CELL}left">{_short(text)}</td>'
         for label, text in account.known(CARD).items()
     )
-    found.append(_rows("", facts))
+    warnings = (line for warned in account.warnings for line in warned.lines)
+    html = [
+        f"<strong>{_safe(account.title)}</strong>",
+        *map(_sentence, filter(None, (account.answer, account.origin, *warnings))),
+        _rows("", facts),
+    ]
     for _, parts in account.within(CARD):
         for part in parts:
+            html += map(_sentence, lines_of(part))
             if isinstance(part, RecordTable):
-                found.append(_table(part, account.rows(part)))
-            elif isinstance(part, Text | Notes):
-                lines = [text_of(part)] if isinstance(part, Text) else part.lines
-                found += map(_sentence, filter(None, lines))
-    return f'<div style="{_CARD}">{"".join(found)}</div>'
+                html.append(_table(part, account.rows(part)))
+    return f'<div style="{_CARD}">{"".join(html)}</div>'
 
 
 def _sentence(text: str) -> str:
@@ -51,22 +51,19 @@ def _table(table: RecordTable, rows: Sequence[Row]) -> str:
     columns = shown(table.columns)
     if not columns or not rows:
         return ""
-    sides = [(one, "right" if one.numeric else "left") for one in columns]
+    sides = [(one, _CELL + ("right" if one.numeric else "left")) for one in columns]
     heads = (
-        f'<th scope="col" style="{_CELL}{side};white-space:nowrap;{_FAINT}">'
+        f'<th scope="col" style="{style};white-space:nowrap;{_FAINT}">'
         f"{_safe(headed(column.heading))}</th>"
-        for column, side in sides
+        for column, style in sides
     )
-    body = (
-        "".join(
-            f'<td style="{_CELL}{side};{_NUMBERS}">{_short(column.cell(row))}</td>'
-            for column, side in sides
-        )
+    cells = (
+        (f'<td style="{style};{_NUMBERS}">{_short(one.cell(row))}</td>' for one, style in sides)
         for row in rows[:_ROWS]
     )
     left = len(rows) - _ROWS
     more = f'<div style="{_FAINT}">and {left} more of the {_safe(table.more)}</div>'
-    return _rows("".join(heads), body) + more * (left > 0)
+    return _rows("".join(heads), map("".join, cells)) + more * (left > 0)
 
 
 def _rows(head: str, rows: Iterable[str]) -> str:

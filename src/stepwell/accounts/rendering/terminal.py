@@ -187,21 +187,14 @@ def terminal(account: Account) -> list[Line]:
         for part in shown_here:
             if isinstance(part, parts.RecordTable):
                 lines += _records(account, title, part)
-            elif under := _part(part):
-                lines += [_EMPTY, *heading(title), *under]
+                continue
+            under = _paragraphs(parts.lines_of(part))
+            if isinstance(part, parts.Verbatim) and part.text:
+                under = [*map(Line, escaped(part.text).split("\n"))]
+            lines += [_EMPTY, *heading(title), *under] if under else []
     for hint in account.hints:
         lines += [_EMPTY, *paragraph(hint)]
     return lines[1:] if lines[:1] == [_EMPTY] else lines
-
-
-def _part(part: parts.Part) -> list[Line]:
-    if isinstance(part, parts.Text):
-        return paragraph(parts.text_of(part))
-    if isinstance(part, parts.Notes):
-        return _paragraphs(part.lines)
-    if isinstance(part, parts.Verbatim) and part.text:
-        return [*map(Line, escaped(part.text).split("\n"))]
-    return []
 
 
 def _paragraphs(texts: Iterable[str]) -> list[Line]:
