@@ -2,6 +2,7 @@
 
 from enum import Enum
 from functools import reduce
+from itertools import chain
 from types import UnionType
 from typing import Any
 
@@ -13,13 +14,9 @@ JsonSchema = dict[str, Any]
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _TYPES = {str: "string", bool: "boolean", int: "integer", dict: "object"}
-# The first names of records with less provenance than all others: nothing was computed for two, and
-# a folder has no packages of its own, its result has.
-_FIRST = {
-    "doctor": BARE,
-    "folder": tuple(one for one in HEAD if one.name != "versions"),
-    "presets": BARE,
-}
+# The first names of records without a computation; a folder has no packages of its own.
+_FIRST = {"doctor": BARE, "presets": BARE}
+_FIRST["folder"] = tuple(one for one in HEAD if one.name != "versions")
 
 
 def schema_kinds() -> list[str]:
@@ -38,9 +35,9 @@ def schema_of(kind: str) -> JsonSchema:
         near = nearest_word(kind, schema_kinds())
         meant = f"Did you mean {near}?" if near else f"There are {', '.join(schema_kinds())}."
         raise InputError(f"{kind!r}: no result goes by this name. {meant}")
-    found, first = schema_at(name), _FIRST.get(kind, HEAD)
-    schemas = [found] if isinstance(found, tuple) else map(found, shapes())
-    body = reduce(_merged, (_object((*first, *schema)) for schema in schemas))
+    schema, first = schema_at(name), _FIRST.get(kind, HEAD)
+    schemas = [schema] if isinstance(schema, tuple) else map(schema, shapes())
+    body = reduce(_merged, (_object((*first, *one)) for one in schemas))
     properties = {"schema": {"const": f"stepwell.{name}"}, **body["properties"]}
     properties.setdefault("files", {"type": "array", "items": {"type": "string"}})
     version = name.partition("/")[2]
@@ -62,14 +59,14 @@ def _object(schema: Schema) -> JsonSchema:
 
 
 def _property(quantity: Quantity) -> JsonSchema:
-    found = _held(quantity.holds or (float if quantity.unit else str))
+    schema = _held(quantity.holds or (float if quantity.unit else str))
     if quantity.doc:
-        found["description"] = quantity.doc
-    if not quantity.missing:
-        return found
-    if "enum" in found:
-        found["enum"] = [*found["enum"], None]
-    return found | {"type": [*dict.fromkeys([*_listed(found["type"]), "null"])]}
+        schema["description"] = quantity.doc
+    if quantity.missing:
+        schema["type"] = _types(schema["type"], "null")
+        if "enum" in schema:
+            schema["enum"] = [*schema["enum"], None]
+    return schema
 
 
 def _held(holds: Any) -> JsonSchema:
@@ -80,7 +77,7 @@ def _held(holds: Any) -> JsonSchema:
     if isinstance(holds, dict):
         return {"type": "object", "additionalProperties": _held(holds[str])}
     if holds is float:
-        # Not finite is null, whatever the quantity.
+        # A number that is not finite is null.
         return {"type": ["number", "null"]}
     if isinstance(holds, UnionType):
         return {"type": [_TYPES[one] for one in holds.__args__]}
@@ -90,23 +87,24 @@ def _held(holds: Any) -> JsonSchema:
 
 
 def _merged(a: JsonSchema, b: JsonSchema) -> JsonSchema:
-    """What allows all that either of two schemas of the same quantity allows."""
+    """A schema that allows all that either of two schemas of the same quantity allows."""
     if a == b:
         return a
-    types = [*dict.fromkeys([*_listed(a["type"]), *_listed(b["type"])])]
-    found = a | b | {"type": types if types[1:] else types[0]}
+    schema = a | b | {"type": _types(a["type"], b["type"])}
     for part in {"items", "additionalProperties"} & a.keys() & b.keys():
         if isinstance(a[part], dict) and isinstance(b[part], dict):
-            found[part] = _merged(a[part], b[part])
+            schema[part] = _merged(a[part], b[part])
     if "properties" in a and "properties" in b:
         both = a["properties"], b["properties"]
-        names = dict.fromkeys([*both[0], *both[1]])
-        found["properties"] = {
-            name: reduce(_merged, [one[name] for one in both if name in one]) for name in names
+        schema["properties"] = {
+            name: reduce(_merged, [one[name] for one in both if name in one])
+            for name in both[0] | both[1]
         }
-        found["required"] = [one for one in a["required"] if one in b["required"]]
-    return found
+        schema["required"] = [one for one in a["required"] if one in b["required"]]
+    return schema
 
 
-def _listed(types: str | list[str]) -> list[str]:
-    return [types] if isinstance(types, str) else types
+def _types(*types: str | list[str]) -> str | list[str]:
+    listed = [[one] if isinstance(one, str) else one for one in types]
+    names = [*dict.fromkeys(chain.from_iterable(listed))]
+    return names if names[1:] else names[0]
