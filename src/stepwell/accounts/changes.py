@@ -136,17 +136,6 @@ def margin_section(margin: Margin, *parts: Part) -> dict[str, tuple[Part, ...]]:
     return {"Margin: the smallest change of one thing that gives another sequence": (*parts, table)}
 
 
-def nearest_words(margin: Margin, *, tied: bool = False) -> str:
-    """The smallest changes of an anchor and of a number; a chain may be `tied` already."""
-    if tied and all(change.distance < _NO_MOVE for change in margin.changes):
-        return "Degenerate: any change at all decides between two sequences."
-    # An anchor and a number do not compare: the nearest of both is reported.
-    finite = [one for one in _nearest(margin) if math.isfinite(one.distance)]
-    near = {_of_anchor(one): one for one in reversed(finite)}
-    words = "; ".join(change_words(near[kind]) for kind in (True, False) if kind in near)
-    return f"Smallest changes to another sequence: {words}." if words else ""
-
-
 def margin_account(margin: Margin, about: About) -> Account:
     """What a notebook shows of a margin."""
     method = "Every change is in closed form." if margin.method == "exact" else margin.resolution

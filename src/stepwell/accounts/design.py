@@ -12,7 +12,7 @@ from stepwell.accounts.head import About, Shape, keys, of_class, recorded
 from stepwell.accounts.parts import CARD, PAGE, Account, Fact, RecordTable, Text
 from stepwell.accounts.words import LONGEST_IN_A_LINE, assumed, cells_of
 from stepwell.base import Quantity, Schema, amount, join_first, number, signed, to_unit
-from stepwell.design import Design, Impossible, Reprogramming, Robustness
+from stepwell.design import Design, Impossible, Reprogramming
 
 # More states than these are not read in a line.
 _MOST_STATES = 16
@@ -51,16 +51,12 @@ def design_schema(shape: Shape) -> Schema:
     )
     gaps = base.in_measure(keys(largest_gap="N", gap_needed="N"), shape.measure)
     return (
-        *keys(title=(str, lambda one: "" if _none(one) else one.chain.title)),
-        *keys(possible=(bool, lambda one: not _none(one)), proved=bool),
-        *keys(reason=(str, lambda one: str(one) if _none(one) else one.method)),
+        *keys(title=(str, lambda one: one.chain.title if isinstance(one, Design) else "")),
+        *keys(possible=(bool, lambda one: isinstance(one, Design)), proved=bool),
+        *keys(reason=(str, lambda one: one.method if isinstance(one, Design) else str(one))),
         *of_class(Design, built),
         *of_class(Impossible, gaps),
     )
-
-
-def _none(value: Design | Impossible) -> bool:
-    return isinstance(value, Impossible)
 
 
 def _states(design: Design) -> tuple[str, ...] | None:
@@ -85,11 +81,6 @@ def impossible_account(value: Impossible, about: About) -> Account:
     proved = "This is proved." if value.proved else "A search found none; that is no proof."
     schema = design_schema(Shape(value.measure))
     return Account(value, "No such design", "design/2", str(value), origin=proved, schema=schema)
-
-
-def robustness_account(value: Robustness, about: About) -> Account:
-    """What a notebook shows of a robustness."""
-    return Account(value, "Robustness", answer=str(value))
 
 
 def design_account(design: Design, about: About) -> Account:
@@ -135,7 +126,12 @@ def reprogram_schema(shape: Shape) -> Schema:
         largest_force=("N", "largest"), work_at_0=("mJ", "work_0"), work_at_1=("mJ", "work_1")
     )
     return (
-        *keys(title=(str, "chain.title"), by=str, target=str | None, possible=(bool, _possible)),
+        *keys(
+            title=(str, "chain.title"),
+            by=str,
+            target=str | None,
+            possible=(bool, lambda change: math.isfinite(change.distance)),
+        ),
         *keys(before=str, after=(str | None, lambda change: change.after or None)),
         *(anchors if shape.levers else ()),
         *(scales if shape.elements else ()),
@@ -164,10 +160,6 @@ def _places(change: Reprogramming) -> list[tuple[Any, ...]]:
     return [*zip(pull.fraction, at, pull.force_0, pull.force_1, pull.peak, strict=True)]
 
 
-def _possible(change: Reprogramming) -> bool:
-    return math.isfinite(change.distance)
-
-
 def reprogramming_account(change: Reprogramming, about: About) -> Account:
     """What is reported of a reprogramming."""
     chain, target = change.chain, change.target or "another sequence"
@@ -176,7 +168,7 @@ def reprogramming_account(change: Reprogramming, about: About) -> Account:
         Fact("Sequence now", change.before),
     ]
     tables = []
-    if not _possible(change):
+    if math.isinf(change.distance):
         up_to = f"displacement of {change.by} up to {amount(change.reach, 'm')}"
         tried = f"value of {change.by} that was tried" if math.isinf(change.reach) else up_to
         answer = f"No {tried} gives {target}"

@@ -5,8 +5,8 @@ from operator import itemgetter
 from typing import Any
 
 from stepwell import base, mechanism
-from stepwell.accounts.head import About, Row, Shape, keys, recorded
-from stepwell.accounts.parts import CARD, PAGE, Account, RecordTable, Sections, Text
+from stepwell.accounts.head import Row, Shape, keys, recorded
+from stepwell.accounts.parts import CARD, RecordTable, Sections
 from stepwell.base import Column, Quantity
 from stepwell.statics import Cause, Event, Landing
 
@@ -73,7 +73,7 @@ def event_sections(
     chain: mechanism.Chain, events: Sequence[Event], landings: Sequence[Landing] | None
 ) -> Sections:
     """Switches and snaps as a table, and where snaps land for other mobilities of the cells."""
-    measure, words = chain.measure, landing_words(landings)
+    measure = chain.measure
     arriving = "in another phase" if chain.elements else "at a stop"
     event, place = event_schema(Shape.of(chain)), _elsewhere(Shape.of(chain))
     known = {quantity.attribute: quantity for quantity in event}
@@ -89,7 +89,7 @@ def event_sections(
     columns = (
         known["direction"],
         known["stroke"],
-        Column("lands elsewhere if", lambda row: _condition(row["mobility"], chain.names)),
+        Column("mobility factors", lambda row: _mobilities(row["mobility"], chain.names)),
         place[0],
         Column("samples", lambda row: f"{100 * row['share']:.0f} %", True),
     )
@@ -104,7 +104,7 @@ def event_sections(
         "to the given ones that lead there and the fraction of the samples.",
     )
     return {
-        "Switches and snaps": (table, Text(f"Landings: {words}." if words else "", PAGE)),
+        "Switches and snaps": table,
         "Landings that other mobilities of the cells change": other,
     }
 
@@ -163,28 +163,9 @@ def landing_words(landings: Sequence[Landing] | None) -> str:
     return f"{f'{count} hold' if landings[1:] else 'holds'} {ratios}: {held}"
 
 
-def _condition(mobility: Sequence[float], names: Sequence[str]) -> str:
-    """Factors on the given mobilities, such as "outer is 7 times faster"."""
-    least, most = min(mobility), max(mobility)
-    named = list(zip(names, mobility, strict=True))
-    fast = [name for name, factor in named if factor > least]
-    slow = [name for name, factor in named if factor < most]
-    times = f"{base.number(most / least, 3)} times"
-    # Cells between the fastest and the slowest are on both lists.
-    if len(fast) == 1:
-        return f"{fast[0]} is {times} faster"
-    if len(slow) == 1:
-        return f"{slow[0]} is {times} slower"
-    return "as fast as " + ", ".join(f"{name} {base.number(x / least, 3)}" for name, x in named)
-
-
-def event_account(value: Event, about: About) -> Account:
-    """What a notebook shows of an event."""
-    kind, _, rest = repr(value).partition(" ")
-    return Account(value, kind.capitalize(), origin=rest)
-
-
-def landing_account(value: Landing, about: About) -> Account:
-    """What a notebook shows of a landing."""
-    title = f"Landing of a {value.event.kind.name.lower()}"
-    return Account(value, title, origin=" ".join(str(value).splitlines()))
+def _mobilities(mobility: Sequence[float], names: Sequence[str]) -> str:
+    """Factors on the given mobilities, with the least as 1."""
+    least = min(mobility)
+    named = zip(names, mobility, strict=True)
+    above = [f"{name} {base.number(x / least, 3)}" for name, x in named if x > least]
+    return ", ".join([*above, "others 1"])

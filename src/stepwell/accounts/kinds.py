@@ -1,4 +1,4 @@
-"""Which function has the account of a class, and which the schema of a kind of record."""
+"""The function that returns the account of a class, and the schema of each kind of record."""
 
 import re
 from dataclasses import replace
@@ -11,15 +11,14 @@ from stepwell.accounts.parts import Account
 from stepwell.accounts.rendering.card import card
 from stepwell.base import InputError, of_kind
 
-# Of each file in this folder: the classes of which it makes accounts, each by the function with the
-# name of the class, and its kinds of records, with the version of their names.
+# For each file of this folder: the classes with an account, each by the function with the name of
+# the class, and the kinds of records, with the version of their names.
 FILES = {
     "atlas": ("Atlas", "atlas/1"),
     "chain": ("Cell Chain Element", ""),
     "changes": ("Margin", ""),
     "check": ("Check", "check/2"),
-    "design": ("Design Impossible Reprogramming Robustness", "design/2 reprogram/2"),
-    "events": ("Event Landing", ""),
+    "design": ("Design Impossible Reprogramming", "design/2 reprogram/2"),
     "graph": (
         "ImplicitGraph MemoryReading Sequence TransitionGraph Walked",
         "graph/2 implicit_graph/2",
@@ -44,6 +43,8 @@ ACCOUNTS = {
     for file, (names, _) in FILES.items()
     for name in names.split()
 }
+# Values of which a notebook shows their text.
+ACCOUNTS |= dict.fromkeys(("Event", "Landing", "Robustness"), "kinds:text_account")
 KINDS = {kind: file for file, (_, kinds) in FILES.items() for kind in kinds.split()}
 
 
@@ -55,11 +56,11 @@ def schema_at(kind: str) -> Any:
 
 
 def account(value: Any, about: About | None = None, **options: Any) -> Account:
-    """What is reported of a result.
+    """The report on a result.
 
     Args:
         value: a result, such as a `Check`.
-        about: the design file and the recordings that it was computed from.
+        about: the design file and the recordings from which it was computed.
         options: of the kind of result, such as `borders` of an atlas.
 
     Raises:
@@ -72,14 +73,19 @@ def account(value: Any, about: About | None = None, **options: Any) -> Account:
     about = about or About(design)
     file, _, function = place.partition(":")
     make = getattr(import_module(f"stepwell.accounts.{file}"), function)
-    found: Account = make(value, about, **options)
-    schema = found.schema or (schema_at(found.kind) if found.kind else ())
+    report: Account = make(value, about, **options)
+    schema = report.schema or (schema_at(report.kind) if report.kind else ())
     schema = schema(Shape.of(design)) if callable(schema) else schema
-    return replace(found, about=about, schema=schema)
+    return replace(report, about=about, schema=schema)
+
+
+def text_account(value: Any, about: About) -> Account:
+    """What a notebook shows of a value that is described by its text."""
+    return Account(value, type(value).__name__, answer=" ".join(str(value).splitlines()))
 
 
 def _design(value: Any) -> Any:
-    """The chain, the robot or the text of which a result was computed, if it has one."""
+    """The chain, the robot or the text from which a result was computed, if it has one."""
     for place in ("drawing", "chain", "robot", "walk.robot", "graph.chain", "study.text"):
         try:
             return attrgetter(place)(value)
@@ -89,14 +95,7 @@ def _design(value: Any) -> Any:
 
 
 def card_of(value: Any) -> str:
-    """What a notebook shows of a value: the card of its account, or what it prints.
-
-    Args:
-        value: any of the package.
-
-    Returns:
-        HTML with inline styles, for light and dark notebooks alike.
-    """
+    """The card of any value, for light and dark notebooks: of its account, or of its text."""
     if of_kind(ACCOUNTS, value) is not None:
         return card(account(value))
     name, text = type(value).__name__, repr(value)

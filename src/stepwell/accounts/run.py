@@ -76,7 +76,6 @@ def run_account(run: Run, about: About) -> Account:
         Fact("Landings", landings),
     )
     nearby = (
-        Text(changes.nearest_words(margin, tied=tied), PAGE),
         Picture("margins", "Distance of each parameter to another sequence"),
         Picture("around", "Sequences around the most sensitive anchor"),
     )
