@@ -177,13 +177,9 @@ def cell_account(value: Cell | Element, about: About) -> Account:
     schema = [quantity for quantity in cell_schema(Shape.of(chain))[1:] if quantity.head]
     numbers = zip(schema, texts(schema, named(chain)[0]), strict=True)
     facts = [Fact(label_of(quantity), text) for quantity, text in numbers]
-    if isinstance(value, Cell):
-        bands = {"Bands": replace(_band_table(chain), level=CARD)}
-        return Account(value, f"Cell {value.name}".strip(), facts=facts, sections=bands)
-    phases, words = counted(len(value.phases), "phase"), value.measure
-    stable = f"stretches of {words.travel} that are stable under a constant {words.force}"
-    title = f"Element {value.name}".strip()
-    return Account(value, title, origin=f"{phases}: {stable}.", facts=facts)
+    name = f"{type(value).__name__} {value.name}".strip()
+    bands = {"Bands": replace(_band_table(chain), level=CARD)} if isinstance(value, Cell) else {}
+    return Account(value, name, facts=facts, sections=bands)
 
 
 element_account = cell_account

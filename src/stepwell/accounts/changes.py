@@ -80,10 +80,6 @@ def _distance(change: Change) -> str:
     return f"{base.number(change.distance * 100)} %"
 
 
-def _nearest(margin: Margin) -> list[Change]:
-    return sorted(margin.changes, key=lambda change: change.distance)
-
-
 def margin_schema(shape: Shape) -> base.Schema:
     """What is reported of a robustness margin."""
     return keys(method=str, reach="mm", gap="over_kr", changes=[change_schema(shape)])
@@ -91,12 +87,13 @@ def margin_schema(shape: Shape) -> base.Schema:
 
 def margin_words(margin: Margin) -> str:
     """The smallest change of each kind that gives another sequence."""
-    finite = [one for one in _nearest(margin) if math.isfinite(one.distance)]
-    near = {one.parameter: one for one in reversed(finite)}
-    if near:
-        measure = margin.chain.measure
-        kinds = [kind for kind in _KINDS if kind in near]
-        words = [f"{_distance(near[kind])} in {_part(kind, measure)}" for kind in kinds]
+    measure, words = margin.chain.measure, []
+    for kind in _KINDS:
+        finite = [c for c in margin.changes if c.parameter == kind and math.isfinite(c.distance)]
+        if finite:
+            nearest = min(finite, key=lambda change: change.distance)
+            words.append(f"{_distance(nearest)} in {_part(kind, measure)}")
+    if words:
         return f"{', '.join(words)} to another sequence ({margin.method})"
     if len(margin.chain.elements) == len(margin.chain):
         return "no other sequence by any change of one thing"
@@ -105,7 +102,7 @@ def margin_words(margin: Margin) -> str:
 
 def margin_section(margin: Margin, *parts: Part) -> dict[str, tuple[Part, ...]]:
     """The smallest change of each thing as a table, the nearest first; `parts` stand above it."""
-    chain, near = margin.chain, _nearest(margin)
+    chain, near = margin.chain, sorted(margin.changes, key=lambda change: change.distance)
     schema = change_schema(Shape.of(chain))
     exact = margin.method == "exact"
     searched = f"searched with the engine. {margin.resolution}"

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,36 +26,25 @@ _BOUNDARY: Schema = (
 _AXES = ("Across", "across"), ("Up", "up")
 
 
-class _Axis(NamedTuple):
-    """An axis of a map, and the design's own place on it, in SI."""
-
-    values: xarray.DataArray
-    design: float | None
-
-
-def _in_unit(at: Callable[[_Axis], Any]) -> Any:
-    """A place on an axis in the unit of the axis."""
-
-    def read(axis: _Axis) -> float | None:
-        value = at(axis)
-        return None if value is None else float(value) * display_unit(axis.values.attrs["units"])[1]
-
-    return read
-
-
 _AXIS: Schema = (
-    *keys(parameter=(str, lambda axis: str(axis.values.attrs["long_name"]))),
-    *keys(unit=(str, lambda axis: display_unit(str(axis.values.attrs["units"]))[0])),
-    Quantity("from", read=_in_unit(lambda axis: axis.values[0]), holds=float),
-    *keys(to=(float, _in_unit(lambda axis: axis.values[-1]))),
-    *keys(count=(int, lambda axis: len(axis.values))),
-    *keys(design=(float, _in_unit(lambda axis: axis.design))),
+    *keys(parameter=str, unit=str),
+    Quantity("from", holds=float),
+    *keys(to=float, count=int, design=float),
 )
 
 
-def _axis(view: MapView, name: str) -> _Axis:
-    design = next(iter(view.designs.values()), None)
-    return _Axis(view.dataset[name], None if design is None else design["xy".index(name)])
+def _axis(view: MapView, name: str) -> Row:
+    """An axis of a map, and the place of the design on it."""
+    values, design = view.dataset[name], next(iter(view.designs.values()), None)
+    unit, factor = display_unit(str(values.attrs["units"]))
+    return {
+        "parameter": str(values.attrs["long_name"]),
+        "unit": unit,
+        "from": float(values[0]) * factor,
+        "to": float(values[-1]) * factor,
+        "count": len(values),
+        "design": None if design is None else float(design["xy".index(name)]) * factor,
+    }
 
 
 def _attribute(name: str, of: type = int) -> Any:

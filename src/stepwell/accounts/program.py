@@ -1,38 +1,36 @@
-"""A stroke program: its turning points, how far each may be off, and what the cells do."""
+"""A stroke program: its turning points, their tolerance intervals, and the events."""
 
-from stepwell.accounts import events, parts, words
+from stepwell.accounts import events, words
 from stepwell.accounts.chain import actuator_schema
 from stepwell.accounts.head import About, Row, Shape, keys, of_class
-from stepwell.accounts.parts import CARD, Account, Fact, Picture, RecordTable, Text
+from stepwell.accounts.parts import CARD, Account, Fact, Picture, RecordTable, Replay, Text
 from stepwell.base import Quantity, Schema, amount, counted, record
 from stepwell.sequences import Program, Unreachable, turn_schema
 
 
 def program_schema(shape: Shape) -> Schema:
-    """What is reported of a program; where there is none, what is known of it has null."""
-    drive = shape.drive
-    found = (
+    """What is reported of a program; an unreachable state has null for most of it."""
+    planned = (
         *keys(arrives=str, strokes=int),
-        Quantity("turning_points", drive, holds=[float]),
-        *keys(
-            sequence=(str, words.spelled_out), events=([events.event_schema(shape)], "path.events")
-        ),
-        Quantity(
-            "landings",
-            read=lambda one: events.landed(one.path.checked_landings, one.path.events),
-            holds=[events.landing_schema(shape)],
-        ),
-        *keys(dissipated=("mJ", "path.dissipated"), turns=[turn_schema(drive)]),
-        *keys(end_low=(drive, "low"), end_high=(drive, "high"), slack=drive),
+        Quantity("turning_points", shape.drive, holds=[float]),
+        *keys(sequence=(str, words.spelled_out)),
+        *keys(events=([events.event_schema(shape)], "path.events")),
+        *keys(landings=([events.landing_schema(shape)], _landings)),
+        *keys(dissipated=("mJ", "path.dissipated"), turns=[turn_schema(shape.drive)]),
+        *keys(end_low=(shape.drive, "low"), end_high=(shape.drive, "high"), slack=shape.drive),
     )
     return (
         *keys(title=(str, "chain.title"), actuator=(actuator_schema(shape), "chain")),
         *keys(cells=([str], "chain.names")),
         Quantity("from", read="start"),
         *keys(target=str, meets_target=(bool, meets_target), proved=(bool, _proved), robust=float),
-        Quantity("reason", read=lambda one: one.reason if isinstance(one, Program) else str(one)),
-        *of_class(Program, found),
+        *keys(reason=(str, lambda one: one.reason if isinstance(one, Program) else str(one))),
+        *of_class(Program, planned),
     )
+
+
+def _landings(program: Program) -> list[Row] | None:
+    return events.landed(program.path.checked_landings, program.path.events)
 
 
 def _proved(value: Program | Unreachable) -> bool:
@@ -40,12 +38,12 @@ def _proved(value: Program | Unreachable) -> bool:
 
 
 def meets_target(value: Program | Unreachable) -> bool:
-    """Whether a program ends in the state that it is meant to end in."""
+    """Whether a program ends in its target."""
     return isinstance(value, Program) and value.arrives == value.target and value.hangs is None
 
 
 def unreachable_account(value: Unreachable, about: About) -> Account:
-    """What is reported where there is no program."""
+    """What is reported if there is no program."""
     proved = "This is proved." if value.proved else "A search found no way; that is no proof."
     if value.chain is None:
         return Account(value, "Unreachable", answer=str(value), origin=proved)
@@ -56,45 +54,41 @@ def unreachable_account(value: Unreachable, about: About) -> Account:
 def program_account(program: Program, about: About) -> Account:
     """What is reported of a program."""
     chain, path = program.chain, program.path
-    works, landings = meets_target(program), path.checked_landings
-    strokes = counted(program.strokes, "stroke")
+    works, strokes = meets_target(program), counted(program.strokes, "stroke")
     ends = strokes if works else f"ends in {program.arrives} after {strokes}"
-    spelled = str(program.sequence) if len(chain) <= words.LONGEST_IN_A_LINE else ""
-    slack = amount(program.slack, chain.drive_unit, 3)
-    known = works and program.turns
+    slack = (
+        f"every turning point may deviate by {amount(program.slack, chain.drive_unit, 3)} at once"
+    )
+    spelled = len(chain) <= words.LONGEST_IN_A_LINE
     facts = (
         Fact("Turning points", words.turning_points(program.turning_points, chain)),
-        Fact("Slack", f"every turn may be off by {slack} at once" if known else ""),
-        Fact("States", spelled),
+        Fact("Slack", slack if works and program.turns else ""),
+        Fact("States", str(program.sequence) if spelled else ""),
         Fact("Dissipated", amount(path.dissipated, "J", 3)),
-        Fact("Landings", events.landing_words(landings)),
+        Fact("Landings", events.landing_words(path.checked_landings)),
     )
+    # Where a turn can go back to is computed for programs of a search alone.
+    turns = turn_schema(Shape.of(chain).drive)
+    columns = turns[: None if any(turn.branch for turn in program.turns) else -1]
+    table = RecordTable(
+        [Quantity("turn", head="turn"), *columns],
+        lambda: [{"turn": k} | record(turns, one) for k, one in enumerate(program.turns, 1)],
+        "Anywhere in its tolerance interval each turn gives the same motion.",
+        more="turns",
+        level=CARD,
+    )
+    sections = {
+        "Path": Picture("program", "The program, and the motion of the cells"),
+        "Motion": Replay(chain.title),
+        "Tolerance intervals of the turning points": table,
+        **events.event_sections(chain, path.events, path.checked_landings),
+        "Method": Text(f"{program.reason}.", CARD),
+        **words.assumed(chain),
+    }
     title, answer = (
         chain.title or "A stroke program",
         f"{program.start} to {program.target}: {ends}",
     )
-    sections = {
-        "Path": Picture("program", "The program, and the motion of the cells"),
-        "Motion": parts.Replay(chain.title),
-        **_turns(program),
-        **events.event_sections(chain, path.events, landings),
-        "Method": Text(f"{program.reason}.", CARD),
-        **words.assumed(chain),
-    }
     warnings = [words.degenerate(path.degenerate, chain)]
     origin = f"A program from {program.start} to {program.target} for {words.cells_of(chain)}."
     return Account(program, title, "program/2", answer, facts, sections, warnings, origin)
-
-
-def _turns(program: Program) -> parts.Sections:
-    # Where a turn can go back to is known of programs that were searched for.
-    known = any(turn.branch for turn in program.turns)
-    columns = turn_schema(Shape.of(program.chain).drive)
-
-    def rows() -> list[Row]:
-        return [{"turn": k} | record(columns, one) for k, one in enumerate(program.turns, 1)]
-
-    shown = [Quantity("turn", head="turn"), *columns[: None if known else -1]]
-    about = "Anywhere in its tolerance interval each turn gives the same motion."
-    table = RecordTable(shown, rows, about, more="turns", level=CARD)
-    return {"Turns: anywhere in its window each does the same": table}

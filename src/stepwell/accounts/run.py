@@ -55,12 +55,7 @@ def cycle_schema(shape: Shape) -> Schema:
 
 def cycle_account(cycle: Cycle, about: About) -> Account:
     """What a notebook shows of a cycle."""
-    chain = cycle.chain
-    title, answer = f"Cycle of {chain.title}" if chain.title else "Cycle", _answer(cycle)
-    facts = cycle_facts(cycle)
-    sections = events.event_sections(chain, cycle.events, None)
-    warnings = [words.degenerate(cycle.degenerate, chain)]
-    return Account(cycle, title, answer=answer, facts=facts, sections=sections, warnings=warnings)
+    return _motion(cycle, cycle.path, "Cycle", _answer(cycle), cycle_facts(cycle))
 
 
 def run_account(run: Run, about: About) -> Account:
@@ -143,9 +138,13 @@ def path_account(path: Path, about: About) -> Account:
     """What a notebook shows of a path."""
     chain = path.chain
     lost, peak = texts(cycle_schema(Shape.of(chain))[:2], path)
-    title = f"Path of {chain.title}" if chain.title else "Path"
-    answer = words.turning_points(path.turning_points, chain)
     facts = [Fact("Dissipated", lost), Fact(f"Peak {chain.measure.force}", peak)]
+    return _motion(path, path, "Path", words.turning_points(path.turning_points, chain), facts)
+
+
+def _motion(value: Cycle | Path, path: Path, what: str, answer: str, facts: list[Fact]) -> Account:
+    chain = path.chain
+    title = f"{what} of {chain.title}" if chain.title else what
     sections = events.event_sections(chain, path.events, None)
     warnings = [words.degenerate(path.degenerate, chain)]
-    return Account(path, title, answer=answer, facts=facts, sections=sections, warnings=warnings)
+    return Account(value, title, answer=answer, facts=facts, sections=sections, warnings=warnings)
