@@ -57,7 +57,7 @@ def change_words(change: Change) -> str:
 def _moved(change: Change, of: str = "") -> str:
     """What is changed, `of` which cell, and by how much; the latter only where it is finite."""
     measure = change.chain.measure
-    part = f"{_part(change.parameter, measure)}{of}"
+    part = f"{part_words(change.parameter, measure)}{of}"
     if not math.isfinite(change.distance):
         return part
     if isinstance(change.move, tuple):
@@ -67,9 +67,11 @@ def _moved(change: Change, of: str = "") -> str:
     return f"{part} by {base.signed(change.move * 100)} %{largest}"
 
 
-def _part(parameter: str, measure: base.Measure) -> str:
+def part_words(part: str, measure: base.Measure) -> str:
+    """The part of a cell that is changed or measured, in a word or two."""
     scales = {"force_scale": f"{measure.force}s", "travel_scale": f"{measure.travel}s"}
-    return {"anchor": "anchor q", **scales}.get(parameter, parameter)
+    names = {"anchor": "anchor q", "d": "anchors", "rest_length": "rest length", **scales}
+    return names.get(part, part)
 
 
 def _distance(change: Change) -> str:
@@ -92,7 +94,7 @@ def margin_words(margin: Margin) -> str:
         finite = [c for c in margin.changes if c.parameter == kind and math.isfinite(c.distance)]
         if finite:
             nearest = min(finite, key=lambda change: change.distance)
-            words.append(f"{_distance(nearest)} in {_part(kind, measure)}")
+            words.append(f"{_distance(nearest)} in {part_words(kind, measure)}")
     if words:
         return f"{', '.join(words)} to another sequence ({margin.method})"
     if len(margin.chain.elements) == len(margin.chain):

@@ -8,16 +8,8 @@ from stepwell.accounts.words import assumed, calibration, cells_of, degenerate, 
 from stepwell.base import Quantity, amount, percent
 from stepwell.design import Check, Measurement
 
-# The part that is measured, and the unit of its tolerance.
-_MEASURED = {
-    "d": ("anchors", "mm"),
-    "stiffness": ("stiffness", "percent"),
-    "rest_length": ("rest length", "percent"),
-    "lever": ("lever", "mm"),
-    "friction": ("friction", "N"),
-    "force_scale": ("{force}s", "percent"),
-    "travel_scale": ("{travel}s", "percent"),
-}
+# The unit of the tolerance of each measured part; percent for all others.
+_UNITS = {"d": "mm", "lever": "mm", "friction": "N"}
 
 
 def check_schema(shape: Shape) -> base.Schema:
@@ -52,7 +44,7 @@ def _mass(check: Check) -> float | None:
 
 def _tolerance(when: str, unit: str) -> Quantity:
     def read(one: Measurement) -> float | None:
-        return getattr(one, when) if _MEASURED[one.what][1] == unit else None
+        return getattr(one, when) if _UNITS.get(one.what, "percent") == unit else None
 
     return Quantity(when, unit, read=read)
 
@@ -92,11 +84,10 @@ def _measurement_words(check: Check) -> str:
     one, measure = check.measure, check.chain.measure
     if one is None:
         return ""
-    what, unit = _MEASURED[one.what]
+    unit = _UNITS.get(one.what, "percent")
     (then,) = base.in_measure([Quantity("then", unit)], measure)
-    part = what.format(force=measure.force, travel=measure.travel)
     return (
-        f"the {part} of {check.chain.names[one.cell]} to "
+        f"the {changes.part_words(one.what, measure)} of {check.chain.names[one.cell]} to "
         f"±{base.number(one.then * then.factor, 3)} {then.sign}, and build it as designed: "
         f"the yield rises from {percent(one.before)} to {percent(one.after)}"
     )

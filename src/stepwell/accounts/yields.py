@@ -122,19 +122,22 @@ def _parts(result: Yield) -> list[tuple[str, float, float]] | None:
 
 def yield_account(result: Yield, about: About) -> Account:
     """What is reported of a yield."""
-    chain, seed = result.chain, result.seed
     target = "target sequence" if result.states is None else "target states and no others"
     answer = f"{percent(result.share)} of the samples reproduce the {target}"
-    title, origin = chain.title or "A yield", f"{cells_of(chain)}."
     facts = (Fact("Target", result.target), *counted_facts(result), critical_fact(result))
     sections = {
         "Outcomes of the samples": (*PICTURES, other_outcomes(result)),
         "Variance of the smallest gap, by part": _sensitivities(result),
-        **calibration(about),
-        **assumed(chain, result.assumptions),
     }
-    warnings = [advised(result)]
-    return Account(result, title, "yield/2", answer, facts, sections, warnings, origin, seed=seed)
+    report = Account(result, "A yield", "yield/2", answer, facts, sections, [advised(result)])
+    return _of_samples(report, about)
+
+
+def _of_samples(report: Account, about: About) -> Account:
+    chain, value = report.value.chain, report.value
+    sections = {**report.sections, **calibration(about), **assumed(chain, value.assumptions)}
+    title, origin = chain.title or report.title, f"{cells_of(chain)}."
+    return replace(report, title=title, origin=origin, sections=sections, seed=value.seed)
 
 
 def critical_fact(result: Yield) -> Fact:
@@ -168,13 +171,13 @@ def _sensitivities(result: Yield) -> tuple[RecordTable, Text]:
         "The fraction of the variance of the smallest gap between two switching forces that the "
         "tolerance of each part causes, alone and with others (Sobol' indices)."
     )
-    checked, agreed = "", _of_gap("agreed")(result)
-    if agreed is not None:
-        checked = (
-            "The sign of the smallest gap agrees with the outcome that the engine computes "
-            f"in {percent(agreed)} of the samples"
-        )
-    return RecordTable(_PART, recorded(_PART, rows), about, most=_MOST_ROWS), Text(checked)
+    agreed = _of_gap("agreed")(result)
+    share = "" if agreed is None else percent(agreed)
+    checked = (
+        f"Sign of the smallest gap agrees with the simulated outcome in {share} of the samples"
+    )
+    table = RecordTable(_PART, recorded(_PART, rows), about, most=_MOST_ROWS)
+    return table, Text(checked if share else "")
 
 
 def survival_schema(shape: Shape) -> Schema:
@@ -192,15 +195,11 @@ def survival_schema(shape: Shape) -> Schema:
 
 def survival_account(result: Survival, about: About) -> Account:
     """What is reported of a survival."""
-    chain = result.chain
-    title, origin = chain.title or "A program with tolerances", f"{cells_of(chain)}."
     answer = f"The program ends in {result.target} in {percent(result.share)} of the samples"
     facts = (
         Fact("Target", f"{result.start} to {result.target} by the program"),
-        Fact("Turning points", turning_points(result.turning_points, chain)),
+        Fact("Turning points", turning_points(result.turning_points, result.chain)),
         *counted_facts(result),
     )
-    sections = {**calibration(about), **assumed(chain, result.assumptions)}
-    return Account(
-        result, title, "survival/2", answer, facts, sections, (), origin, seed=result.seed
-    )
+    report = Account(result, "A program with tolerances", "survival/2", answer, facts)
+    return _of_samples(report, about)
