@@ -102,16 +102,16 @@ PROVED = one(proof="freedom", samples=0, bound=0.0)
     ("landings", "numbers"),
     [
         ([], []),
-        ([PROVED], ["holds", "10", "proved"]),
-        ([one()], ["holds", "10", "5 %", "95 %", "59"]),
-        ([PROVED, PROVED], ["all hold", "10", "proved"]),
-        ([PROVED, PROVED, one()], ["all hold", "10", "2 proved", "in 1", "5 %", "59"]),
+        ([PROVED], ["1 of 1 hold", "10", "1 proved"]),
+        ([one()], ["1 of 1 hold", "10", "1 sampled", "5 %", "95 %", "59"]),
+        ([PROVED, PROVED], ["2 of 2 hold", "10", "2 proved"]),
+        ([PROVED, PROVED, one()], ["3 of 3 hold", "10", "2 proved", "1 sampled", "5 %", "59"]),
         (
             [PROVED, one(), one(bound=0.0501, samples=57)],
-            ["all hold", "1 proved", "in 2", "5.1 %", "57"],
+            ["3 of 3 hold", "1 proved", "2 sampled", "5.1 %", "57"],
         ),
-        ([PROVED, one(holds=False)], ["1 of 2 hold", "10", "proved"]),
-        ([one(holds=False)], ["no landing holds", "10"]),
+        ([PROVED, one(holds=False)], ["1 of 2 hold", "10", "1 proved"]),
+        ([one(holds=False)], ["0 of 1 hold", "10"]),
         (None, ["not checked"]),
     ],
 )

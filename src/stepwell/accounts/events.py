@@ -145,22 +145,18 @@ def landing_words(landings: Sequence[Landing] | None) -> str:
     if not landings:
         return ""
     holding = [one for one in landings if one.holds]
-    ratios = f"for mobility ratios up to {base.number(landings[0].ratio)}"
-    if not holding:
-        return f"no landing holds {ratios}"
-    count = "all" if len(holding) == len(landings) else f"{len(holding)} of {len(landings)}"
     sampled = [one for one in holding if one.proof is None]
-    proved = len(holding) - len(sampled)
-    # How many are proved, and what samples show of the others.
-    held = "proved" if not sampled else f"{proved} proved, " if proved else ""
+    ratio = f"for mobility ratios up to {base.number(landings[0].ratio)}"
+    words = f"{len(holding)} of {len(landings)} hold {ratio}"
+    if proved := len(holding) - len(sampled):
+        words += f"; {proved} proved"
     if sampled:
-        held += f"in {len(sampled)} " * (len(holding) > 1)
-        held += (
-            f"at most {base.percent_at_most(max(one.bound for one in sampled))} of mobilities lead "
-            f"elsewhere (95 % confidence, {min(one.samples for one in sampled)} samples"
-            f"{' each' * (len(sampled) > 1)})"
+        words += (
+            f"; {len(sampled)} sampled: at most "
+            f"{base.percent_at_most(max(one.bound for one in sampled))} of mobilities lead "
+            f"elsewhere (95 % confidence, {min(one.samples for one in sampled)} samples)"
         )
-    return f"{f'{count} hold' if landings[1:] else 'holds'} {ratios}: {held}"
+    return words
 
 
 def _mobilities(mobility: Sequence[float], names: Sequence[str]) -> str:

@@ -187,12 +187,10 @@ def _scrolled(content: str, about: str) -> str:
 
 
 def _minus(text: str) -> str:
-    """Text whose negative numbers have a minus sign."""
     return _MINUS.sub("\N{MINUS SIGN}", text)
 
 
 def _arrows(text: str) -> str:
-    """Text in which sequences of states have arrows."""
     return _STEP.sub(" → ", text)
 
 
