@@ -112,6 +112,15 @@ memory_reading_account = transition_graph_account
 
 def implicit_graph_schema(shape: Shape) -> Schema:
     """What is reported of a walk."""
+
+    def count(attribute: str) -> tuple[Any, Any]:
+        # Python writes no whole number of more than 4300 digits.
+        def written(graph: ImplicitGraph) -> int | None:
+            number = getattr(graph, attribute)
+            return None if number is None or number.bit_length() > 14_000 else number
+
+        return int | None, written
+
     to = (
         *keys(to=(str, itemgetter(0)), kind=(str, lambda one: one[1].kind.name.lower())),
         *keys(drive=(shape.drive, lambda one: one[1].drive)),
@@ -120,32 +129,22 @@ def implicit_graph_schema(shape: Shape) -> Schema:
         ),
     )
     step = (
-        *keys(label=(str, "node.label")),
-        Quantity("low", shape.drive, "from", read="node.low"),
-        Quantity("high", shape.drive, "to", read="node.high"),
+        *keys(label=(str, "node.label"), low=(shape.drive, "node.low")),
+        *keys(high=(shape.drive, "node.high")),
         Quantity("up", holds=to, missing=True),
         Quantity("down", holds=to, missing=True),
     )
     graph = (
         *keys(title=(str, "chain.title"), actuator=str, cells=([str], "names"), method=str),
-        *keys(vertices=_count("vertex_count"), transitions=_count("transition_count")),
-        *keys(reached=_count("reached_count"), sub_loop_count=_count("sub_loop_count")),
-        *keys(garden_of_eden_count=_count("garden_count")),
+        *keys(vertices=count("vertex_count"), transitions=count("transition_count")),
+        *keys(reached=count("reached_count"), sub_loop_count=count("sub_loop_count")),
+        *keys(garden_of_eden_count=count("garden_count")),
     )
     return (
         *read_off(graph, "graph"),
         *keys(start=str, walk=([step], "steps"), walk_whole=(bool, "whole")),
         *read_off(_TIES, "graph"),
     )
-
-
-def _count(attribute: str) -> tuple[Any, Any]:
-    def counted(graph: ImplicitGraph) -> int | None:
-        count = getattr(graph, attribute)
-        # Python writes no whole number of more than 4300 digits.
-        return None if count is None or count.bit_length() > 14_000 else count
-
-    return int | None, counted
 
 
 def walked_account(walked: Walked, about: About) -> Account:

@@ -1,6 +1,7 @@
 """The function that returns the account of a class, and the schema of each kind of record."""
 
 import re
+from contextlib import suppress
 from dataclasses import replace
 from importlib import import_module
 from operator import attrgetter
@@ -87,10 +88,8 @@ def text_account(value: Any, about: About) -> Account:
 def _design(value: Any) -> Any:
     """The chain, the robot or the text from which a result was computed, if it has one."""
     for place in ("drawing", "chain", "robot", "walk.robot", "graph.chain", "study.text"):
-        try:
+        with suppress(AttributeError):
             return attrgetter(place)(value)
-        except AttributeError:
-            continue
     return None
 
 
