@@ -123,7 +123,7 @@ def margin_section(margin: Margin, *parts: Part) -> dict[str, tuple[Part, ...]]:
         Quantity("cell", head="cell", form=lambda cell: chain.names[cell]),
         base.Column("change", lambda row: _moved(row["change"])),
         base.Column("distance", lambda row: _distance(row["change"]), True),
-        *schema[-1:] * becomes,
+        *(schema[-1:] if becomes else ()),
     )
     table = RecordTable(
         columns,
