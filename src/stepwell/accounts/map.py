@@ -12,7 +12,6 @@ from stepwell.base import Column, Quantity, Schema, counted, display_unit, numbe
 from stepwell.sequences import Pathway
 
 if TYPE_CHECKING:
-    import xarray
 
     from stepwell.design import MapView
 
@@ -51,26 +50,25 @@ def _attribute(name: str, of: type = int) -> Any:
     return of, lambda view: of(view.dataset.attrs[name])
 
 
-def _shares_of(name: str) -> Any:
+def _shares(name: str) -> Any:
+    """A function that returns the fraction of a map for each value of a field [1]."""
+
     def read(view: MapView) -> dict[str, float] | None:
-        return _shares(view.dataset[name]) if name in view.dataset else None
+        if name not in view.dataset:
+            return None
+        codes, flags = view.dataset[name].to_numpy(), view.dataset[name].attrs
+        values, meanings = np.atleast_1d(flags["flag_values"]), flags["flag_meanings"].split()
+        known = zip(values, meanings, strict=True)
+        return {meaning: float(np.mean(codes == value)) for value, meaning in known}
 
     return read
-
-
-def _shares(field: xarray.DataArray) -> dict[str, float]:
-    """The fraction of a map that each value of a field takes [1]."""
-    codes, notes = field.to_numpy(), field.attrs
-    flags = zip(np.atleast_1d(notes["flag_values"]), notes["flag_meanings"].split(), strict=True)
-    return {meaning: float(np.mean(codes == value)) for value, meaning in flags}
 
 
 # What is reported of a map.
 MAP: Schema = (
     *keys(title=_attribute("title", str), across=(_AXIS, lambda view: _axis(view, "x"))),
-    *keys(up=(_AXIS, lambda view: _axis(view, "y"))),
-    *keys(shares=({str: float}, _shares_of("sequence"))),
-    Quantity("pathway_shares", read=_shares_of("pathway"), holds={str: float}, missing=True),
+    *keys(up=(_AXIS, lambda view: _axis(view, "y")), shares=({str: float}, _shares("sequence"))),
+    Quantity("pathway_shares", read=_shares("pathway"), holds={str: float}, missing=True),
     *keys(moved_cell=_attribute("moved_cell", str)),
     *keys(monostable_fraction=(float, lambda view: float(view.dataset["monostable"].mean()))),
     *keys(degenerate_designs=(int, lambda view: int(view.dataset["degenerate"].sum()))),
@@ -95,11 +93,9 @@ def map_view_account(view: MapView, about: About) -> Account:
         Column("fraction of the map", lambda row: percent(row["share"]), True),
     ][0 if "pathway" in data else 1 :]
     method = (
-        f"Monostable: {numbers['moved_cell']} on {percent(numbers['monostable_fraction'])} of the "
-        f"map. {numbers['closed_form_designs']} designs in closed form, "
-        f"{numbers['engine_designs']} by the engine; {numbers['degenerate_designs']} are on a "
-        "boundary."
-    )
+        "Monostable: {moved_cell} on {monostable} of the map. {closed_form_designs} designs in "
+        "closed form, {engine_designs} by the engine; {degenerate_designs} are on a boundary."
+    ).format(monostable=percent(numbers["monostable_fraction"]), **numbers)
 
     def error(curve: Row) -> str:
         within = f"{number(curve['error_of_axes'], 2)} of the axes"

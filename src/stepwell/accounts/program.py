@@ -23,7 +23,9 @@ def program_schema(shape: Shape) -> Schema:
         *keys(title=(str, "chain.title"), actuator=(actuator_schema(shape), "chain")),
         *keys(cells=([str], "chain.names")),
         Quantity("from", read="start"),
-        *keys(target=str, meets_target=(bool, meets_target), proved=(bool, _proved), robust=float),
+        *keys(target=str, meets_target=(bool, meets_target)),
+        *keys(proved=(bool, lambda one: one.shortest if isinstance(one, Program) else one.proved)),
+        *keys(robust=float),
         *keys(reason=(str, lambda one: one.reason if isinstance(one, Program) else str(one))),
         *of_class(Program, planned),
     )
@@ -31,10 +33,6 @@ def program_schema(shape: Shape) -> Schema:
 
 def _landings(program: Program) -> list[Row] | None:
     return events.landed(program.path.checked_landings, program.path.events)
-
-
-def _proved(value: Program | Unreachable) -> bool:
-    return value.shortest if isinstance(value, Program) else value.proved
 
 
 def meets_target(value: Program | Unreachable) -> bool:

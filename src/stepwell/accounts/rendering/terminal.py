@@ -177,7 +177,7 @@ def terminal(account: Account) -> list[Line]:
     lines = [*paragraph(account.title), _EMPTY] if account.title else []
     for warned in account.warnings:
         if warned.lines:
-            lines += [*heading(warned.heading), *_paragraphs(warned.lines), _EMPTY]
+            lines += [*heading(warned.heading), *paragraph(*warned.lines), _EMPTY]
     lines += paragraph(account.answer)
     facts = account.known(TERMINAL)
     label = 2 + max(map(len, facts), default=0)
@@ -188,7 +188,7 @@ def terminal(account: Account) -> list[Line]:
             if isinstance(part, parts.RecordTable):
                 lines += _records(account, title, part)
                 continue
-            under = _paragraphs(parts.lines_of(part))
+            under = paragraph(*parts.lines_of(part))
             if isinstance(part, parts.Verbatim) and part.text:
                 under = [*map(Line, escaped(part.text).split("\n"))]
             lines += [_EMPTY, *heading(title), *under] if under else []
@@ -197,18 +197,15 @@ def terminal(account: Account) -> list[Line]:
     return lines[1:] if lines[:1] == [_EMPTY] else lines
 
 
-def _paragraphs(texts: Iterable[str]) -> list[Line]:
-    return [line for text in texts for line in paragraph(text)]
-
-
 def escaped(text: str) -> str:
     """Text as a terminal may have it: what would move, hide or recolour other text is escaped."""
     return "\n".join(map(printable, text.split("\n")))
 
 
-def paragraph(text: str) -> list[Line]:
+def paragraph(*texts: str) -> list[Line]:
     """Sentences, which begin with a capital; no lines without a text."""
-    return [*map(Line, _wrap(escaped(headed(text)), width(), "", _WORDS))] if text else []
+    wrapped = (_wrap(escaped(headed(text)), width(), "", _WORDS) for text in texts if text)
+    return [Line(line) for lines in wrapped for line in lines]
 
 
 def heading(text: str) -> list[Line]:
