@@ -12,7 +12,6 @@ from stepwell.base import Column, Quantity, Schema, counted, display_unit, numbe
 from stepwell.sequences import Pathway
 
 if TYPE_CHECKING:
-
     from stepwell.design import MapView
 
 _BOUNDARY: Schema = (
