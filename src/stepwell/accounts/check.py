@@ -52,7 +52,7 @@ def _tolerance(when: str, unit: str) -> Quantity:
 def check_account(check: Check, about: About) -> Account:
     """What is reported of a verdict."""
     chain, sampled, change = check.chain, check.yield_, check.critical_change
-    none = "no single change within reach breaks it" if check.meets_target else ""
+    none = "no single change within reach breaks the sequence" if check.meets_target else ""
     # The largest force is given in grams too where it is a force.
     mass = _mass(check)
     grams = "" if mass is None else f" ({amount(mass, 'kg', 3)})"
@@ -68,8 +68,8 @@ def check_account(check: Check, about: About) -> Account:
     )
     title, answer = chain.title or "A design", f"{check.verdict}: {check.reason}"
     origin, seed = f"{cells_of(chain)}.", sampled.seed
-    odd = Warned("Out of the ordinary", "", check.warnings)
-    warned = (odd, degenerate(check.path.degenerate, chain))
+    warnings = Warned("Warnings", "", check.warnings)
+    warned = (warnings, degenerate(check.path.degenerate, chain))
     sections = {
         "Outcomes of the samples": yields.PICTURES,
         "Motion": Replay(check.target),
