@@ -182,7 +182,9 @@ def _walked_columns(walked: Walked) -> Columns:
         if (step := row[direction]) is None:
             return ""
         to = number.get(step["to"])
-        return join_first([names[cell] for cell in step["cells"]], _FEW) + (f" → {to}" if to else "")
+        return join_first([names[cell] for cell in step["cells"]], _FEW) + (
+            f" → {to}" if to else ""
+        )
 
     return (
         Column("node", lambda row: str(number[row["label"]]), True),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from stepwell.accounts.head import About
 from stepwell.accounts.parts import PAGE, Notes, Sections, Warned
-from stepwell.base import Quantity, amount, counted, display_unit, join_first, grouped, number
+from stepwell.base import Quantity, amount, counted, display_unit, grouped, join_first, number
 from stepwell.mechanism import Cell, Chain, Element, Linear
 
 if TYPE_CHECKING:
