@@ -7,7 +7,7 @@ import typer
 
 import stepwell as sw
 from cli.folders import written
-from stepwell.cli.design import between, elements_of, stock, stocks, wish
+from stepwell.cli.design import between, elements_of, stock, stocks, target_of
 from stepwell.cli.ranges import Range, span
 from stepwell.design import BandType, Tolerances, yields
 
@@ -101,11 +101,11 @@ def test_what_cannot_be_had_is_certified_and_ends_in_code_3(stepwell, tmp_path):
 
 
 def test_a_target_is_a_cycle_a_list_of_states_or_all_of_them():
-    assert wish("00>10>11>01>00") == {"sequence": "00>10>11>01>00"}
-    assert wish("00, 10,11") == {"states": ["00", "10", "11"]}
-    assert wish("all:12") == {"states": "all", "cells": 12}
+    assert target_of("00>10>11>01>00") == {"sequence": "00>10>11>01>00"}
+    assert target_of("00, 10,11") == {"states": ["00", "10", "11"]}
+    assert target_of("all:12") == {"states": "all", "cells": 12}
     with pytest.raises(typer.BadParameter, match="must be a cycle as in"):
-        wish("all")
+        target_of("all")
 
 
 def test_a_band_is_named_or_measured():

@@ -47,7 +47,7 @@ MISSING = "6 of 12 designs are missing: 3 to 5 (damaged), 9 to 11 (missing)"
     "arguments",
     [
         ("export", "--out", "all.csv"),
-        ("export", "--out", "best.csv", "--best", "2", "--by", "snaps"),
+        ("export", "--out", "best.csv", "--best", "2", "--rank-by", "snaps"),
         ("report", "--out", "report"),
     ],
     ids=["export", "best", "report"],

@@ -62,7 +62,7 @@ def test_another_actuator_drives_the_same_chain(stepwell, drive, unit, actuator)
 
 
 def test_from_one_state_only_what_can_be_reached_is_there(stepwell):
-    record = json.loads(stepwell("graph", "preset:used-before", "--start", "00", "--json").stdout)
+    record = json.loads(stepwell("graph", "preset:used-before", "--from", "00", "--json").stdout)
     assert record["vertices"] == 3
     assert record["garden_of_eden"] is None
 
@@ -93,7 +93,7 @@ def test_json_names_the_file_that_was_written(stepwell):
         (("forward.toml", "-o", "g.gif"), "g.gif: must end in .svg, .png, .pdf for a figure, or"),
         (("forward.toml", "--drive", "soft"), "'soft': must be stroke, force, or the actuator's"),
         (("forward.toml", "--drive", "-3"), "'-3': must be stroke, force"),
-        (("forward.toml", "--start", "0"), "must be 2 characters 0 or 1, inner cell first."),
+        (("forward.toml", "--from", "0"), "must be 2 characters 0 or 1, inner cell first."),
         (("preset:friction",), "inner has friction 0.02 N"),
         (("preset:robot-forward",), "is a robot, and this needs a chain"),
     ],
@@ -155,11 +155,11 @@ def test_what_is_too_long_to_be_listed_is_counted_and_walked(stepwell, tmp_path,
 def test_its_walk_begins_where_start_says(stepwell, tmp_path):
     sw.save(long_chain(24), tmp_path / "long.toml")
     record = json.loads(
-        stepwell("graph", "long.toml", "--drive", "force", "--start", "1" * 24, "--json").stdout
+        stepwell("graph", "long.toml", "--drive", "force", "--from", "1" * 24, "--json").stdout
     )
     assert record["start"] == record["walk"][0]["label"] == "1" * 24
     assert record["walk"][0]["up"] is None
-    wrong = stepwell("graph", "long.toml", "--drive", "force", "--start", "111")
+    wrong = stepwell("graph", "long.toml", "--drive", "force", "--from", "111")
     assert wrong.exit_code == 2
     assert "must be 24 characters 0 or 1" in wrong.output
 

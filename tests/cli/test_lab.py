@@ -67,7 +67,7 @@ def test_nothing_to_read_is_an_error_that_is_told(stepwell):
 
 @pytest.mark.slow
 def test_a_band_table_is_written_and_can_be_used(stepwell, data, tmp_path):
-    result = stepwell("lab", "band", "bands", "--gauge-mm", "15", "--out", "band")
+    result = stepwell("lab", "band", "bands", "--gauge", "15", "--out", "band")
     assert result.exit_code == 0, result.stderr
     assert "\nStiffness 28." in result.stdout
     text = (tmp_path / "band" / "band.toml").read_text("utf-8")
@@ -81,7 +81,17 @@ def test_a_band_table_is_written_and_can_be_used(stepwell, data, tmp_path):
 
 @pytest.mark.slow
 def test_options_of_the_band_command_reach_the_fit(stepwell, data):
-    options = ["--window-mm", "10:20", "--cycles", "6:6", "--drop", "2", "--law", "cubic", "--json"]
+    options = [
+        "--window",
+        "10:20",
+        "--fit-cycles",
+        "6:6",
+        "--drop",
+        "2",
+        "--law",
+        "cubic",
+        "--json",
+    ]
     record = json.loads(stepwell("lab", "band", "bands", *options).stdout)
     assert record["window_mm"] == pytest.approx([10, 20])
     assert (record["cycles"], record["samples"]) == ([6, 6], [1, 3])
@@ -93,11 +103,11 @@ def test_options_of_the_band_command_reach_the_fit(stepwell, data):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (["--window-mm", "20"], "must be FROM:TO"),
-        (["--cycles", "1.5:2"], "two whole numbers"),
-        (["--cycles", "8:9"], "the recordings hold cycles 5 to 6"),
+        (["--window", "20"], "must be FROM:TO"),
+        (["--fit-cycles", "1.5:2"], "two whole numbers"),
+        (["--fit-cycles", "8:9"], "the recordings hold cycles 5 to 6"),
         (["--law", "quartic"], "must be one of linear"),
-        (["--gauge-mm", "-3"], "must be > 0"),
+        (["--gauge", "-3"], "must be > 0"),
     ],
 )
 def test_wrong_options_get_advice(stepwell, data, options, words):
@@ -135,7 +145,7 @@ def test_baselines_and_designs_can_be_given(stepwell, data, tmp_path):
     assert errors[0] == errors[2] < 0.5 * errors[1]
     both = stepwell("lab", "compare", "data", "--no-baseline", "--baseline", "data")
     assert both.exit_code == 2
-    stepwell("lab", "compare", "data/1unit", "preset:paper-cell-10-0", "--bar-mm", "inf")
+    stepwell("lab", "compare", "data/1unit", "preset:paper-cell-10-0", "--bar", "inf")
     wrong = stepwell("lab", "compare", "data/1unit", "preset:nothing")
     assert wrong.exit_code == 2
 

@@ -51,7 +51,7 @@ def test_commands_escape_names_in_results_and_in_errors(stepwell, tmp_path):
     for arguments in (
         ("graph", "a\u202eb.toml"),
         ("graph", "a\u202eb\x1b.toml"),
-        ("graph", "forward.toml", "--start", "a\u202e\x1b"),
+        ("graph", "forward.toml", "--from", "a\u202e\x1b"),
         ("graph", "forward.toml", "-o", "a\u202e\x1b"),
         ("new", "a\u202e\x1b"),
         ("design", "a\u202e\x1b"),

@@ -298,7 +298,7 @@ def test_the_page_of_the_search_shows_the_studies_that_its_commands_make(tmp_pat
         assert found["finished"] and found["problems"] == {}
     for words in (one for one in told if one[0] == "export"):
         rows = antennas.rows(words[1].removesuffix(".zarr"))
-        by = [words[k + 1] for k, word in enumerate(words) if word == "--by"]
+        by = [words[k + 1] for k, word in enumerate(words) if word == "--rank-by"]
         heads = {"reached": "reached", "time": "time_s"}
         columns = {
             name: np.array([float(row[head]) for row in rows]) for name, head in heads.items()

@@ -147,17 +147,17 @@ GRAPHS = [
         "graph/start-and-drive",
         (
             "graph preset:used-before --json",
-            "graph preset:used-before --start 00 --json",
+            "graph preset:used-before --from 00 --json",
             "graph preset:paper-forward --drive force --json",
             "graph preset:paper-forward --drive 100 --json",
-            "graph preset:countdown --start 000 --json",
+            "graph preset:countdown --from 000 --json",
         ),
     ),
     Case(
         "graph/not-listed",
         (
             "graph long.toml --json",
-            f"graph long.toml --start {'1' * 24} --json",
+            f"graph long.toml --from {'1' * 24} --json",
             "graph long.toml --drive stroke --json",
             "graph long.toml --out long.svg",
         ),
@@ -392,16 +392,11 @@ LABS = [
         slow=True,
     ),
     _folder(
-        "lab/band",
-        "lab band bands --gauge-mm 15",
-        prepare=bands,
-        within=FITTED,
-        shown=True,
-        slow=True,
+        "lab/band", "lab band bands --gauge 15", prepare=bands, within=FITTED, shown=True, slow=True
     ),
     Case(
         "lab/band-options",
-        ("lab band bands --window-mm 5:40 --cycles 6:6 --drop 2 --law cubic --json",),
+        ("lab band bands --window 5:40 --fit-cycles 6:6 --drop 2 --law cubic --json",),
         prepare=bands,
         # Of two samples, whose intervals are 13 standard errors wide: their ends are differences.
         within=Tolerance(1e-4, 1e-6),
@@ -423,7 +418,7 @@ LABS = [
             "--scale 0.05 --anchor 0.5 --stiffness-tolerance 5 --rest-length-tolerance 2 "
             "--friction 0.02 --travel-tolerance 0 --samples 100 --seed 1 --out out",
             "lab as-built preset:paper-cell-20-0 --pulls 5:0.3,15:-0.3 --snaps-out none "
-            "--wrong-hole 2 --hole-mm 4 --target '0>1>0' --samples 100 --json",
+            "--wrong-hole 2 --holes 4 --target '0>1>0' --samples 100 --json",
         ),
         prepare=cells,
         within=FITTED,
@@ -443,12 +438,12 @@ LABS = [
     Case(
         "lab/compare-options",
         (
-            "lab compare data/1unit preset:paper-cell-20-0 --as-designed --bar-mm inf --json",
+            "lab compare data/1unit preset:paper-cell-20-0 --as-designed --bar inf --json",
             "lab compare data/1unit --baseline data/1unit/friction --json",
             "lab compare data/2unit_00_11 --no-baseline --json",
             "lab compare data/2unit_00_11 --rig rig.toml --json",
             "lab compare data/2unit_00_11 --rig odd.toml",
-            "lab compare data/2unit_00_11 --rig rig.toml --bar-mm 80",
+            "lab compare data/2unit_00_11 --rig rig.toml --bar 80",
         ),
         prepare=on_a_rig,
         slow=True,
@@ -563,7 +558,7 @@ STUDIES = [
             "sweep report study.zarr --out again --json --partial --force",
             "sweep resume study.zarr --workers 0",
             "sweep export study.zarr --out table.csv --partial",
-            "sweep export study.zarr --best 3 --by snaps --by -peak_force --out best.csv",
+            "sweep export study.zarr --best 3 --rank-by snaps --rank-by -peak_force --out best.csv",
             "sweep cycle preset:paper-forward --table best.csv --workers 0 --out best.zarr --json",
         ),
         shown=True,
@@ -592,7 +587,7 @@ STUDIES = [
             "sweep cancel margin.zarr",
             "sweep resume margin.zarr --workers 0 --json",
             "sweep cycle preset:paper-forward --table list.csv --workers 0 --out list.zarr --json",
-            "sweep cycle preset:paper-forward --built 2 --anchor 0.5 --stiffness-tolerance 4 "
+            "sweep cycle preset:paper-forward --monte-carlo 2 --anchor 0.5 --stiffness-tolerance 4 "
             "--rest-length-tolerance 2 --lever-tolerance 0.1 --friction 0.01 --travel-tolerance 1 "
             "--workers 0 --out built.zarr --json",
             "sweep program preset:paper-forward --from 00 --target 11 --vary outer.q.x=10:20:2 "
@@ -661,7 +656,7 @@ STUDIES = [
             "--out a.zarr",
             "sweep status gone.zarr",
             "sweep cycle preset:paper-forward --out a.zarr",
-            "sweep cycle preset:paper-forward --built 2 --vary outer.q.x=0:20 --out a.zarr",
+            "sweep cycle preset:paper-forward --monte-carlo 2 --vary outer.q.x=0:20 --out a.zarr",
             "sweep walk preset:paper-forward --vary outer.q.x=0:20:2 --out a.zarr",
             "sweep walk robot-forward --vary foot.below_mm=0:1:2 --engine gpu --out a.zarr",
             "sweep cycle preset:paper-forward --table gone.csv --out a.zarr",
@@ -670,7 +665,7 @@ STUDIES = [
             "sweep maze robot-forward --arena nowhere --vary foot.below_mm=0.3:0.6:2 --out a.zarr",
             "sweep export gone.zarr --out table.xls",
             "sweep export gone.zarr --best 2 --out table.csv",
-            "sweep export gone.zarr --best 2 --by reached --out table.parquet",
+            "sweep export gone.zarr --best 2 --rank-by reached --out table.parquet",
             "sweep walk robot-antennas --vary antenna.*.swing_deg,antenna.*.hook_mm=10:20:2 "
             "--out a.zarr",
             "sweep resume gone.zarr --scheduler tcp://127.0.0.1:9",
@@ -730,7 +725,7 @@ WRONG = [
             "map preset:paper-forward --x 0:20",
             "map preset:paper-forward --across outer.q.x=0:20:3",
             "map preset:paper-forward --across outer.q.z=0:20:3 --up inner.q.y=0:1:2",
-            "graph preset:three-wave --start 00",
+            "graph preset:three-wave --from 00",
             "graph preset:three-wave --drive -1",
             "graph preset:three-wave --out wave.bmp",
             "program preset:paper-forward",

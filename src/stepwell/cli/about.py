@@ -12,10 +12,10 @@ from stepwell.cli import options, screen
 from stepwell.cli.options import argument, flag, option
 
 
-def presets(as_json: bool = flag("Print JSON and nothing else.", "--json")) -> None:
+def presets(as_json: options.Json = False) -> None:
     """List the designs that come with Stepwell.
 
-    The paper's come first, then some that go further, then robots.
+    The designs of the paper come first, then further chains, then robots.
 
     Example: stepwell presets
     """
@@ -25,16 +25,17 @@ def presets(as_json: bool = flag("Print JSON and nothing else.", "--json")) -> N
 def new(
     file: Path = argument("The file to write.", "NAME.toml", callback=options.local),
     preset: str = option(
-        "Which design; see `stepwell presets`.",
+        "Preset to copy; see `stepwell presets`.",
         "NAME",
         default="paper-forward",
         autocompletion=options.presets,
+        callback=lambda name: name.removeprefix("preset:"),
     ),
-    force: options.ForceFile = False,
+    force: options.Force = False,
 ) -> None:
-    """Write a design file to start from.
+    """Write a copy of a preset as a design file.
 
-    It is a copy of one of the designs that come with Stepwell, with its comments.
+    The file contains the comments of the preset and can be edited.
 
     Example: stepwell new leg.toml --preset three-wave
     """
@@ -47,41 +48,45 @@ def new(
 
 
 def paper(
-    everything: bool = flag("Also what takes many simulated runs: several minutes.", "--all"),
-    data: Path | None = option("The authors' recordings, for the claims that they decide.", "PATH"),
+    everything: bool = flag(
+        "Also check claims that need many simulations; this takes minutes.", "--all"
+    ),
+    data: Path | None = option(
+        "Recordings (file or folder) of the authors, for claims about measurements.", "PATH"
+    ),
     *,
     output: options.Output,
 ) -> None:
-    """Check what the paper claims.
+    """Check the claims of the paper against the model.
 
-    Every claim is computed; the verdict says where we agree, where not, and why. Claims about
+    Every claim is computed; the verdict is agreement or disagreement, with the reason. Claims about
     measurements need the authors' recordings, which are not part of Stepwell.
-    With --out, the paper's figures are drawn from the model into a folder.
+    With --out, the figures of the paper are computed and written into a folder.
 
     Example: stepwell paper
     """
     output.check_output_folder("paper")
     with screen.progress("claims") as tell:
-        found = sw.paper.run(tell, everything=everything, data=data)
-    output.report(found, how={"everything": everything})
+        verdicts = sw.paper.run(tell, everything=everything, data=data)
+    output.report(verdicts, how={"everything": everything})
 
 
 def validate(as_json: options.Json = False) -> None:
-    """Check results of others about chains of bistable elements.
+    """Check published results for chains of bistable elements.
 
-    Closed forms, transition graphs and sequences that others have published are computed; the
-    verdict says where we agree, where not, and why.
+    Published closed forms, transition graphs and sequences are computed; the verdict is agreement
+    or disagreement, with the reason.
 
     Example: stepwell validate
     """
     with screen.progress("claims") as tell:
-        found = sw.paper.validate(tell)
-    screen.report(account(found), as_json)
+        verdicts = sw.paper.validate(tell)
+    screen.report(account(verdicts), as_json)
 
 
 def schema(
     kind: str | None = argument(
-        "Which result, such as run or lab.read; a list of all by default.",
+        "Kind of result, such as run or lab.read; without it, all kinds are listed.",
         "RESULT",
         default=None,
         autocompletion=options.results,
@@ -89,8 +94,7 @@ def schema(
 ) -> None:
     """Print the JSON Schema of a result.
 
-    Every JSON that a command prints or writes names its schema and the version of it, as in
-    stepwell.run/2; this prints that schema, for programs that read results.
+    Every JSON result contains the name and version of its schema, such as stepwell.run/2.
 
     Example: stepwell schema run
     """
@@ -99,28 +103,28 @@ def schema(
         screen.show_lines("Results, each with the version of its schema", "", *names)
         return
     with screen.usable("RESULT"):
-        found = sw.accounts.schema_of(kind)
-    screen.show_verbatim(json.dumps(found, indent=2))
+        content = sw.accounts.schema_of(kind)
+    screen.show_verbatim(json.dumps(content, indent=2))
 
 
 def doctor(as_json: options.Json = False) -> None:
-    """List what is installed, what is kept and what is missing.
+    """List installed and missing packages, caches and devices.
 
-    Packages and extras with the command that adds each, compiled kernels and where they are kept,
-    browser, video encoder and OpenGL, cores. What is installed and does not work is listed with the
-    reason. It ends with 0 where all that Stepwell needs is installed, extras or not.
+    The list contains packages and extras with the command that installs each, compiled kernels
+    and their folder, browser, video encoder, OpenGL and cores. Packages that fail to import are
+    listed with the reason. The exit code is 0 if all required packages work.
 
     Example: stepwell doctor
     """
-    found = installation(
+    installed = installation(
         {"cores": _cores, "kernels": _kernels, "OpenGL": _opengl, "display": _display}
     )
-    screen.report(account(found), as_json)
-    if not found.ok:
+    screen.report(account(installed), as_json)
+    if not installed.ok:
         raise typer.Exit(screen.FAILED)
 
 
-# Each opens its room when it is called: what is broken there is reported, and the rest examined.
+# Each imports its package when it is called: a broken package is reported, the others are examined.
 def _cores() -> int:
     return sw.kernels.cores()
 

@@ -1,4 +1,4 @@
-"""The subcommands put together."""
+"""The command line: all commands, in groups."""
 
 import os
 import signal
@@ -15,14 +15,14 @@ from stepwell.cli.options import grouped
 from stepwell.cli.screen import EXIT_CODES, PIPE_CLOSED, Commands, styled
 from stepwell.crash import leave
 
-# The groups of `stepwell --help`, in this order: what a user comes for.
+# The groups of `stepwell --help`, in this order.
 _GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
-    "Understand a mechanism": (motion.run, motion.map_, motion.graph, motion.program),
-    "Design one": (about.new, about.presets, design.design, design.reprogram),
-    "Real parts and measurements": (checks.check, checks.yield_, lab.commands),
+    "Analysis": (motion.run, motion.map_, motion.graph, motion.program),
+    "Design": (about.new, about.presets, design.design, design.reprogram),
+    "Tolerances and measurements": (checks.check, checks.yield_, lab.commands),
     "Robots": (robots.commands, robots.walk, robots.maze, robots.export, robots.view),
-    "Many designs": (sweep.commands, atlas.commands),
-    "Show and share": (show.studio, show.figure, motion.animate, show.replay, show.demo),
+    "Parameter studies": (sweep.commands, atlas.commands),
+    "Figures and pages": (show.studio, show.figure, motion.animate, show.replay, show.demo),
     "Validation and installation": (about.paper, about.validate, about.schema, about.doctor),
 }
 _NAMES = {
@@ -35,7 +35,7 @@ _NAMES = {
 
 class _Grouped(Commands):
     def list_commands(self, ctx: Any) -> list[str]:
-        """The names of the commands as `--help` lists them."""
+        """Names of the commands in the order of `--help`."""
         order = [_name(one) for commands in _GROUPS.values() for one in commands]
         return sorted(self.commands, key=order.index)
 
@@ -75,11 +75,14 @@ def stepwell(
         bool, typer.Option("--version", help="Print the version.", callback=_version, is_eager=True)
     ] = False,
 ) -> None:
-    """Design, check and understand machines whose motion is programmed into their springs."""
+    """Analyse, design and simulate serial chains of bistable elements, and robots with such legs.
+
+    Lengths in options are in mm, or have a unit: 5mm, 0.5cm, 0.2in.
+    """
 
 
 def _describe(commands: typer.Typer) -> None:
-    """Have the help of every command ready."""
+    """Complete the docstrings of all commands, which are their help."""
     for one in filter(None, [*commands.registered_commands, commands.registered_callback]):
         if one.callback is not None:
             described(one.callback)
@@ -91,14 +94,14 @@ _describe(app)
 
 
 def main() -> None:
-    """Run the command line; what `stepwell` starts."""
+    """Run the command line; the entry point of `stepwell`."""
     for stream in (sys.stdout, sys.stderr):
-        # A letter that the terminal's encoding lacks is escaped, instead of ending the program.
+        # A letter that is not in the terminal's encoding is escaped instead of raising an error.
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-    # Until a command runs: Typer ends without a word, and modules that open may drop exceptions.
+    # Until a command runs: Typer would end without a message, and imports may drop exceptions.
     signal.signal(signal.SIGINT, leave)
-    # Drafts are removed when the program is told to stop, as they are on Ctrl-C.
+    # Drafts are removed on SIGTERM, as on Ctrl-C.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     try:
         app(prog_name="stepwell")
@@ -107,7 +110,7 @@ def main() -> None:
             sys.exit(PIPE_CLOSED)
         raise
     finally:
-        # What is left to do is to leave.
+        # Signals are ignored during the exit.
         for name in ("SIGINT", "SIGALRM"):
             if hasattr(signal, name):
                 signal.signal(getattr(signal, name), signal.SIG_IGN)
@@ -115,7 +118,7 @@ def main() -> None:
 
 
 def _flush() -> None:
-    """Say nothing where the reader has left, as `head` does after its lines."""
+    """Flush standard output without an error if its reader has closed it, as `head` does."""
     if (stream := sys.stdout) is None:
         return
     try:

@@ -1,4 +1,4 @@
-"""`stepwell atlas`: what a whole space of designs holds, how often, and what it cannot hold."""
+"""`stepwell atlas`: transition graphs in a space of designs, their fractions and their yields."""
 
 from __future__ import annotations
 
@@ -11,7 +11,18 @@ import typer
 import stepwell as sw
 from stepwell.accounts import account
 from stepwell.cli import tolerances as parts
-from stepwell.cli.options import Group, Json, Output, argument, command, local, option, read_design
+from stepwell.cli.options import (
+    Group,
+    Json,
+    Output,
+    argument,
+    by_name,
+    command,
+    designs,
+    local,
+    option,
+    read_design,
+)
 from stepwell.cli.screen import progress, report, show_lines, subcommands, usable, warn, wrong
 from stepwell.cli.sweep import Effort, going_on, read_axes
 
@@ -21,8 +32,8 @@ _There = Annotated[
     Path | None,
     typer.Argument(
         metavar="STORE",
-        help="Path of the store that build wrote; an atlas of three cells that comes with "
-        "Stepwell by default.",
+        help="Path of a store of `stepwell atlas build`; by default an atlas of three cells that is "
+        "part of Stepwell.",
     ),
 ]
 # The paper's map for every cell, and one band up to two.
@@ -30,26 +41,30 @@ _SPACE = {"q.x": (0.0, 0.020), "q.y": (-0.015, 0.015), "stiffness": (28.5, 57.0)
 
 
 class SpaceOptions(Group):
-    """The space of designs, and which of them are drawn."""
+    """The space of designs, and its sampling."""
 
     design: str | None = argument(
-        "What is varied; the paper's cells, all alike, by default.", "DESIGN", default=None
+        "Design to vary; equal cells of the paper by default.",
+        "DESIGN",
+        default=None,
+        autocompletion=designs,
+        callback=by_name,
     )
     cells: int = option(
-        "How many of the paper's cells, where no design is named.", default=2, min=1, max=6
+        "Number of the paper's cells, if no design is given.", "N", default=2, min=1, max=6
     )
     vary: list[str] | None = option(
-        "What varies, such as outer.q.x=0:20, in the units of `stepwell map`; may be "
-        "given again. By default anchors and stiffness of the paper's cells.",
+        "Parameter to vary, such as outer.q.x=0:20, in the units of `stepwell map`. May be "
+        "repeated. By default anchors and stiffness of the paper's cells.",
         "--vary NAME=FROM:TO",
     )
     designs: float = option(
-        "Designs, drawn evenly; 1e8 is understood.", "N", default=1e6, min=1, show_default="1e6"
+        "Number of designs, such as 1e8.", "N", default=1e6, min=1, show_default="1e6"
     )
     seed: parts.Seed = 0
 
     def read(self) -> tuple[sw.Chain, tuple[sw.studies.Axis, ...]]:
-        """The chain that is varied, and what varies."""
+        """The chain, and the axes along which it is varied."""
         if not math.isfinite(self.designs) or self.designs > 1e12:
             raise wrong("--designs", f"{self.designs}: must be at most 1e12.")
         if self.design is None:
@@ -75,18 +90,23 @@ class SpaceOptions(Group):
 def build(
     *,
     out: Path = option(
-        "The store, a folder of Zarr.", "--out -o STORE", default=..., callback=local
+        "Write the results into this folder, a Zarr store.",
+        "--out -o DIR",
+        default=...,
+        callback=local,
     ),
     space: SpaceOptions,
-    drive: str = option("stroke or force.", default="stroke"),
+    drive: str = option(
+        "Drive: stroke (displacement control) or force (force control).", "DRIVE", default="stroke"
+    ),
     effort: Effort,
     as_json: Json = False,
 ) -> None:
-    """Compute the transition graphs of designs drawn evenly over a space, in closed form.
+    """Compute the transition graphs of designs sampled uniformly from a space, in closed form.
 
-    The space is that of --vary, or else of every cell the anchor q over the paper's map, x 0 to
-    20 mm and y -15 to 15 mm, and the stiffness of one band up to two, 28.5 to 57 N/m. Counts go
-    block by block into a store; to resume after an interruption, run the same command again.
+    The space is that of --vary. By default it is, for every cell, the anchor q (x 0 to 20 mm, y -15
+    to 15 mm, as in the paper's map) and the stiffness (28.5 to 57 N/m, one to two bands). Counts
+    are written to a store in blocks; to resume after an interruption, run the same command again.
 
     Example: stepwell atlas build --out two --designs 1e5
     """
@@ -95,13 +115,13 @@ def build(
     subject, axes = space.read()
     with usable("--vary"), going_on(out, effort.scheduler) as tell:
         how = {"drive": drive, "seed": space.seed, "progress": tell, **vars(effort)}
-        found = sw.studies.atlas(subject, axes, int(space.designs), out, **how)
-    _show(found.study, _charted(found.study, parts.BandTolerances()), Output(as_json=as_json))
+        study = sw.studies.atlas(subject, axes, int(space.designs), out, **how).study
+    _show(study, _charted(study, parts.BandTolerances()), Output(as_json=as_json))
 
 
 @command(commands)
 def show(store: _There = None, *, within: parts.BandTolerances, output: Output) -> None:
-    """List the machines of a store: their fractions and yields, what is proved.
+    """List the transition graphs of a store, with fractions, yields and proofs.
 
     Example: stepwell atlas show
     """
@@ -113,14 +133,14 @@ def show(store: _There = None, *, within: parts.BandTolerances, output: Output) 
 @command(commands)
 def find(
     query: str = argument(
-        'What they do, such as "counts to two by hand and not remembers", or a cycle such '
-        "as 00>10>11>01>00.",
+        'Behaviour, such as "counts to two by hand and not remembers", or a sequence such as '
+        "00>10>11>01>00.",
         "QUERY",
     ),
     store: _There = None,
-    least: str = option("At least, for sure; 99 or 99%.", "--yield PERCENT", default="0"),
+    least: str = option("Minimum guaranteed yield [%].", "--yield PERCENT", default="0"),
     out: Path | None = option(
-        "Write the first one as a design file, .toml.",
+        "Write this file (.toml): the first result as a design file.",
         "--out -o FILE",
         dir_okay=False,
         callback=local,
@@ -129,7 +149,7 @@ def find(
     within: parts.BandTolerances,
     as_json: Json = False,
 ) -> None:
-    """Search the machines of a store by what they do, highest yield first.
+    """Search the transition graphs of a store by behaviour, highest yield first.
 
     Example: stepwell atlas find '00>10>11>01>00' --yield 90
     """
@@ -153,19 +173,19 @@ def _opened(store: Path | None) -> sw.studies.Study:
     if gaps := study.gaps():
         warn(
             f"{study.folder}: {sw.studies.gaps_text(gaps, study.count)}. "
-            "What follows is of the others."
+            "The results below are for the other designs."
         )
     return study
 
 
 def _percent(text: str) -> float:
     try:
-        share = float(text.strip().removesuffix("%")) / 100
+        fraction = float(text.strip().removesuffix("%")) / 100
     except ValueError:
-        share = math.nan
-    if not 0 <= share <= 1:
+        fraction = math.nan
+    if not 0 <= fraction <= 1:
         raise wrong("--yield", f"{text!r}: must be from 0 to 100 %.")
-    return share
+    return fraction
 
 
 def _charted(
@@ -177,7 +197,7 @@ def _charted(
         )
 
 
-def _show(study: sw.studies.Study, found: sw.studies.Atlas, output: Output) -> None:
-    # People look at neighbours in the studio.
-    near = sw.studies.borders(study, found) if output.as_json else ()
-    output.report(account(found, borders=near))
+def _show(study: sw.studies.Study, chart: sw.studies.Atlas, output: Output) -> None:
+    # The text has no neighbours: the studio shows them.
+    near = sw.studies.borders(study, chart) if output.as_json else ()
+    output.report(account(chart, borders=near))

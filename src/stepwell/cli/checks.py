@@ -1,4 +1,4 @@
-"""`stepwell check` and `yield`: how a design does when it is made, within tolerances."""
+"""`stepwell check` and `yield`: robustness of a design against manufacturing tolerances."""
 
 from typing import Any
 
@@ -13,9 +13,9 @@ from stepwell.cli.tolerances import Data, calibrated_on
 def check(
     design: Design,
     target: str | None = option(
-        "The cycle that counts, as 00>10>11>01>00; by default the design's own program, "
-        "or without one the cycle of the drawing.",
-        "SEQUENCE",
+        "Target: a sequence such as 00>10>11>01>00; by default the program of the design, "
+        "or the cycle of the nominal design.",
+        "TARGET",
     ),
     *,
     within: given.ToleranceOptions,
@@ -23,12 +23,12 @@ def check(
     sampling: given.Sampling,
     output: Output,
 ) -> None:
-    """Check a design within tolerances: works, fragile or won't.
+    """Check robustness against manufacturing tolerances; verdict: works, fragile or won't.
 
-    You get the verdict with its reason, the smallest single change that breaks it, the pull and
-    the energy lost, what is out of the ordinary, and which one measurement would make it surer.
-    Where it won't, the exit code is 3. With --out, a report and the result as JSON are written
-    into a folder, together with the design.
+    The result contains the reason of the verdict, the smallest single change that breaks the
+    target, actuator force and dissipated energy, warnings, and the measurement that would reduce
+    the uncertainty most. If the verdict is "won't", the exit code is 3. With --out, a report and
+    the result as JSON are written into a folder, together with the design.
 
     Example: stepwell check preset:paper-forward --anchor 0.5
     """
@@ -41,32 +41,32 @@ def check(
     if data is not None:
         text, chain, spread, calibrated = calibrated_on(data, text, chain, spread)
     file = sw.files.loads(text, design)
-    wanted = program_in_file(file) if target is None and file.program else target
+    goal = program_in_file(file) if target is None and file.program else target
     with usable(design), progress("check") as tell:
-        found = check(chain, wanted, spread, **vars(sampling), progress=tell)
-    output.report(found, text, design, calibrated)
-    answered(found.verdict != "won't")
+        result = check(chain, goal, spread, **vars(sampling), progress=tell)
+    output.report(result, text, design, calibrated)
+    answered(result.verdict != "won't")
 
 
 class CountedOptions(Group):
-    """Which mechanisms count as working."""
+    """The target that samples have to reach."""
 
     target: str | None = option(
-        "The cycle that counts, as 00>10>11>01>00, or states that shall be in reach and "
-        "no others, as 00,10,11; the cycle of the drawing by default.",
+        "Target: a sequence such as 00>10>11>01>00, or the complete set of reachable states such "
+        "as 00,10,11; the cycle of the nominal design by default.",
         "TARGET",
     )
-    sensitivity: bool = flag("Compute how much each part's tolerance counts.", "--sensitivity")
+    sensitivity: bool = flag("Compute the effect of each tolerance on the yield.", "--sensitivity")
     program: bool = flag(
-        "Count those that the design's own program brings where it should.", "--program"
+        "Program of the design: count samples that it brings to its target state.", "--program"
     )
     robust: Robust = None
 
     def refuse_two(self) -> None:
-        """Refuse other options beside --program."""
+        """Refuse options that exclude --program."""
         for name in ("target", "sensitivity", "robust"):
             if self.program and getattr(self, name):
-                raise wrong(f"--{name}", "cannot stand with --program.")
+                raise wrong(f"--{name}", "cannot be combined with --program.")
 
 
 def yield_(
@@ -80,9 +80,9 @@ def yield_(
 ) -> None:
     """Compute the fraction of samples that reach the target.
 
-    Mechanisms are sampled at random and judged one by one; you get the fraction with its 95 %
-    interval, what the others do, and the two cells that go wrong first. With --out, figures,
-    outcomes as CSV and the result as JSON are written into a folder, together with the design.
+    The result contains the fraction with its 95 % interval, the outcomes of the other samples, and
+    the pair of cells that fails first. With --out, figures, outcomes as CSV and the result as JSON
+    are written into a folder, together with the design.
 
     Example: stepwell yield preset:paper-forward --samples 1000
     """
@@ -102,8 +102,8 @@ def yield_(
         how: dict[str, Any] = {**vars(sampling), "progress": tell}
         if played is not None:
             turns, start = played.turning_points, played.start
-            found = survival(played.chain, turns, played.target, spread, start=start, **how)
+            result = survival(played.chain, turns, played.target, spread, start=start, **how)
         else:
             asked: dict[str, Any] = {"sensitivity": counted.sensitivity, "robust": counted.robust}
-            found = yields(chain, spread, target=states, **asked, **how)
-    output.report(found, text, design, calibrated)
+            result = yields(chain, spread, target=states, **asked, **how)
+    output.report(result, text, design, calibrated)

@@ -1,4 +1,4 @@
-"""`stepwell design` and `reprogram`: where anchors go, and how far off they may be."""
+"""`stepwell design` and `reprogram`: inverse design, and the smallest change of a design."""
 
 import math
 import re
@@ -12,14 +12,14 @@ import stepwell as sw
 from stepwell.base import REACH, from_unit, to_unit
 from stepwell.cli import tolerances as given
 from stepwell.cli.driving import NewDrive, stiffness_of
-from stepwell.cli.options import Design, Group, Output, argument, flag, option, read_chain
-from stepwell.cli.ranges import Range, span
+from stepwell.cli.options import Design, Group, Output, argument, by_name, flag, option, read_chain
+from stepwell.cli.ranges import Range, length, millimetres, span
 from stepwell.cli.screen import answered, progress, report, usable, wrong
 
 if TYPE_CHECKING:
     from stepwell.design import BandType
 
-# Bands that go by a name: k [N/m] and ℓ0 [mm] of the paper's cells, robots and antennas.
+# Bands with a name: k [N/m] and ℓ0 [mm] of the paper's cells, robots and antennas.
 BANDS = {"paper": (28.5, 10.0), "robot": (30.0, 10.0), "antennas": (47.0, 22.0)}
 
 FORCE_SCALE, TRAVEL_SCALE = Range(0.5, 2.0), Range(1.0, 1.0)
@@ -29,14 +29,14 @@ _Side = Annotated[
     typer.Option(
         parser=span,
         metavar="FROM:TO",
-        help="Where anchors q may be [mm]; for the paper's lever 0:20 and -15:15 by default, for "
-        "others in proportion, and for anchors p the mirror image.",
+        help="Anchor positions: allowed range of q along this axis [mm]. By default 0:20 and -15:15 "
+        "for the paper's lever, scaled for other levers, mirrored for p.",
     ),
 ]
 
 
 def between(text: str | Range) -> Range:
-    """FROM:TO, both above 0; they may be equal."""
+    """FROM:TO, both above 0 and maybe equal."""
     try:
         low, high = map(float, str(text).split(":"))
     except ValueError:
@@ -51,7 +51,7 @@ _Scale = Annotated[
     typer.Option(
         parser=between,
         metavar="FROM:TO",
-        help="Of elements: least and largest, times their own; 1:1 leaves them as they are.",
+        help="Range of this scale factor of elements; 1:1 leaves them unchanged.",
     ),
 ]
 
@@ -65,53 +65,58 @@ class Free(StrEnum):
 
 
 class Objective(StrEnum):
-    """What is made as large as possible."""
+    """The quantity that is maximised."""
 
     YIELD = "yield"
     WORST = "worst"
 
 
 class Parts(Group):
-    """The parts that a design may have, and where their anchors may be."""
+    """Available parts, and allowed positions of their anchors."""
 
     x: _Side = None
     y: _Side = None
     place: Free = option(
-        "Which anchors are placed: q beside p at (-10, 0) mm, p beside q at (10, 0) mm, "
-        "or both, each p the mirror image of q.",
+        "Anchors to place: q with p at (-10, 0) mm, p with q at (10, 0) mm, or both, with p the "
+        "mirror image of q.",
         "--free",
         default=Free.Q,
     )
     holes: float | None = option(
-        "Anchors only in holes this far apart, from the lower left corner on [mm].", "MM", min=0.01
+        "Spacing of the holes for anchors [mm]; the grid starts at the lower left corner.",
+        "LENGTH",
+        parser=length(0.01),
     )
     bands: list[str] | None = option(
-        "A band there is: paper, robot, antennas, or N/m, mm and %, or a design file for "
-        "its bands, measured ones too; may be given again.",
-        "--band NAME|K:LENGTH[:SPREAD]",
+        "Available band: paper, robot or antennas; stiffness [N/m], rest length and tolerance [%]; "
+        "or a design file with bands. May be repeated.",
+        "--band NAME|K:LENGTH[:PERCENT]",
     )
     levers: list[float] | None = option(
-        "A lever there is [mm]; may be given again. The paper's by default.", "--lever MM"
+        "Available lever length [mm]; the paper's by default. May be repeated.",
+        "--lever LENGTH",
+        parser=length(),
     )
-    mixed_levers: bool = flag("Cells may have different ones of these levers.", "--mixed-levers")
+    mixed_levers: bool = flag("Allow cells with different levers.", "--mixed-levers")
     elements: list[str] | None = option(
-        "An element there is instead of bands: one of the library, or those of a design "
-        "file; may be given again.",
+        "Available element in place of bands: a name of the library, or a design file with "
+        "elements. May be repeated.",
         "--element NAME|DESIGN",
     )
     force_scale: _Scale = FORCE_SCALE
     travel_scale: _Scale = TRAVEL_SCALE
-    unusual: bool = flag("Sizes far off the levers are meant, and no slip of unit.", "--unusual")
+    unusual: bool = flag("Accept lengths that look like unit errors.", "--unusual")
 
     def allowed(self) -> dict[str, Any]:
-        """The same as `design.design` takes it."""
+        """Keyword arguments of `design.design`."""
         from stepwell.design import PAPER_LEVER, usual_box
 
         kinds = [one for text in self.elements or () for one in elements_of(text)]
         if kinds and (self.x or self.y or self.holes or self.bands or self.levers):
             raise wrong(
                 "--element",
-                "cannot stand with --x, --y, --holes, --band or --lever: elements have no anchors.",
+                "cannot be combined with --x, --y, --holes, --band or --lever: elements have no "
+                "anchors.",
             )
         levers = [from_unit(lever, "mm") for lever in self.levers or ()] or [PAPER_LEVER]
         return {
@@ -136,21 +141,21 @@ class Parts(Group):
 
 
 class AimOptions(Group):
-    """What is made as large as possible, with which actuator."""
+    """The objective, and the actuator."""
 
     objective: Objective = option(
-        "Make the yield largest, or the distance by which all anchors may be off at once.",
+        "Quantity to maximise: the yield, or the worst-case margin of all anchors together.",
         default=Objective.YIELD,
     )
-    force_limit: float | None = option("Largest force of the actuator [N].", "N", min=0)
+    force_limit: float | None = option("Maximum force of the actuator [N].", "FORCE", min=0)
     drive: NewDrive = None
 
 
 def design(
     *,
     target: str = argument(
-        "A cycle as in '00>10>11>01>00', the states wanted in reach as in 00,10,11, or "
-        "all:N for N cells with all their states.",
+        "Target: a sequence such as '00>10>11>01>00', reachable states such as 00,10,11, or "
+        "all:N for all states of N cells.",
         "TARGET",
     ),
     parts: Parts,
@@ -161,32 +166,32 @@ def design(
 ) -> None:
     """Search anchors for a target sequence or a target set of states.
 
-    You get the anchors, checked by the engine, how many mechanisms built with these
-    tolerances will do it, and which two cells go wrong first; or the certificate that nothing
-    allowed does it. With --element, you get which element each cell is, and its scales. With
-    --out, the design file, a figure of the forces that a cell can have, and the result as JSON
-    are written into a folder.
+    The result contains the anchors, verified by simulation, the yield within the tolerances, and
+    the pair of cells that fails first; or the proof that no allowed design reaches the target. With
+    --element, the result contains the element of each cell and its scale factors. With --out, the
+    design file, a figure of the feasible critical forces and the result as JSON are written into a
+    folder.
 
     Example: stepwell design '00>10>11>01>00' --out leg
     """
     from stepwell.design import Impossible, design
 
-    wanted, spread, allowed = wish(target), within.tolerances(), parts.allowed()
+    goal, spread, allowed = target_of(target), within.tolerances(), parts.allowed()
     output.check_output_folder("design")
     aims = {
         "objective": aim.objective.value,
         "most_force": math.inf if aim.force_limit is None else aim.force_limit,
         "actuator_stiffness": stiffness_of(aim.drive),
     }
-    how = wanted | allowed | aims | vars(sampling)
+    how = goal | allowed | aims | vars(sampling)
     try:
         with usable("TARGET", Impossible), progress("design") as tell:
-            found = design(**how, tolerances=spread, progress=tell)
+            result = design(**how, tolerances=spread, progress=tell)
     except Impossible as why:
         report(sw.accounts.account(why), output.as_json)
         answered(False)
     else:
-        output.report(found)
+        output.report(result)
 
 
 class Direction(NamedTuple):
@@ -210,30 +215,33 @@ def along(text: str) -> Direction:
 
 
 class Way(Group):
-    """The way that the anchor is moved."""
+    """Allowed displacements of the anchor."""
 
     line: Direction | None = option(
-        "The line that the anchor keeps to; anywhere in the plane by default.",
+        "Direction of the displacement; any direction in the plane by default.",
         "--along X:Y|DEGREES",
         parser=along,
     )
-    one_way: bool = flag("Only in the sense of --along, not against it.", "--one-way")
+    one_way: bool = flag("Exclude displacements opposite to --along.", "--one-way")
     reach: float = option(
-        "Farthest that is looked at [mm].", "MM", default=to_unit(REACH, "mm"), min=0.001, max=1e6
+        "Maximum displacement [mm].",
+        "LENGTH",
+        default=to_unit(REACH, "mm"),
+        parser=length(0.001, 1e6),
     )
 
 
 def reprogram(
     design: Design,
     by: str = option(
-        "The anchor that is moved: a cell's name or number, then .p on its inner block or "
-        ".q on its outer one, as in inner.p; or a number of an element, as in "
-        "dome.force_scale, dome.travel_scale or dome.friction.",
+        "Parameter to change: an anchor as CELL.p (on the inner block) or CELL.q (on the outer "
+        "block), with the name or number of the cell, such as inner.p; or a number of an element, "
+        "such as dome.force_scale, dome.travel_scale or dome.friction.",
         "--by ANCHOR|NUMBER",
         default=...,
     ),
     target: str | None = option(
-        "The cycle wanted, as in '00>01>11>10>00'; any other than now by default.", "SEQUENCE"
+        "Target: a sequence such as '00>01>11>10>00'; any other sequence by default.", "TARGET"
     ),
     *,
     way: Way,
@@ -241,22 +249,22 @@ def reprogram(
 ) -> None:
     """Search the smallest displacement of an anchor for another sequence.
 
-    Or the smallest change of a number of an element.
+    For an element, the smallest change of one of its numbers is searched.
 
-    You get the displacement, the sequence just past it, and the force that has to push the
-    anchor on the way: what an antenna must deliver. With --out, the design past the change,
-    the way as CSV and the result as JSON are written into a folder.
+    The result contains the displacement, the sequence after it, and the force on the anchor during
+    the displacement, which an antenna must supply. With --out, the changed design, the displacement
+    as CSV and the result as JSON are written into a folder.
 
     Example: stepwell reprogram preset:paper-forward --by inner.p
     """
     from stepwell.design import reprogram
 
     if way.one_way and way.line is None:
-        raise wrong("--one-way", "needs --along X:Y, the way to go.")
+        raise wrong("--one-way", "needs --along X:Y, the direction.")
     text, chain = read_chain(design)
     output.check_output_folder("reprogram")
     with usable(design), progress("search") as tell:
-        found = reprogram(
+        result = reprogram(
             chain,
             target,
             by,
@@ -265,12 +273,12 @@ def reprogram(
             reach=from_unit(way.reach, "mm"),
             progress=tell,
         )
-    output.report(found, text, design)
-    answered(math.isfinite(found.distance))
+    output.report(result, text, design)
+    answered(math.isfinite(result.distance))
 
 
-def wish(text: str) -> dict[str, Any]:
-    """A sequence, a list of states, or all:N, as `design.design` takes it."""
+def target_of(text: str) -> dict[str, Any]:
+    """A sequence, a list of states, or all:N, as keyword arguments of `design.design`."""
     every = re.fullmatch(r"all:(\d{1,2})", text)
     if every:
         return {"states": "all", "cells": int(every[1])}
@@ -280,30 +288,30 @@ def wish(text: str) -> dict[str, Any]:
         return {"states": [state.strip() for state in text.split(",")]}
     raise wrong(
         "TARGET",
-        f"{text!r}: must be a cycle as in 00>10>11>01>00, states as in 00,10,11, or all:N for "
-        f"N cells in all their states (quotes keep > from the shell).",
+        f"{text!r}: must be a sequence such as 00>10>11>01>00, states such as 00,10,11, or all:N "
+        f"for all states of N cells (put a sequence in quotes, for the shell interprets >).",
     )
 
 
 def elements_of(text: str) -> "tuple[sw.Element, ...]":
-    """An element of the library by its name, or the elements of a design file."""
+    """The element of the library with this name, or the elements of a design file."""
     if text in sw.mechanism.LIBRARY:
         return (sw.mechanism.LIBRARY[text].make(name=text),)
     _, chain = read_chain(text)
     if not chain.elements:
         raise wrong(
             "--element",
-            f"{text!r} has no elements: must be a design file that has, or one of "
+            f"{text!r} has no elements: must be a design file with elements, or one of "
             f"{', '.join(sw.mechanism.LIBRARY)}.",
         )
     return chain.elements
 
 
 def stocks(text: str) -> "list[BandType]":
-    """What `stock` reads, or the bands of a design file."""
+    """The band that `stock` reads, or the bands of a design file."""
     from stepwell.design import BandType
 
-    if not text.endswith(".toml") and not text.startswith("preset:"):
+    if not text.endswith(".toml") and not (by_name(text) or "").startswith("preset:"):
         return [stock(text)]
     _, chain = read_chain(text)
     cells = [cell for cell in chain.cells if isinstance(cell, sw.Cell)]
@@ -311,21 +319,22 @@ def stocks(text: str) -> "list[BandType]":
 
 
 def stock(text: str) -> "BandType":
-    """NAME, or K:LENGTH[:SPREAD] in N/m, mm and %."""
+    """NAME, or K:LENGTH[:PERCENT] with K in N/m."""
     from stepwell.design import BandType
 
     if text in BANDS:
-        k, length = BANDS[text]
-        return BandType(k, from_unit(length, "mm"), name=text)
+        k, rest_mm = BANDS[text]
+        return BandType(k, from_unit(rest_mm, "mm"), name=text)
     try:
-        k, length, *spread = map(float, text.split(":"))
-        (part,) = spread or (None,)
+        k, rest_length, *percents = text.split(":")
+        stiffness, rest = float(k), from_unit(millimetres(rest_length), "mm")
+        (percent,) = map(float, percents or ("nan",))
     except ValueError:
         raise wrong(
             "--band",
-            f"{text!r}: must be {', '.join(BANDS)}, or K:LENGTH[:SPREAD] in N/m, mm and %, as in "
-            f"28.5:10:5, or a design file with bands, as in mine.toml.",
+            f"{text!r}: must be {', '.join(BANDS)}, or K:LENGTH[:PERCENT] in N/m, mm and %, such "
+            f"as 28.5:10:5, or a design file with bands, such as mine.toml.",
         ) from None
-    share = None if part is None else from_unit(part, "percent")
+    tolerance = from_unit(percent, "percent") if percents else None
     with usable("--band"):
-        return BandType(k, from_unit(length, "mm"), share)
+        return BandType(stiffness, rest, tolerance)

@@ -1,4 +1,4 @@
-"""How a chain is driven: by which actuator, and by which program of it."""
+"""Options for the actuator of a chain and for its program."""
 
 from __future__ import annotations
 
@@ -31,8 +31,9 @@ def _option(units: str, default: str) -> Any:
     return typer.Option(
         "--drive",
         parser=drive,
-        metavar="stroke|force|K",
-        help=f"What the actuator prescribes, or its stiffness [{units}]; {default} by default.",
+        metavar="DRIVE",
+        help="Drive: stroke (displacement control), force (force control), or the stiffness of the "
+        f"actuator [{units}]; {default} by default.",
     )
 
 
@@ -41,13 +42,13 @@ NewDrive = Annotated[str | None, _option("N/m", "the stroke")]
 
 
 def drive_of(drive: str | float | None, chain: sw.Chain) -> str | float | None:
-    """Such a drive as `Chain.graph` takes it: a stiffness in SI."""
+    """The drive for `Chain.graph`: a stiffness in SI, or the text itself."""
     _, factor = display_unit(chain.measure.stiffness_unit)
     return drive / factor if isinstance(drive, float) else drive
 
 
 def stiffness_of(drive: str | float | None) -> float:
-    """The stiffness of such an actuator [N/m]; a prescribed stroke where none is named."""
+    """Stiffness of the actuator [N/m]: 0 for force control, infinite for displacement control."""
     return drive if isinstance(drive, float) else 0.0 if drive == "force" else math.inf
 
 
@@ -56,18 +57,19 @@ From = Annotated[
     typer.Option(
         "--from",
         metavar="STATE",
-        help="Where it begins, such as 10, inner cell first; all cells at 0 by default.",
+        help="Start state, such as 10, inner cell first; all cells at 0 by default.",
     ),
 ]
 Target = Annotated[
-    str | None, typer.Option("--target", metavar="STATE", help="The state to end in, such as 01.")
+    str | None,
+    typer.Option("--target", metavar="TARGET", help="Target: the state to end in, such as 01."),
 ]
 
 
 def planned(
     chain: sw.Chain, start: str | None, target: str | None, robust: float | None = None
 ) -> sw.Program:
-    """The shortest program; raises `Unreachable` where there is none."""
+    """The shortest program; raises `Unreachable` if there is none."""
     if target is None:
         raise wrong("--from", "needs --target STATE, the state to end in.")
     last = chain.last_state
@@ -84,7 +86,7 @@ def _is_state(state: str, last: str) -> bool:
 
 
 def program_in_file(file: sw.files.DesignFile) -> sw.Program:
-    """The program that stands in a design file, on its chain."""
+    """The program of a design file, on its chain."""
     chain = file.chain
     if file.program is None:
         problem = "has no table [program]: pass --target STATE to plan one."

@@ -1,7 +1,8 @@
-"""`stepwell lab`: recordings in, calibrated bands, comparisons and as-built parameters out."""
+"""`stepwell lab`: recordings, calibrated bands, comparisons, as-built parameters."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -11,8 +12,19 @@ import typer
 import stepwell as sw
 from stepwell.base import display_unit
 from stepwell.cli import tolerances as given
-from stepwell.cli.options import Design, Group, Output, argument, command, flag, option, read_chain
-from stepwell.cli.ranges import window as read_window
+from stepwell.cli.options import (
+    Design,
+    Group,
+    Output,
+    argument,
+    by_name,
+    command,
+    designs as design_names,
+    flag,
+    option,
+    read_chain,
+)
+from stepwell.cli.ranges import length, window as read_window
 from stepwell.cli.screen import WRONG_INPUT, progress, subcommands, usable, wrong
 from stepwell.cli.tolerances import recordings_in
 
@@ -21,22 +33,24 @@ if TYPE_CHECKING:
     from stepwell.mechanism import Chain
 
 
-commands = subcommands("Read recordings of a test machine, fit bands, and compare with the model.")
+commands = subcommands(
+    "Fit bands and cells to recordings of a test machine, and compare them with the model."
+)
 
 
 @command(commands)
 def read(
     *,
     files: list[Path] = argument(
-        "Recordings or folders of them: Bluehill raw data as text, or CSV with named columns.",
+        "Recordings (files or folders): Bluehill raw data as text, or CSV with named columns.",
         "FILE...",
     ),
     output: Output,
 ) -> None:
-    """List what recordings hold: samples, cycles, columns and units.
+    """List the contents of recordings: samples, cycles, columns and units.
 
-    A file that is broken, empty, binary or in an unknown unit gets one line, and stops no other.
-    With --out, all samples are written into a folder as one tidy table with units.
+    A file that is broken, empty, binary or in an unknown unit is listed with the reason; the other
+    files are read. With --out, all samples are written into a folder as one tidy table with units.
 
     Example: stepwell lab read recordings --out tidy
     """
@@ -51,18 +65,19 @@ def read(
 
 
 class FittedPart(Group):
-    """Which part of tension tests is fitted."""
+    """The part of tension tests that is fitted."""
 
     window: str | None = option(
-        "Stroke between which bands are fitted; 5:35 where it is measured, else all.",
-        "--window-mm FROM:TO",
+        "Stroke range of the fit [mm]; 5:35 by default, or all if 5:35 is not recorded.",
+        "--window FROM:TO",
     )
     cycles: str | None = option(
-        "Cycles that are fitted, from 1; 5:9 where there are any, else all later than 1.", "FROM:TO"
+        "Cycles of the fit, counted from 1; by default 5:9, or all but the first.",
+        "--fit-cycles FROM:TO",
     )
-    drop: list[int] | None = option("A sample to leave out; may be given again.", "SAMPLE")
+    drop: list[int] | None = option("Sample to exclude. May be repeated.", "SAMPLE")
     cycles_per_sample: int | None = option(
-        "How many files in a row are of one sample, where names only count.", "N", min=1
+        "Number of consecutive files per sample, if file names are only numbers.", "N", min=1
     )
 
     def test(self, recordings: list[Recording]) -> BandTest:
@@ -82,57 +97,63 @@ class FittedPart(Group):
 def band(
     *,
     folders: list[Path] = argument(
-        "Tension tests of bands, folders or files, by a machine or a scale and a ruler.", "PATH..."
+        "Tension tests of bands, folders or files: of a machine, or of a scale and a ruler.",
+        "PATH...",
     ),
     part: FittedPart,
     gauge: float | None = option(
-        "Length of the band at stroke 0, if you know it.", "--gauge-mm LENGTH"
+        "Length of the band at stroke 0, if known [mm].", "--gauge LENGTH", parser=length(-math.inf)
     ),
-    law: str | None = option("The law to write, whatever is chosen.", "NAME"),
+    law: str | None = option(
+        "Force law: write this one instead of the one that is selected automatically.", "NAME"
+    ),
     output: Output,
 ) -> None:
     """Fit the stiffness of bands, and write a `band` table for a design file.
 
-    Stiffness with its uncertainty, its dependence on the window, the work lost in a cycle, and the
-    force law that explains it best. A table of lengths and weights is enough, such as
-    length (mm), weight (g). The defaults for window and cycles are the paper's.
-    With --out, the table, the numbers and a figure are written into a folder.
+    The result contains the stiffness with its uncertainty, its dependence on the window, the energy
+    dissipated in a cycle, and the best force law. A table of lengths and weights is sufficient,
+    with columns such as length (mm), weight (g). The defaults for window and cycles are the
+    paper's. With --out, the table, the numbers and a figure are written into a folder.
 
-    Example: stepwell lab band recordings --window-mm 5:35
+    Example: stepwell lab band recordings --window 5:35
     """
     output.check_output_folder("lab band")
     known = [one.name for one in sw.lab.LAWS]
-    # Before all of them are fitted.
+    # Before the fit, which takes long.
     if law is not None and law not in known:
         raise wrong("--law", f"{law!r}: must be one of {', '.join(known)}.")
     given = recordings_in(folders)
     test = part.test(given)
-    with usable("--gauge-mm"):
+    with usable("--gauge"):
         choice = sw.lab.choose_law(test, None if gauge is None else gauge * 1e-3)
     with usable("--law"):
-        found = sw.lab.fit_bands(test, choice, law)
+        fit = sw.lab.fit_bands(test, choice, law)
     source = ", ".join(folder.name for folder in folders)
-    output.report(found, source=source, data_sha256=sw.lab.hashes(given))
+    output.report(fit, source=source, data_sha256=sw.lab.hashes(given))
 
 
 _Data = Annotated[
     Path,
-    typer.Argument(metavar="DATA", help="A folder of recordings, at any depth, or one recording."),
+    typer.Argument(
+        metavar="DATA", help="Folder of recordings, searched recursively, or one recording."
+    ),
 ]
 
 
 class BaselineOptions(Group):
-    """Which friction is subtracted."""
+    """The friction that is subtracted."""
 
     baseline: Path | None = option(
-        "Runs without a band; by default those in DATA whose name says friction.", "--baseline PATH"
+        "Recordings without a band; by default those in DATA with `friction` in their name.",
+        "--baseline PATH",
     )
-    no_baseline: bool = flag("Subtract no friction, whatever is there.", "--no-baseline")
+    no_baseline: bool = flag("Do not subtract the friction baseline.", "--no-baseline")
 
     def read(self) -> list[Recording] | None:
-        """The runs to subtract: those given, none, or None where names decide."""
+        """The recordings to subtract: those given, none, or None to select them by name."""
         if self.baseline is not None and self.no_baseline:
-            raise wrong("--baseline", "cannot stand with --no-baseline.")
+            raise wrong("--baseline", "cannot be combined with --no-baseline.")
         if self.no_baseline:
             return []
         return None if self.baseline is None else recordings_in([self.baseline])
@@ -142,17 +163,19 @@ class RigOptions(Group):
     """The rig of a test machine."""
 
     bar: float | None = option(
-        "Bar of the rig, inf for none; 70 if not said.", "--bar-mm LENGTH", min=20
+        "Length of the bar of the rig [mm], inf for none; 70 by default.",
+        "--bar LENGTH",
+        parser=length(20),
     )
     rig: Path | None = option(
-        "The rig that `stepwell lab calibrate` found: where it shows a snap of a pair.", "FILE"
+        "Rig file from `stepwell lab calibrate`; it sets how the rig shows snaps of a pair.", "FILE"
     )
 
     def read(self) -> Rig:
-        """The rig of a file, or the paper's with another bar."""
+        """The rig of a file, or the paper's rig with another bar."""
         if self.rig is not None:
             if self.bar is not None:
-                raise wrong("--rig", "cannot stand with --bar-mm: FILE has bar_mm.")
+                raise wrong("--rig", "cannot be combined with --bar: FILE has bar_mm.")
             return sw.files.loads_rig(sw.files.text_of(self.rig), str(self.rig))
         return sw.lab.PAPER_RIG if self.bar is None else sw.lab.Rig(self.bar * 1e-3)
 
@@ -161,27 +184,32 @@ class RigOptions(Group):
 def compare(
     data: _Data,
     designs: list[str] | None = argument(
-        "What was tested, or what file names leave open; the paper's cell by default.",
+        "Designs that were tested, or parameters that file names leave open; the paper's cell by "
+        "default.",
         "[DESIGN]...",
         default=None,
+        autocompletion=design_names,
     ),
-    as_designed: bool = flag("Take the design as it is, whatever file names say.", "--as-designed"),
+    as_designed: bool = flag(
+        "Use the design unchanged; ignore parameters in file names.", "--as-designed"
+    ),
     *,
     friction: BaselineOptions,
     machine: RigOptions,
     output: Output,
 ) -> None:
-    """Compare unit cells and pairs on a test machine with their models.
+    """Compare recordings of unit cells and pairs with the model.
 
-    Friction is subtracted and repeats are averaged. A unit cell gets its class, its forces and its
-    energy judged, a pair the order of its cells and its snaps.
+    Friction is subtracted and repeats are averaged. For a unit cell, class, forces and energy are
+    compared; for a pair, the order of its cells and its snaps.
     With --out, verdicts, curves and figures are written into a folder.
 
     Example: stepwell lab compare recordings --out verdicts
     """
     output.check_output_folder("lab compare")
     given = recordings_in([data])
-    designed = {design: sw.files.text_of(design) for design in designs or ()}
+    names = [by_name(design) or design for design in designs or ()]
+    designed = {design: sw.files.text_of(design) for design in names}
     comparison = sw.lab.compare(
         given,
         [sw.files.loads(text, design).chain for design, text in designed.items()],
@@ -197,26 +225,27 @@ def compare(
 def calibrate(
     data: _Data,
     law: str | None = option(
-        "linear, cubic, or tension tests in DATA by their folder; by default the law that "
-        "predicts best.",
+        "Force law: linear, cubic, or the folder of tension tests in DATA; by default the law with "
+        "the best predictions.",
         "NAME",
     ),
     *,
     friction: BaselineOptions,
     output: Output,
 ) -> None:
-    """Fit one physical model to the curves of all cells at once, single and in pairs.
+    """Fit one physical model to the curves of all cells and pairs together.
 
-    Law and stiffness of the bands, loss on the way back, friction of machine and joints, weight and
-    rig, with what is predicted of each geometry from the others: forces, orders, snaps.
-    With --out, the numbers, a band and a pair for design files and a figure go into a folder.
+    The result contains force law and stiffness of the bands, loss during unloading, friction of
+    machine and joints, weight, rig, and a cross-validation: forces, orders and snaps of each
+    geometry, predicted from the others. With --out, the numbers, a band and a pair for design files
+    and a figure are written into a folder.
 
     Example: stepwell lab calibrate recordings
     """
     output.check_output_folder("lab calibrate")
     given = recordings_in([data])
-    found = sw.lab.sort_series(given, baseline=friction.read())
-    prepared = sw.lab.prepare(found.series, sw.lab.tension_tables(given), found.told)
+    batch = sw.lab.sort_series(given, baseline=friction.read())
+    prepared = sw.lab.prepare(batch.series, sw.lab.tension_tables(given), batch.told)
     with progress("fits") as tell:
         calibration = sw.lab.calibrate(prepared, law, progress=tell)
     output.report(calibration, source=data.name, data_sha256=sw.lab.hashes(given))
@@ -226,20 +255,27 @@ _Strokes = Annotated[
     str | None,
     typer.Option(
         metavar="LIST",
-        help="Strokes where it snapped that way, with commas [mm, mL or deg]; none for no snap.",
+        help="Strokes of snaps in this direction, separated by commas [mm, mL or deg]; none for no "
+        "snap.",
     ),
 ]
 
 
 class BuiltTolerances(given.BandTolerances):
-    """The tolerances of a first build, and how likely its anchors are in wrong holes."""
+    """Tolerances of a prototype, and the probability of anchors in wrong holes."""
 
     friction: given.Friction = 0.0
     travel_tolerance: given.TravelTolerance = 5.0
 
-    hole: float = option("How far apart holes are.", "--hole-mm MM", default=5.0, min=0.1)
+    hole: float = option(
+        "Spacing of the holes for anchors [mm].", "--holes LENGTH", default=5.0, parser=length(0.1)
+    )
     wrong_hole: float = option(
-        "How likely an anchor is in the hole beside its own.", "PERCENT", default=5.0, min=0, max=40
+        "Probability that an anchor is in a hole next to its own [%].",
+        "PERCENT",
+        default=5.0,
+        min=0,
+        max=40,
     )
 
 
@@ -247,28 +283,32 @@ BUILT = BuiltTolerances(anchor=1.0, stiffness_tolerance=10.0)
 
 
 class BuildSampling(Group):
-    """How many first builds are drawn, and which."""
+    """Number and seed of the sampled prototypes."""
 
-    samples: int = option("How many builds are drawn.", "N", default=200, min=100)
+    samples: int = option(given.SAMPLES, "N", default=200, min=100)
     seed: given.Seed = 0
 
 
 class SeenOptions(Group):
-    """What was seen of a first build, and how surely."""
+    """Observations of a prototype, with their uncertainty."""
 
-    seen: str | None = option("The states it went through, as 00>10>11>01>00.", "STATES")
+    seen: str | None = option("Observed sequence of states, such as 00>10>11>01>00.", "STATES")
     snaps_out: _Strokes = None
     snaps_back: _Strokes = None
     pulls: str | None = option(
-        "Forces read on the way out, STROKE:FORCE with commas [mm:N, mL:kPa, deg:N mm].", "LIST"
+        "Forces read during loading, as STROKE:FORCE separated by commas [mm:N, mL:kPa, deg:N mm].",
+        "LIST",
     )
-    data: Path | None = option("A recording of stroke and force [mm, N].", "FILE", exists=True)
+    data: Path | None = option(
+        "Recordings (one file) of stroke and force [mm, N].", "PATH", exists=True
+    )
     ruler: float = option(
-        "Standard deviation of a stroke [mm, mL or deg].", "DOUBT", default=1.0, min=0.01
+        "Standard deviation of a measured stroke [mm, mL or deg].", "NUMBER", default=1.0, min=0.01
     )
     scale: float | None = option(
-        "Standard deviation of a force [N, kPa or N mm]; 5 % of the drawing's peak force.",
-        "DOUBT",
+        "Standard deviation of a measured force [N, kPa or N mm]; by default 5 % of the extreme "
+        "force of the nominal design.",
+        "NUMBER",
         min=1e-6,
     )
 
@@ -277,18 +317,21 @@ class SeenOptions(Group):
 def as_built(
     design: Design,
     observed: SeenOptions,
-    target: str | None = option("What it should do; by default what the drawing does.", "STATES"),
+    target: str | None = option(
+        "Target: a sequence such as 00>10>11>01>00; the cycle of the nominal design by default.",
+        "TARGET",
+    ),
     within: BuiltTolerances = BUILT,
     *,
     sampling: BuildSampling,
     output: Output,
 ) -> None:
-    """Fit as-built parameters to a first build, and search which anchors to move.
+    """Fit as-built parameters to a prototype, and search the anchors to move.
 
-    Give what you saw when it was pulled out and let back once: the order of its states, strokes of
-    snaps read off a ruler, forces read off a scale, or a recording. Builds within tolerances, some
-    with an anchor in a wrong hole, are drawn at random and weighed by how well they agree with it.
-    With --out, the design as it was built and as it is with the best move go into a folder.
+    Input are observations of one loading and unloading: the sequence of states, strokes of snaps
+    read from a ruler, forces read from a scale, or a recording. Prototypes within the tolerances,
+    some with an anchor in a wrong hole, are sampled at random and weighted by their likelihood.
+    With --out, the as-built design and the corrected design are written into a folder.
 
     Example: stepwell lab as-built preset:paper-forward --seen '00>01>11>10>00'
     """
@@ -299,7 +342,7 @@ def as_built(
         display_unit(chain.measure.force_unit),
     )
     peak = abs(chain.cycle().peak_force)
-    with usable("what was seen"):
+    with usable("the observations"):
         pulls = _read(observed.pulls, chain)
         if observed.data is not None:
             pulls += sw.lab.pulls_of(sw.lab.read(observed.data), chain.full_stroke)
@@ -312,8 +355,8 @@ def as_built(
             0.05 * peak if observed.scale is None else observed.scale / forced,
         )
     spread = within.tolerances(chain.measure)
-    with usable("what was seen"), progress("builds") as tell:
-        found = sw.lab.as_built(
+    with usable("the observations"), progress("samples") as tell:
+        result = sw.lab.as_built(
             chain,
             seen,
             spread,
@@ -323,7 +366,7 @@ def as_built(
             **vars(sampling),
             progress=tell,
         )
-    output.report(found, text, design)
+    output.report(result, text, design)
 
 
 def _strokes(text: str | None, option: str, factor: float) -> tuple[float, ...] | None:
@@ -335,7 +378,7 @@ def _strokes(text: str | None, option: str, factor: float) -> tuple[float, ...] 
         return tuple(float(one) / factor for one in text.split(","))
     except ValueError:
         raise wrong(
-            option, f"{text!r}: must be numbers with commas, as 36.5,38, or none."
+            option, f"{text!r}: must be numbers separated by commas, such as 36.5,38, or none."
         ) from None
 
 
@@ -351,5 +394,5 @@ def _read(text: str | None, chain: Chain) -> tuple[Pull, ...]:
         return tuple(sw.lab.Pull(1, u / stroke, f / force) for u, f in pairs)
     except ValueError:
         raise wrong(
-            "--pulls", f"{text!r}: must be STROKE:FORCE with commas, as 10:0.35,20:0.1."
+            "--pulls", f"{text!r}: must be pairs STROKE:FORCE, such as 10:0.35,20:0.1."
         ) from None

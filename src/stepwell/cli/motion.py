@@ -1,4 +1,4 @@
-"""`stepwell run`, `map`, `graph`, `program` and `animate`: what a chain does."""
+"""`stepwell run`, `map`, `graph`, `program` and `animate`: quasi-static behaviour of a chain."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ if TYPE_CHECKING:
 def run(
     design: options.Design, mobility_ratio: options.MobilityRatio = None, *, output: options.Output
 ) -> None:
-    """Compute a full cycle: sequence, snaps, forces, energy lost, margin.
+    """Compute a full cycle: sequence, snaps, forces, dissipated energy, margin.
 
-    The margin is the smallest change that gives another sequence. Snaps are checked for landings
+    The margin is the smallest change that leads to another sequence. Snaps are checked for landings
     that depend on the mobilities of the cells.
-    With --out, the figures, the path as CSV, the result as JSON and a report in HTML are
-    written into a folder, together with the design.
+    With --out, figures, the path as CSV, the result as JSON and an HTML report are written into a
+    folder, together with the design.
 
     Example: stepwell run preset:paper-forward
     """
@@ -43,31 +43,33 @@ def run(
         asked = mobility_ratio is not None
         landings = path.landings(mobility_ratio) if asked else path.checked_landings
     with screen.progress("margin") as tell:
-        found = Run(cycle, margin(chain, progress=tell), landings)
-    output.report(found, text, design)
+        result = Run(cycle, margin(chain, progress=tell), landings)
+    output.report(result, text, design)
 
 
 def graph(
     design: options.Design,
     drive: Drive = None,
     start: str | None = option(
-        "Only what can be reached from this state, such as 000; all states by default.", "STATE"
+        "Start state, such as 000: restrict the graph to states reachable from it; all states by "
+        "default.",
+        "--from STATE",
     ),
     out: Path | None = option(
-        "Write the graph: .svg, .png, .pdf a figure; .graphml, .dot, .json for others.",
+        "Write this file: .svg, .png or .pdf (figure), .graphml, .dot or .json (graph).",
         "--out -o FILE",
         dir_okay=False,
         callback=options.local,
     ),
-    force: options.ForceFile = False,
+    force: options.Force = False,
     as_json: options.Json = False,
 ) -> None:
     """Compute the transition graph of a chain with one actuator.
 
-    It is described in the terms of the field: main loop and sub-loops, Garden-of-Eden
-    states, return-point memory, scrambling, accumulators, latches, and states out of reach.
-    With --out, the graph is drawn, or written for other programs. A graph of too many states to
-    be listed is counted, and walked from all cells at 0 or from --start.
+    The result contains main loop and sub-loops, Garden-of-Eden states, return-point memory,
+    scrambling, accumulators, latches and unreachable states. With --out, the graph is plotted, or
+    exported for other programs. If the graph has too many states for a list, its states are
+    counted, and followed from all cells at 0 or from the state of --from.
 
     Example: stepwell graph preset:three-wave
     """
@@ -79,15 +81,15 @@ def graph(
     with screen.usable(design), screen.progress("graph") as tell:
         implicit = chain.implicit_graph(drive_of(drive, chain))
         if out is None and not implicit.is_listable and (start is None or implicit.by_fields):
-            found = implicit.walked(start, progress=tell)
+            result = implicit.walked(start, progress=tell)
         else:
-            found = chain.graph(drive_of(drive, chain), start=start, progress=tell)
-        reported = sw.accounts.account(found, sw.accounts.About(text, design))
+            result = chain.graph(drive_of(drive, chain), start=start, progress=tell)
+        reported = sw.accounts.account(result, sw.accounts.About(text, design))
     if out is None:
         screen.report(reported, as_json)
         return
     with screen.usable("--out"):
-        sw.reports.write_graph(found, out)  # type: ignore[arg-type]
+        sw.reports.write_graph(result, out)  # type: ignore[arg-type]
     if as_json:
         screen.show_json(reported.record, out)
         return
@@ -106,11 +108,11 @@ def program(
 ) -> None:
     """Search the fewest turning points from one state to another.
 
-    Each comes with the window in which turning does the same; or you get the proof that no
-    program does it. Without --target, the program in the design file is played, and the
-    command reports whether it ends as it should. With --robust, no snap on the way may land
-    elsewhere for other mobilities. With --out, a figure, the turning points as CSV, the result as
-    JSON and the design with the program in it are written into a folder.
+    Each turning point has a tolerance interval. If no program reaches the target, the result is the
+    proof. Without --target, the program of the design file is simulated and checked against its own
+    target state. With --robust, the landing of every snap must be independent of the mobilities.
+    With --out, a figure, the turning points as CSV, the result as JSON and the design with the
+    program are written into a folder.
 
     Example: stepwell program preset:paper-forward --target 01
     """
@@ -118,19 +120,20 @@ def program(
     output.check_output_folder("program")
     try:
         if start or target:
-            found = planned(chain, start, target, robust)
+            result = planned(chain, start, target, robust)
         else:
-            found = replace(program_in_file(sw.files.loads(text, design)), robust=robust)
+            result = replace(program_in_file(sw.files.loads(text, design)), robust=robust)
     except sw.Unreachable as why:
-        found, output = why, replace(output, out=None)
-    screen.answered(output.report(found, text, design).record["meets_target"])
+        result, output = why, replace(output, out=None)
+    screen.answered(output.report(result, text, design).record["meets_target"])
 
 
 class MotionOptions(options.Group):
-    """Which motion of a design is shown."""
+    """The motion of a design that is animated."""
 
     program: bool = flag(
-        "Play the design's own program, or one planned to --target, not a full cycle.", "--program"
+        "Program of the design: animate it, or one planned to --target, instead of a full cycle.",
+        "--program",
     )
     start: From = None
     target: Target = None
@@ -150,17 +153,20 @@ class MotionOptions(options.Group):
 def animate(
     design: options.Design,
     out: Path = option(
-        "The file to write.", "--out -o FILE.gif", default=Path("cycle.gif"), callback=options.local
+        "Write this file (.gif).",
+        "--out -o FILE",
+        default=Path("cycle.gif"),
+        callback=options.local,
     ),
-    seconds: float = option("How long one round lasts [s].", default=8.0, min=0.5),
-    fps: float = option("Frames a second.", default=20.0, min=1, max=50),
+    seconds: float = option("Duration of one cycle [s].", "S", default=8.0, min=0.5),
+    fps: float = option("Frames per second.", "HZ", default=20.0, min=1, max=50),
     *,
     motion: MotionOptions,
-    force: options.ForceFile = False,
+    force: options.Force = False,
 ) -> None:
-    """Write a design in motion as a GIF.
+    """Write an animation of a design as a GIF.
 
-    Snaps included, with the energy landscape of two cells, or the force of more, beside it.
+    It shows the mechanism, and the energy landscape of two cells or the force of more cells.
 
     Example: stepwell animate preset:paper-forward --out leg.gif
     """
@@ -175,7 +181,7 @@ CELL, ACROSS, UP = "outer", Range(0, 20, 200), Range(-15, 15, 200)
 _Axis = Annotated[
     Range,
     typer.Option(
-        parser=grid, metavar="FROM:TO:COUNT", help="Places of that anchor along this axis [mm]."
+        parser=grid, metavar="FROM:TO:COUNT", help="Anchor positions: grid along this axis [mm]."
     ),
 ]
 _Parameter = Annotated[
@@ -183,16 +189,17 @@ _Parameter = Annotated[
     typer.Option(
         parser=parameter_range,
         metavar="NAME=FROM:TO:COUNT",
-        help=f"A parameter along this axis instead, in mm, deg, N or N/m, as in {EXAMPLE}.",
+        help=f"Parameter on this axis instead of the anchor [mm, deg, N or N/m], as in {EXAMPLE}.",
     ),
 ]
 
 
 class PlaneOptions(options.Group):
-    """What varies on a map: an anchor, or two parameters."""
+    """The axes of a map: the position of an anchor, or two parameters."""
 
     cell: str = option(
-        "Whose anchor q moves: a cell's name, inner, outer, or its number, 1 for the innermost.",
+        "Cell whose anchor q is varied: its name, inner, outer, or its number from 1 (innermost).",
+        "CELL",
         default=CELL,
     )
     x: _Axis = ACROSS
@@ -201,23 +208,23 @@ class PlaneOptions(options.Group):
     up: _Parameter = None
 
     def parameters(self) -> tuple[Range, Range] | None:
-        """Two parameters, without options of the other kind of map; None where an anchor moves."""
+        """The two parameters; None if the position of an anchor is varied."""
         if self.across is None and self.up is None:
             return None
         if self.across is None or self.up is None:
             names = ("--across", "--up") if self.across is None else ("--up", "--across")
             raise screen.wrong(names[1], f"needs {names[0]} NAME=FROM:TO:COUNT too.")
         if (self.cell, self.x, self.y) != (CELL, ACROSS, UP):
-            raise screen.wrong("--across", "cannot stand with --cell, --x or --y.")
+            raise screen.wrong("--across", "cannot be combined with --cell, --x or --y.")
         return self.across, self.up
 
 
 def map_(design: options.Design, plane: PlaneOptions, output: options.Output) -> None:
-    """Compute the transition map over an anchor, or over two parameters.
+    """Compute the design map over an anchor, or over two parameters.
 
-    It shows the sequence for every place of one anchor, and the exact boundaries between
+    The map contains the sequence for every position of one anchor, and the exact boundaries between
     sequences; with --across and --up, for all values of two parameters of the chain. With
-    --out, the picture, its data as NetCDF and the boundaries as CSV are written into a folder.
+    --out, the figure, its data as NetCDF and the boundaries as CSV are written into a folder.
 
     Example: stepwell map preset:paper-forward --out map
     """
@@ -247,12 +254,12 @@ def map_(design: options.Design, plane: PlaneOptions, output: options.Output) ->
         with screen.progress("map") as tell:
             dataset = nodes(progress=tell)
         with screen.progress("boundaries") as tell:
-            found = curves(progress=tell)
-        output.report(MapView(dataset, found, designs), text, design)
+            lines = curves(progress=tell)
+        output.report(MapView(dataset, lines, designs), text, design)
 
 
 def _axis(given: Range, chain: Chain) -> tuple[tuple[str, Floats], float]:
-    """A parameter with its values in SI, for a chain that has it; and what it is there."""
+    """Name and values of a parameter in SI, and its value in the chain."""
     from stepwell.design import parameter
 
     one = parameter(chain, given.name)
@@ -263,7 +270,7 @@ def _axis(given: Range, chain: Chain) -> tuple[tuple[str, Floats], float]:
 
 
 def cell_of(chain: Chain, text: str) -> int:
-    """The index of the cell a user means by a name, inner, outer or a number from 1."""
+    """Index of the cell with a name, inner, outer or a number from 1."""
     names = chain.names
     if names.count(text) == 1:
         return names.index(text)
@@ -277,13 +284,13 @@ def cell_of(chain: Chain, text: str) -> int:
 
 
 def marks(chain: Chain, cell: int) -> dict[str, tuple[float, float]]:
-    """Where the design itself stands on its map [m]; nothing where its bands differ in q."""
-    program_in_file = chain.cells[cell]
-    if isinstance(program_in_file, sw.Element):
+    """Position of the design itself on its map [m]; empty if the bands of the cell differ in q."""
+    subject = chain.cells[cell]
+    if isinstance(subject, sw.Element):
         raise screen.wrong(
             "--cell",
             f"{chain.names[cell]} is an element and has no anchor: pass --across "
             f"NAME=FROM:TO:COUNT and --up NAME=FROM:TO:COUNT.",
         )
-    anchors = {band.q for band in program_in_file.bands}
+    anchors = {band.q for band in subject.bands}
     return {"this design": anchors.pop()} if len(anchors) == 1 else {}

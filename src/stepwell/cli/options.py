@@ -1,4 +1,4 @@
-"""Arguments that several commands share, what they name, and what a shell completes."""
+"""Arguments and options that several commands share, and completions for a shell."""
 
 from __future__ import annotations
 
@@ -17,30 +17,30 @@ from stepwell.cli.screen import EXIT_CODES, report, usable, warn, wrong
 
 
 def designs(incomplete: str) -> list[str]:
-    """Presets that begin so, behind `preset:`, and design files."""
+    """Presets with this beginning, after `preset:`, and design files."""
     names = (f"preset:{name}" for name in sw.presets())
     return [*_begun(names, incomplete), *_files(incomplete, ".toml")]
 
 
 def robots(incomplete: str) -> list[str]:
-    """The robots among the presets, by their names alone or behind `preset:`, and files."""
+    """Robots among the presets, by name or after `preset:`, and files."""
     before = "preset:" if incomplete.startswith("preset:") else ""
     names = (f"{before}{name}" for name in sw.presets() if name.startswith("robot-"))
     return [*_begun(names, incomplete), *_files(incomplete, ".toml")]
 
 
 def presets(incomplete: str) -> list[str]:
-    """Presets that begin so."""
+    """Presets with this beginning."""
     return _begun(sw.files.presets(), incomplete)
 
 
 def arenas(incomplete: str) -> list[str]:
-    """Arenas that begin so, and files of arenas."""
+    """Arenas with this beginning, and files of arenas."""
     return [*_begun(sw.files.arenas(), incomplete), *_files(incomplete, ".toml", ".txt")]
 
 
 def results(incomplete: str) -> list[str]:
-    """Results that have a JSON Schema."""
+    """Kinds of results with a JSON Schema."""
     return _begun(sw.accounts.schema_kinds(), incomplete)
 
 
@@ -52,44 +52,39 @@ def _files(incomplete: str, *endings: str) -> list[str]:
     folder = incomplete.rpartition("/")[0]
     place = Path(f"{folder}/" if folder or incomplete.startswith("/") else ".")
     try:
-        found = sorted(place.iterdir())
+        entries = sorted(place.iterdir())
     except OSError:
         return []
     before = "".join(incomplete.rpartition("/")[:2])
     names = (
         f"{before}{one.name}{'/' * one.is_dir()}"
-        for one in found
+        for one in entries
         if one.suffix in endings or one.is_dir()
     )
     return _begun(names, incomplete)
 
 
+DESIGN_HELP = "Design file (TOML), or the name of a preset; see `stepwell presets`."
+
+
+def by_name(design: str | None) -> str | None:
+    """The same design, with "preset:" before the name of a preset that is no file here."""
+    if design in sw.files.presets() and not Path(design).exists():
+        return f"preset:{design}"
+    return design
+
+
 Design = Annotated[
     str,
-    typer.Argument(
-        metavar="DESIGN",
-        help="A design file (TOML), or preset:NAME for a design of `stepwell presets`.",
-        autocompletion=designs,
-    ),
+    typer.Argument(metavar="DESIGN", help=DESIGN_HELP, autocompletion=designs, callback=by_name),
 ]
-Robot = Annotated[
-    str,
-    typer.Argument(
-        metavar="ROBOT",
-        help="A robot's design file (TOML), or the name of one of `stepwell presets`.",
-        autocompletion=robots,
-    ),
-]
-Arena = Annotated[
-    str | None,
-    typer.Option(
-        metavar="ARENA", help="Put it there; see `stepwell maze --list`.", autocompletion=arenas
-    ),
-]
+Robot = Annotated[str, typer.Argument(metavar="ROBOT", help=DESIGN_HELP, autocompletion=robots)]
+ARENA_HELP = "Arena: a name of `stepwell maze --list`, or a file (.toml, .txt)."
+Arena = Annotated[str | None, typer.Option(metavar="ARENA", help=ARENA_HELP, autocompletion=arenas)]
 
 
 def local(out: Path | None) -> Path | None:
-    """Where results go, if it is a place on this machine."""
+    """The path of an output, or a refusal where it is an address on a network."""
     if out is not None:
         with usable():
             refuse_address(out)
@@ -106,14 +101,16 @@ _OUT = typer.Option(
 )
 Out = Annotated[Path | None, _OUT]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite existing files.")]
-ForceFile = Annotated[bool, typer.Option("--force", help="Overwrite the file if it exists.")]
 Json = Annotated[
-    bool, typer.Option("--json", help="Print JSON and nothing else; docs/commands.md describes it.")
+    bool, typer.Option("--json", help="Print the result as JSON only; see docs/commands.md.")
 ]
+NO_OPEN = "Do not open a browser."
+CYCLES = "Number of drive cycles."
+TIME_LIMIT = "Time limit of a simulation [s]."
 
 
 def option(help: str, spelled: str = "", *, default: Any = None, **how: Any) -> Any:
-    """An option, as a field of a group or the default of a parameter; required where `...` is its.
+    """An option: a field of a group or the default of a parameter; required with default `...`.
 
     `spelled` is how a user writes it, such as "--out -o FILE": names other than its own, metavar.
     """
@@ -123,43 +120,44 @@ def option(help: str, spelled: str = "", *, default: Any = None, **how: Any) -> 
 
 
 def flag(help: str, name: str, **how: Any) -> Any:
-    """The same of a switch, which is off by default."""
+    """A flag, off by default; a field or a parameter as in `option`."""
     return _declared(False, typer.Option(name, help=help, **how))
 
 
 def argument(help: str, metavar: str, *, default: Any = ..., **how: Any) -> Any:
-    """The same of an argument."""
+    """A positional argument; a field or a parameter as in `option`."""
     return _declared(default, typer.Argument(metavar=metavar, help=help, **how))
 
 
-def _declared(default: Any, told: Any) -> Any:
+def _declared(default: Any, parameter: Any) -> Any:
     given = MISSING if default is ... else default
-    return field(default=given, kw_only=True, metadata={"typer": told})
+    return field(default=given, kw_only=True, metadata={"typer": parameter})
 
 
 @dataclass_transform(frozen_default=True)
 @dataclass(frozen=True)
 class Group:
-    """Options that belong together, as one value: a dataclass of options."""
+    """Base of dataclasses whose fields are options of a command."""
 
     def __init_subclass__(cls) -> None:
         dataclass(frozen=True)(cls)
 
 
 def grouped(command: Callable[..., None]) -> Callable[..., None]:
-    """The same command with its options as Typer reads them, those of a group one by one.
+    """The command with one parameter for every option of its groups, as Typer reads it.
 
-    A parameter is a group if its type is one; its default, or else the fields' own, are theirs.
+    A parameter is a group if its type is a `Group`. Defaults are those of the parameter's default,
+    or else those of the fields.
     """
     groups: dict[str, type[Group]] = {}
     options: dict[str, inspect.Parameter] = {}
 
-    def add(name: str, kind: Any, default: Any, told: Any) -> None:
+    def add(name: str, kind: Any, default: Any, parameter: Any) -> None:
         options[name] = inspect.Parameter(
             name,
             inspect.Parameter.KEYWORD_ONLY,
             default=inspect.Parameter.empty if default is MISSING else default,
-            annotation=Annotated[kind, told] if told else kind,
+            annotation=Annotated[kind, parameter] if parameter else kind,
         )
 
     for name, one in inspect.signature(command, eval_str=True).parameters.items():
@@ -192,28 +190,28 @@ def command(into: typer.Typer) -> Callable[[Callable[..., None]], Callable[..., 
 
 
 class Output(Group):
-    """What becomes of a result: shown, printed as JSON, written into a folder."""
+    """Options for the output of a result: text, JSON, files in a folder."""
 
     out: Out = None
     force: Force = False
     as_json: Json = False
 
     def check_output_folder(self, command: str, **texts: str) -> None:
-        """Refuse a folder where the results of a command may not be written, see `free`."""
+        """Refuse an output folder that is not usable, see the function of this name."""
         check_output_folder(self.out, command, self.force, **texts)
 
     def report(
-        self, found: Any, *about: Any, how: Mapping[str, Any] | None = None, **more: Any
+        self, result: Any, *about: Any, how: Mapping[str, Any] | None = None, **more: Any
     ) -> sw.accounts.Account:
-        """Write, print or show a result or its account, and return that.
+        """Write, print or show a result or its account, and return the account.
 
-        `about` and `more` say from what it was computed, `how` are options of `reports.write`.
+        `about` and `more` are the inputs of the computation, `how` options of `reports.write`.
         """
-        if not isinstance(found, sw.accounts.Account):
+        if not isinstance(result, sw.accounts.Account):
             given = sw.accounts.About(*about, **more) if about or more else None
-            found = sw.accounts.account(found, given)
-        report(found, self.as_json, self.out, self.force, **self.writing, **(how or {}))
-        return found
+            result = sw.accounts.account(result, given)
+        report(result, self.as_json, self.out, self.force, **self.writing, **(how or {}))
+        return result
 
     @property
     def writing(self) -> dict[str, Any]:
@@ -222,19 +220,19 @@ class Output(Group):
 
 
 class Folder(Output):
-    """The same where a result is always written into a folder."""
+    """Output options of a command that always writes into a folder."""
 
     out: Annotated[Path, _OUT] = field(kw_only=True)
 
 
 class FilmedOutput(Output):
-    """The same of a simulation, whose folder holds a video too."""
+    """Output options of a simulation, whose folder contains a video too."""
 
-    no_video: bool = flag("Write the figures alone.", "--no-video")
+    no_video: bool = flag("Write no video.", "--no-video")
 
     @property
     def writing(self) -> dict[str, Any]:
-        """Whether there is a video; what is odd about it is a warning."""
+        """Whether a video is written; problems with it are warnings."""
         return {"video": not self.no_video, "warn": warn}
 
 
@@ -252,9 +250,9 @@ MobilityRatio = Annotated[
     float | None,
     typer.Option(
         "--mobility-ratio",
-        metavar="R",
-        help="Check that every snap has one landing for all ratios of cell mobilities up to R; by "
-        "default 10, for up to 8 cells.",
+        metavar="RATIO",
+        help="Check that every snap has one landing for all ratios of cell mobilities up to RATIO; "
+        "10 by default, for up to 8 cells.",
     ),
 ]
 
@@ -263,32 +261,27 @@ WITHOUT = "Without --out the result is shown, and --json prints all of it."
 
 def read_chain(design: str) -> tuple[str, sw.Chain]:
     """The text of a design file, and the chain that it describes."""
-    file = sw.files.load(design)
+    file = sw.files.load(by_name(design) or design)
     return file.text, file.chain
 
 
 def read_design(design: str) -> tuple[str, sw.Chain | sw.robot.Robot]:
     """The text of a design file, and the chain or the robot that it describes."""
-    text, design = _by_name(design)
+    text = sw.files.text_of(design)
     return text, sw.files.loads(text, design).subject
 
 
 def read_robot(robot: str) -> tuple[str, sw.robot.Robot]:
-    """The text of a robot's design file, and the robot; a preset goes by its name alone too."""
-    text, robot = _by_name(robot)
-    return text, sw.files.loads(text, robot).robot
-
-
-def _by_name(design: str) -> tuple[str, str]:
-    if design in sw.files.presets() and not Path(design).exists():
-        design = f"preset:{design}"
-    return sw.files.text_of(design), design
+    """The text of a robot's design file, and the robot."""
+    name = by_name(robot) or robot
+    text = sw.files.text_of(name)
+    return text, sw.files.loads(text, name).robot
 
 
 def check_output_folder(out: Path | None, command: str, force: bool, **texts: str) -> None:
-    """Refuse a folder where results would replace others' work, or cannot be written here.
+    """Refuse a folder that contains files of other origin, or that cannot be written.
 
-    `texts` are those of files whose content is known, by their names without .toml.
+    `texts` are contents of files that may stand there already, by their names without .toml.
     """
     if out is not None:
         need(*sw.files.extras_of(command), note=WITHOUT)
@@ -297,6 +290,6 @@ def check_output_folder(out: Path | None, command: str, force: bool, **texts: st
 
 
 def free_file(file: Path | None, force: bool) -> None:
-    """Refuse a file that exists, unless it may be replaced."""
+    """Refuse a file that exists, unless `force` allows to replace it."""
     if file is not None and file.exists() and not force:
         raise wrong(str(file), "exists: choose another name, or pass --force to replace it.")

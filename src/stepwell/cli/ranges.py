@@ -1,6 +1,8 @@
-"""Ranges of numbers as commands take them: FROM:TO, FROM:TO:COUNT, either behind NAME=."""
+"""Lengths and ranges in options: 5mm; FROM:TO or FROM:TO:COUNT, either after NAME=."""
 
+import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import typer
@@ -11,13 +13,40 @@ from stepwell.cli.screen import usable
 
 EXAMPLE = "outer.q.x=0:20:41"
 _PARTS = re.compile(r"(?:(.+?)=)?([^:=]+):([^:=]+)(?::(-?\d{1,15}))?(:log)?")
+_MM = {"mm": 1.0, "cm": 10.0, "in": 25.4, "m": 1e3}
+
+
+def millimetres(text: str) -> float:
+    """A length [mm], written as a number of mm or with its unit: 5, 5mm, 0.5cm, 0.2in."""
+    unit = next(filter(text.strip().endswith, _MM), "")
+    return float(text.strip().removesuffix(unit)) * _MM.get(unit, 1.0)
+
+
+def length(least: float = 0.0, most: float = math.inf) -> Callable[[str | float], float]:
+    """A parser of an option: a length between two bounds [mm]."""
+
+    def parse(text: str | float) -> float:
+        if isinstance(text, float):  # the default
+            return text
+        try:
+            value = millimetres(text)
+        except ValueError:
+            value = math.nan
+        if not least <= value <= most:
+            end = f" to {short(most)}" if most < math.inf else ""
+            bounds = f"{short(least)}{end} mm" if end else f"at least {short(least)} mm"
+            must = f"must be a length of {bounds}, such as 5mm or 0.2in; without a unit, in mm."
+            raise typer.BadParameter(f"{text!r}: {must}")
+        return value
+
+    return parse
 
 
 @dataclass(frozen=True)
 class Range:
-    """`count` numbers from `start` to `stop`, both included, in the unit in which they are written.
+    """`count` numbers from `start` to `stop`, both included; lengths in mm.
 
-    They lie at equal steps or, with `log`, in equal ratios.
+    Steps are equal or, with `log`, ratios are equal.
     """
 
     start: float
@@ -27,7 +56,7 @@ class Range:
     log: bool = False
 
     def values(self, factor: float = 1.0) -> "sw.base.Floats":
-        """(count,) the numbers, in a unit that is `factor` times the one they are written in."""
+        """The numbers, divided by `factor`: (count,)."""
         import numpy as np
 
         space = np.geomspace if self.log else np.linspace
@@ -38,8 +67,8 @@ class Range:
         return ":".join(f"{part:g}" for part in parts if part is not None)
 
 
-def read_range(text: str, form: str, example: str) -> Range:
-    """A range that is written as `form` says, such as "FROM:TO in mm"; "COUNT" is 2 or more."""
+def read_range(text: str, form: str, example: str, number: Callable[[str], float] = float) -> Range:
+    """A range in the given form, such as "FROM:TO in mm"; "COUNT" is 2 or more."""
     parts = _PARTS.fullmatch(text)
     wrong = typer.BadParameter(f"{text!r}: must be {form}, as in {example}.")
     if parts is None:
@@ -48,26 +77,26 @@ def read_range(text: str, form: str, example: str) -> Range:
     asked = [(name, "="), (count, ":COUNT")] + [(log, ":log")] * bool(log)
     if any((part is not None) != (sign in form) for part, sign in asked):
         raise wrong
-    many = int(count) if count else None
+    points = int(count) if count else None
     try:
-        found = Range(float(start), float(stop), many, name or "", bool(log))
+        ends = Range(number(start), number(stop), points, name or "", bool(log))
     except ValueError:
         raise wrong from None
-    if found.count is not None and found.count < 2:
+    if points is not None and points < 2:
         raise typer.BadParameter(f"{text!r}: the count must be 2 or more.")
-    return found
+    return ends
 
 
 def _rising(text: str | Range, form: str, example: str, most: float, unit: str = "") -> Range:
     if isinstance(text, Range):  # the default
         return text
-    found = read_range(text, form, example)
-    if not -most <= found.start < found.stop <= most:
+    ends = read_range(text, form, example, millimetres if unit else float)
+    if not -most <= ends.start < ends.stop <= most:
         bounds = f"-{short(most)} to {short(most)}{unit}"
         raise typer.BadParameter(f"{text!r}: must rise, as {example} does, within {bounds}.")
     with usable():
-        require("points", found.count or 0, f"{text!r}:")
-    return found
+        require("points", ends.count or 0, f"{text!r}:")
+    return ends
 
 
 def span(text: str | Range) -> Range:
@@ -82,18 +111,19 @@ def grid(text: str | Range) -> Range:
 
 def parameter_range(text: str | Range) -> Range:
     """NAME=FROM:TO:COUNT, with :log at the end for equal ratios instead of equal steps."""
-    found = _rising(text, "NAME=FROM:TO:COUNT or NAME=FROM:TO:COUNT:log", EXAMPLE, 1e9)
-    if found.log and found.start <= 0:
+    ends = _rising(text, "NAME=FROM:TO:COUNT or NAME=FROM:TO:COUNT:log", EXAMPLE, 1e9)
+    if ends.log and ends.start <= 0:
         raise typer.BadParameter(f"{text!r}: must start above 0 for equal ratios.")
-    return found
+    return ends
 
 
 def window(text: str, *, whole: bool = False) -> tuple[float, float]:
-    """FROM:TO of a recording, not negative: `whole` numbers, or any; they may be equal."""
+    """FROM:TO of a recording, not negative, maybe equal: lengths [mm], or `whole` numbers."""
     form, example = ("whole numbers", "5:9") if whole else ("numbers that rise", "5:35")
     form = f"FROM:TO, two {form}"
-    found = read_range(text.strip(), form, example)
-    exact = not whole or (found.start == int(found.start) and found.stop == int(found.stop))
-    if not (0 <= found.start <= found.stop < float("inf") and exact):
+    ends = read_range(text.strip(), form, example, float if whole else millimetres)
+    if not 0 <= ends.start <= ends.stop < math.inf or (
+        whole and not (ends.start.is_integer() and ends.stop.is_integer())
+    ):
         raise typer.BadParameter(f"{text!r}: must be {form}, as in {example}.")
-    return found.start, found.stop
+    return ends.start, ends.stop

@@ -1,4 +1,4 @@
-"""`stepwell robot`, `walk`, `maze`, `export` and `view`: robots by statics and simulated."""
+"""`stepwell robot`, `walk`, `maze`, `export` and `view`: statics and simulation of robots."""
 
 from __future__ import annotations
 
@@ -18,18 +18,19 @@ from stepwell.base import require
 from stepwell.cli import options, screen
 from stepwell.cli.options import argument, flag, option
 from stepwell.cli.ranges import Range, read_range
+from stepwell.cli.tolerances import Seed
 
 commands = screen.subcommands(
-    "Compute a robot's gait by statics, vary its numbers, or check its time step."
+    "Compute the gait of a robot by statics, vary its parameters, or check its time step."
 )
 
 
 @options.command(commands)
 def show(robot: options.Robot, output: options.Output) -> None:
-    """List a robot's numbers with their sources, and predict its gait by statics.
+    """List the parameters of a robot with their sources, and compute its gait by statics.
 
-    The prediction needs no simulation. With --out, drawings from above and the side, the
-    prediction and all numbers as JSON are written into a folder, together with the design.
+    The gait is computed without a simulation. With --out, drawings (top and side view), the gait
+    and all parameters as JSON are written into a folder, together with the design.
 
     Example: stepwell robot show robot-forward
     """
@@ -42,22 +43,23 @@ def show(robot: options.Robot, output: options.Output) -> None:
 def sweep(
     robot: options.Robot,
     ranges: list[str] = argument(
-        "What to vary, by the keys that `stepwell robot show` lists, in their units.",
+        "Parameter to vary: a key of `stepwell robot show`, with values in its unit.",
         "KEY=FROM:TO:COUNT...",
     ),
     random: int | None = option(
-        "Draw N robots instead of a grid; ranges are then KEY=FROM:TO.", "--random N", min=1
+        "N independent random designs, with ranges KEY=FROM:TO, instead of a grid.",
+        "--random N",
+        min=1,
     ),
-    seed: int = option("Of the draws.", default=0, min=0),
-    cycles: int = option("How many cycles each robot walks.", default=4, min=1),
+    seed: Seed = 0,
+    cycles: int = option(options.CYCLES, "N", default=4, min=1),
     *,
     output: options.Folder,
 ) -> None:
-    """Simulate the walk of a robot for many values of its numbers, on all cores.
+    """Simulate the walk of a robot for many values of its parameters, in parallel.
 
-    A grid over all ranges, or seeded random draws. An interrupted sweep resumes when the same
-    command is run again. Table (CSV), data (NetCDF), JSON and a figure are
-    written into the folder.
+    The values are a grid over all ranges, or random. To resume after an interruption, run the same
+    command again. Table (CSV), data (NetCDF), JSON and a figure are written into the folder.
 
     Example: stepwell robot sweep robot-forward foot.below_mm=0.6:1.0:5 --out feet
     """
@@ -66,7 +68,7 @@ def sweep(
     values = _points(_ranges(ranges, random), random, seed)
     seeds = {"values": seed if random else None}
     keep = output.out / "unfinished"
-    kept = "the robots that are done are kept, and the same command goes on with the others"
+    kept = "finished robots are kept; to resume, run the same command again"
     with screen.usable("--out"), screen.progress("robots", kept=kept) as tell:
         result = _swept(design, robot, values, cycles, keep, tell)
     output.report(result, text, robot, seeds=seeds)
@@ -76,57 +78,57 @@ def sweep(
 @options.command(commands)
 def converge(
     robot: options.Robot,
-    cycles: int = option("How many cycles each walk lasts.", "--cycles", default=2, min=2),
+    cycles: int = option(options.CYCLES, "N", default=2, min=2),
     as_json: options.Json = False,
 ) -> None:
-    """Simulate a walk at several time steps: deviations of advance, turn and floor forces.
+    """Simulate a walk at several time steps: deviations of advance, turning and forces.
 
-    Ground reaction forces under feet and supports are compared with those at the smallest step.
+    Ground reaction forces of feet and supports are compared with those at the smallest time step.
 
     Example: stepwell robot converge robot-forward
     """
     text, design = options.read_robot(robot)
     with screen.usable(robot), screen.progress("walking") as tell:
-        found = sw.simulation.convergence(design, cycles=cycles, progress=tell)
-    screen.report(sw.accounts.account(found, sw.accounts.About(text, robot)), as_json)
+        result = sw.simulation.convergence(design, cycles=cycles, progress=tell)
+    screen.report(sw.accounts.account(result, sw.accounts.About(text, robot)), as_json)
 
 
 def _ranges(texts: Sequence[str], drawn: int | None) -> list[Range]:
-    """KEY=FROM:TO:COUNT each, or KEY=FROM:TO where `drawn` values are drawn."""
-    found = [_range(text, drawn) for text in texts]
-    for key, count in Counter(one.name for one in found).items():
+    """Ranges KEY=FROM:TO:COUNT, or KEY=FROM:TO for `drawn` random values."""
+    ranges = [_range(text, drawn) for text in texts]
+    for key, count in Counter(one.name for one in ranges).items():
         if count > 1:
-            raise typer.BadParameter(f"{key} is there twice: give each key one range.")
-    total = (drawn or 1) * math.prod(one.count or 1 for one in found)
+            raise typer.BadParameter(f"{key} is given twice: give each key one range.")
+    total = (drawn or 1) * math.prod(one.count or 1 for one in ranges)
     with screen.usable():
         require("robots", total, "these are")
-    return found
+    return ranges
 
 
-def _points(found: Sequence[Range], drawn: int | None, seed: int) -> dict[str, list[float]]:
+def _points(ranges: Sequence[Range], drawn: int | None, seed: int) -> dict[str, list[float]]:
     import numpy as np
 
     if drawn is None:
-        columns = np.meshgrid(*(one.values() for one in found), indexing="ij")
+        columns = np.meshgrid(*(one.values() for one in ranges), indexing="ij")
     else:
-        # A robot a row, so that asking for more robots keeps the first ones as they are.
-        shares = np.random.default_rng(seed).random((drawn, len(found))).T
+        # One row per robot: with a larger N, the first robots stay the same.
+        fractions = np.random.default_rng(seed).random((drawn, len(ranges))).T
         columns = [
-            one.start + (one.stop - one.start) * s for one, s in zip(found, shares, strict=True)
+            one.start + (one.stop - one.start) * s for one, s in zip(ranges, fractions, strict=True)
         ]
-    # What a file holds is decimal: 0.1 and not 0.1 and a rounding error.
+    # Values in files are decimal: 0.1 without its rounding error.
     return {
         one.name: [float(f"{value:.12g}") for value in column.ravel()]
-        for one, column in zip(found, columns, strict=True)
+        for one, column in zip(ranges, columns, strict=True)
     }
 
 
 def _range(text: str, drawn: int | None) -> Range:
     example = "chain.cell.outer.q_mm[0]=5:20" + ("" if drawn else ":4")
-    found = read_range(text, "KEY=FROM:TO with --random" if drawn else "KEY=FROM:TO:COUNT", example)
-    if not (abs(found.start) <= 1e9 and abs(found.stop) <= 1e9) or found.start == found.stop:
-        raise typer.BadParameter(f"{text!r}: must go from one number to another, within ±1e9.")
-    return found
+    ends = read_range(text, "KEY=FROM:TO with --random" if drawn else "KEY=FROM:TO:COUNT", example)
+    if not (abs(ends.start) <= 1e9 and abs(ends.stop) <= 1e9) or ends.start == ends.stop:
+        raise typer.BadParameter(f"{text!r}: must be a range of two numbers within ±1e9.")
+    return ends
 
 
 def _swept(
@@ -137,7 +139,7 @@ def _swept(
     keep: Path,
     progress: screen.Shows | None,
 ) -> sw.simulation.Sweep:
-    """Every robot walked; one that cannot exist has no numbers, and its `stopped` says why."""
+    """Results of all robots; for an invalid robot NaN, with the reason in `stopped`."""
     made: list[sw.robot.Robot | sw.files.DesignError] = []
     for numbers in zip(*values.values(), strict=True):
         try:
@@ -159,7 +161,7 @@ def _swept(
 
 
 def _forget(keep: Path) -> None:
-    """Remove what was kept of a sweep that is written, and its folder if nothing else is there."""
+    """Remove the partial results of a finished sweep, and their folder if it is empty."""
     for file in (*keep.glob("part-*.json"), keep / "sweep.json"):
         file.unlink(missing_ok=True)
     with suppress(OSError):
@@ -168,13 +170,13 @@ def _forget(keep: Path) -> None:
 
 def walk(
     robot: options.Robot,
-    cycles: float = option("How often the actuator goes out and back.", default=8, min=0.01),
+    cycles: float = option(options.CYCLES, "N", default=8, min=0.01),
     *,
     output: options.FilmedOutput,
 ) -> None:
-    """Simulate a walk on a flat floor: gaits, advance, turn and cost of transport.
+    """Simulate a walk on a flat floor: gaits, advance, turning and cost of transport.
 
-    The actuator's position is the only command; gaits emerge from bands, weight and contact.
+    The only input is the position of the actuator; gaits follow from bands, weight and contact.
     With --out, figures, samples as NetCDF, the result as JSON and a video (MP4 and GIF) are
     written into a folder, together with the design.
 
@@ -191,26 +193,24 @@ def walk(
 def _list(wanted: bool) -> None:
     if wanted:
         rows = sw.files.arenas().items()
-        screen.show_table("Arenas", ["name", "what it is"], rows, left=(0, 1))
+        screen.show_table("Arenas", ["name", "description"], rows, left=(0, 1))
         raise typer.Exit
 
 
 class Course(options.Group):
-    """Where a robot walks, from where and for how long."""
+    """Arena, start and time limit of a walk."""
 
-    arena: str = argument(
-        "An arena's name (--list shows them), or a file of your own (.toml, .txt).",
-        "ARENA",
-        autocompletion=options.arenas,
-    )
-    limit: float = option("Time it is given [s].", default=600.0, min=1)
+    arena: str = argument(options.ARENA_HELP, "ARENA", autocompletion=options.arenas)
+    limit: float = option(options.TIME_LIMIT, "S", default=600.0, min=1)
     start_seed: int | None = option(
-        "Start up to 40 mm and 10° elsewhere, drawn from this seed.", min=0
+        "Random seed of the start: shift it by up to 40 mm and 10°.", "N", min=0
     )
-    layout_seed: int | None = option("Move walls up to 40 mm and 8°, drawn from this seed.", min=0)
+    layout_seed: int | None = option(
+        "Random seed of the walls: shift them by up to 40 mm and 8°.", "N", min=0
+    )
 
     def read(self) -> sw.robot.Arena:
-        """The arena, with its walls and its start moved."""
+        """The arena, with shifted walls and start."""
         arena = sw.files.load_arena(self.arena)
         if self.layout_seed is not None:
             with screen.usable("--layout-seed"):
@@ -222,10 +222,10 @@ class Course(options.Group):
 
 
 class Control(options.Group):
-    """What is taken off a robot, as a control."""
+    """Control experiments without the function of the antennas."""
 
-    disconnect: bool = flag("Take the antennas' levers off the anchors.", "--disconnect")
-    no_antennas: bool = flag("Take the antennas off altogether.", "--no-antennas")
+    disconnect: bool = flag("Disconnect the antennas' levers from the anchors.", "--disconnect")
+    no_antennas: bool = flag("Remove the antennas.", "--no-antennas")
 
     def of(self, robot: sw.robot.Robot) -> sw.robot.Robot:
         """The robot as given, or one of the two controls."""
@@ -233,7 +233,9 @@ class Control(options.Group):
             return robot
         option = "--no-antennas" if self.no_antennas else "--disconnect"
         if self.disconnect and self.no_antennas:
-            raise screen.wrong(None, f"{option} leaves no lever to take off: give one of the two.")
+            raise screen.wrong(
+                None, f"{option} leaves no lever to disconnect: give only one of the options."
+            )
         if not robot.antennas:
             raise screen.wrong(option, "this robot has no antennas.")
         off = tuple(replace(one, connected=False) for one in robot.antennas)
@@ -245,14 +247,14 @@ def maze(
     course: Course,
     control: Control,
     output: options.FilmedOutput,
-    _: bool = flag("List the arenas that come along.", "--list", callback=_list, is_eager=True),
+    _: bool = flag("List the arenas of Stepwell.", "--list", callback=_list, is_eager=True),
 ) -> None:
-    """Simulate a robot in an arena: whether it reaches the goal, and what it touches.
+    """Simulate a robot in an arena: time to the goal, and contacts with walls.
 
-    It walks until it reaches the goal, gets nowhere any more, or runs out of time; nothing
-    steers it but its antennas. --disconnect and --no-antennas are the controls: the same
-    robot without what reprograms its legs. With --out, figures, samples as NetCDF, the result
-    as JSON and a video (MP4 and GIF) are written into a folder, together with both designs.
+    The simulation ends at the goal, when the robot is stuck, or at the time limit. The robot is
+    steered by its antennas only. For control experiments, --disconnect and --no-antennas simulate
+    the same robot without reprogramming of its legs. With --out, figures, samples as NetCDF, the
+    result as JSON and a video (MP4 and GIF) are written into a folder, together with both designs.
 
     Example: stepwell maze robot-explorer three-walls
     """
@@ -268,27 +270,26 @@ def maze(
 
 
 NO_DISPLAY = (
-    "There is no display here, and the viewer is a window. `stepwell walk` and `stepwell maze` "
-    "write videos without one; `stepwell export` writes a model to look at elsewhere."
+    "The viewer needs a display, and none is available. `stepwell walk` and `stepwell maze` write "
+    "videos without a display; `stepwell export` writes a model for another machine."
 )
 
 
 def export(
     robot: options.Robot,
     out: Path = option(
-        "The file to write.",
-        "--out -o FILE.xml",
+        "Write this file (.xml).",
+        "--out -o FILE",
         default=Path("robot.xml"),
-        show_default=False,
         callback=options.local,
     ),
     arena: options.Arena = None,
-    force: options.ForceFile = False,
+    force: options.Force = False,
 ) -> None:
     """Export a robot as MJCF, the format of MuJoCo.
 
-    MuJoCo's own viewer opens it and shows bands, levers, links and antennas. In its keyframe
-    `start` the robot stands on the floor with every cell at 0.
+    The file opens in MuJoCo's own viewer, with bands, levers, links and antennas. In its keyframe
+    `start` the robot stands on the floor with every cell in state 0.
 
     Example: stepwell export robot-forward --out robot.xml
     """
@@ -318,7 +319,7 @@ def view(robot: options.Robot, arena: options.Arena = None) -> None:
 
 
 def command(robot: sw.robot.Robot, settle: float) -> Callable[[Any, Any], None]:
-    """What MuJoCo calls at every step: the stroke wanted at that time, 0 while it settles."""
+    """A control callback of MuJoCo that prescribes the stroke, 0 while the robot settles."""
 
     def control(_model: Any, data: Any) -> None:
         data.ctrl[0] = robot.drive.stroke(data.time - settle)
@@ -327,7 +328,7 @@ def command(robot: sw.robot.Robot, settle: float) -> Callable[[Any, Any], None]:
 
 
 def model(robot: sw.robot.Robot, arena: sw.robot.Arena | None) -> tuple[Any, Any]:
-    """The compiled model, and its data standing at the start."""
+    """The compiled model, and its data in the start pose."""
     compiled = sw.simulation.spec(robot, arena).compile()
     data = sw.simulation.mujoco.MjData(compiled)
     sw.simulation.mujoco.mj_resetDataKeyframe(compiled, data, 0)

@@ -1,4 +1,4 @@
-"""What all commands do on the screen: text, progress, errors and their exit codes."""
+"""Terminal output of all commands: text, progress, errors and exit codes."""
 
 import errno
 import json
@@ -24,20 +24,20 @@ WRITING = "writing"
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C, with a line about what had been done."""
+    """Ctrl-C, with a line about the work that was finished."""
 
 
 @contextmanager
 def progress(
     label: str, *, kept: str = "", note: Callable[[], str] = str
 ) -> Iterator[Shows | None]:
-    """What to call with (done, total) for a bar on standard error; None without a terminal.
+    """A function of (done, total) that shows a bar on standard error; None without a terminal.
 
-    `note` stands behind the label, and is asked again as work goes on; `kept` is what an
-    interruption leaves and how to go on, where that is not nothing.
+    `note` is a text after the label, updated with the bar. `kept` is the text after an interruption
+    about the results that are kept.
 
     Raises:
-        Interrupted: in place of a KeyboardInterrupt, with one line that reports all this.
+        Interrupted: in place of a KeyboardInterrupt, with one line about the progress.
     """
     reached = ""
     try:
@@ -55,12 +55,12 @@ def progress(
     except KeyboardInterrupt:
         left = kept or "nothing was written"
         if label == WRITING:
-            left = "the folder is as it was, or says that it is incomplete"
+            left = "the folder is unchanged, or marked as incomplete"
         raise Interrupted(f"Interrupted ({label}{reached}); {left}.") from None
 
 
 def styled() -> bool:
-    """Whether boxes and colours are shown: at a terminal, unless NO_COLOR is set."""
+    """Whether output has boxes and colours: at a terminal, unless NO_COLOR is set."""
     return at_terminal() and not os.environ.get("NO_COLOR")
 
 
@@ -70,21 +70,21 @@ def at_terminal() -> bool:
 
 
 def has_display() -> bool:
-    """Whether windows can open; elsewhere than on Linux one has to try."""
+    """Whether a display is available; assumed on systems other than Linux."""
     screens = ("DISPLAY", "WAYLAND_DISPLAY")
     return sys.platform != "linux" or any(os.environ.get(name) for name in screens)
 
 
 def write_out(text: str) -> None:
-    """Write to standard output, and name it in the OSError where it is closed or its disk full."""
+    """Write to standard output; an OSError (closed, disk full) names it as the file."""
     # Closed by its caller with >&-; Python then has no stream at all.
     if sys.stdout is None:
-        why = f"is closed, so nothing can be shown: send it to a file, or to {os.devnull}"
+        why = f"is closed, so there is no output: redirect it to a file, or to {os.devnull}"
         raise OSError(errno.EBADF, why, "standard output")
     try:
         sys.stdout.write(text)
         sys.stdout.flush()
-    except BrokenPipeError:  # a reader that has enough, as `head` does
+    except BrokenPipeError:  # the reader has closed the pipe, as `head` does
         raise
     except OSError as error:
         # Python would try to write the rest again at its end.
@@ -93,7 +93,7 @@ def write_out(text: str) -> None:
 
 
 def warn(text: str) -> None:
-    """Write on standard error: a line each, for logs are searched; folded at a terminal."""
+    """Write to standard error: one line per message for logs, folded at a terminal."""
     looked_at = sys.stderr is not None and sys.stderr.isatty()
     for line in escaped(text).split("\n"):
         typer.echo("\n".join(folded(line)) if looked_at else line, err=True)
@@ -131,7 +131,7 @@ def show_lines(*lines: str) -> None:
 
 
 def show_verbatim(text: str) -> None:
-    """Print what will be copied, such as TOML, an address or a path, as it is."""
+    """Print text to be copied, such as TOML, an address or a path, without folding."""
     write_out(f"{escaped(text)}\n")
 
 
@@ -142,19 +142,19 @@ def show_text(*paragraphs: str) -> None:
 
 
 def show_title(text: str) -> None:
-    """Print a line that others stand under, after an empty one."""
+    """Print a heading after an empty line."""
     _lines([Line(""), *heading(text)])
 
 
 def show_table(
     title: str, head: Sequence[str], rows: Iterable[Sequence[str]], *, left: Sequence[int] = (0,)
 ) -> None:
-    """Print a table, as `accounts` folds it."""
+    """Print a table, folded to the width of the terminal."""
     _lines(table(title, head, rows, left))
 
 
 def _lines(lines: Iterable[Line]) -> None:
-    """Print lines that are folded; headings in bold where boxes and colours are welcome."""
+    """Print folded lines; headings in bold if colours are shown."""
     plain = not styled()
     for bold, some in groupby(lines, lambda line: line.bold and not plain):
         text = "".join(f"{line.text}\n" for line in some)
@@ -168,20 +168,100 @@ def _lines(lines: Iterable[Line]) -> None:
 
 
 OK, FAILED, WRONG_INPUT, NO, INTERRUPTED = 0, 1, 2, 3, 130
-# The reader of the output has left, as `head` does: 128 and the number of SIGPIPE, as in a shell.
+# The reader has closed the output, as `head` does: 128 and the number of SIGPIPE, as in a shell.
 PIPE_CLOSED = 141
 # Wrong usage of any kind, which Typer does not export.
 _USAGE = cast("type[Exception]", typer.BadParameter.__base__)
 _LOOK_AGAIN = 0.005  # s
 EXIT_CODES = (
-    "Exit codes: 0 all is well, 1 the work failed and the message says what to do, 2 wrong usage "
-    "or a wrong input file, 3 what you asked for cannot be had and the output says why, 130 "
-    "interrupted."
+    "Exit codes: 0 success, 1 computation failed (see the message), 2 wrong usage or invalid input "
+    "file, 3 no solution or target not reached (see the output), 130 interrupted."
 )
 
 
+# Names that users try, and the command with this function.
+SYNONYMS = {
+    "analyse": "run",
+    "analyze": "run",
+    "as-built": "lab as-built",
+    "calibrate": "lab calibrate",
+    "compare": "lab compare",
+    "completion": "--install-completion",
+    "cycle": "run",
+    "draw": "figure",
+    "examples": "presets",
+    "fit": "lab calibrate",
+    "gif": "animate",
+    "gui": "studio",
+    "help": "--help",
+    "html": "replay",
+    "init": "new",
+    "inverse": "design",
+    "list": "presets",
+    "monte-carlo": "yield",
+    "mujoco": "export",
+    "optimise": "design",
+    "optimize": "design",
+    "phase": "map",
+    "plan": "program",
+    "plot": "figure",
+    "reproduce": "paper",
+    "robustness": "check",
+    "search": "design",
+    "sensitivity": "yield",
+    "simulate": "walk",
+    "solve": "run",
+    "study": "sweep",
+    "synthesise": "design",
+    "synthesize": "design",
+    "tolerance": "check",
+    "tolerances": "check",
+    "tune": "reprogram",
+    "ui": "studio",
+    "version": "--version",
+    "video": "animate",
+}
+# Former and usual names of options, and the present names, of which a command has one.
+FORMER_OPTIONS = {
+    "--anchor-tolerance": ("--anchor",),
+    "--bar-mm": ("--bar",),
+    "--built": ("--monte-carlo",),
+    "--by": ("--rank-by",),
+    "--cycles": ("--fit-cycles",),
+    "--dest": ("--out",),
+    "--file": ("--out",),
+    "--gauge-mm": ("--gauge",),
+    "--goal": ("--target",),
+    "--hole": ("--holes",),
+    "--hole-mm": ("--holes",),
+    "--lever": ("--lever-tolerance",),
+    "--mc": ("--samples", "--monte-carlo"),
+    "--monte-carlo": ("--samples",),
+    "--n": ("--samples",),
+    "--number": ("--samples",),
+    "--output": ("--out",),
+    "--random-seed": ("--seed",),
+    "--rest-length": ("--rest-length-tolerance",),
+    "--rest-length-spread": ("--rest-length-tolerance",),
+    "--samples": ("--monte-carlo",),
+    "--sequence": ("--target",),
+    "--start": ("--from",),
+    "--stiffness": ("--stiffness-tolerance",),
+    "--stiffness-spread": ("--stiffness-tolerance",),
+    "--to": ("--target",),
+    "--tolerance": ("--anchor",),
+    "--travel": ("--travel-tolerance",),
+    "--travel-spread": ("--travel-tolerance",),
+    "--want": ("--target",),
+    "--wanted": ("--target",),
+    "--window-mm": ("--window",),
+    "--jobs": ("--workers",),
+    "--processes": ("--workers",),
+}
+
+
 def subcommands(help: str) -> typer.Typer:
-    """A group of commands below a command, such as `stepwell sweep`, with its help."""
+    """A command with subcommands, such as `stepwell sweep`, with its help."""
     return typer.Typer(
         no_args_is_help=True,
         rich_markup_mode="rich" if styled() else None,
@@ -191,7 +271,14 @@ def subcommands(help: str) -> typer.Typer:
 
 
 class Commands(TyperGroup):
-    """All subcommands; a known error of any of them ends in its advice, not in a traceback."""
+    """All commands; a known error ends with its message instead of a traceback."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """The command of a name; for a synonym, an error that names the command."""
+        meant = SYNONYMS.get(args[0]) if args and args[0] not in self.commands else None
+        if meant:
+            ctx.fail(f"No such command {args[0]!r}. Did you mean 'stepwell {meant}'?")
+        return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """List the commands under the headings of their groups, as the boxes of a terminal do."""
@@ -208,20 +295,21 @@ class Commands(TyperGroup):
                 formatter.write_dl(rows)
 
     def invoke(self, ctx: Any) -> Any:
-        """Run what was asked for."""
+        """Run a command."""
         try:
-            # From here on there is something to tidy up, and to tell, after Ctrl-C.
+            # From here on Ctrl-C leaves results to report.
             if threading.current_thread() is threading.main_thread():
                 signal.signal(signal.SIGINT, _interrupt)
             return super().invoke(ctx)
         except (typer.Exit, typer.Abort):
             raise
         except KeyboardInterrupt as error:
-            # Python itself gives one that breaks into a decoder other words.
-            told = str(error) if isinstance(error, Interrupted) else ""
-            warn(told or "Interrupted; nothing was written.")
+            # Python gives a KeyboardInterrupt inside a decoder another text.
+            message = str(error) if isinstance(error, Interrupted) else ""
+            warn(message or "Interrupted; nothing was written.")
             raise typer.Exit(INTERRUPTED) from None
         except _USAGE as error:
+            _suggest_option(error)
             for part in ("message", "param_hint"):
                 text = getattr(error, part, None)
                 if isinstance(text, str):
@@ -236,6 +324,17 @@ class Commands(TyperGroup):
             raise typer.Exit(code) from None
 
 
+def _suggest_option(error: Any) -> None:
+    """Name the option for a former or usual name of it, if the command has that option."""
+    given = getattr(error, "option_name", None)
+    if given is None or error.ctx is None:
+        return
+    names = {name for one in error.ctx.command.params for name in one.opts}
+    meant = [name for name in FORMER_OPTIONS.get(given, ()) if name in names]
+    if meant:
+        error.possibilities = meant
+
+
 def _interrupt(number: int, frame: FrameType | None) -> None:
     """Raise KeyboardInterrupt, or later: C drops it while modules open and the compiler runs."""
     if _is_lost(frame) and hasattr(signal, "setitimer"):
@@ -246,7 +345,7 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def _is_lost(frame: FrameType | None) -> bool:
-    # The command may itself run while a module opens.
+    # The command may itself run during an import.
     while frame is not None and frame.f_code is not Commands.invoke.__code__:
         file = frame.f_code.co_filename
         if file.startswith("<frozen importlib") or "llvmlite" in Path(file).parts:
@@ -256,8 +355,8 @@ def _is_lost(frame: FrameType | None) -> bool:
 
 
 def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[int, str] | None:
-    """Exit code and message of an error that the user can do something about, else None."""
-    # Before the rooms are opened, which ask for the settings too.
+    """Exit code and message of an error that the user can correct, else None."""
+    # Before other packages are imported, for they read the settings too.
     if isinstance(error, SettingError):
         return WRONG_INPUT, str(error)
     files, studies = sw.files, sw.studies
@@ -282,20 +381,20 @@ def outcome(error: ImportError | OSError | RuntimeError | ValueError) -> tuple[i
 
 
 def stopped(why: str) -> None:
-    """End with a message where a simulation ended early; what it has is written and shown."""
+    """Exit with a message if a simulation ended early; its results are written and shown."""
     if why:
         warn(why)
         raise typer.Exit(FAILED)
 
 
 def wrong(what: str | None, problem: str) -> typer.BadParameter:
-    """The error of an option or an argument that cannot be used; None for the one being read."""
+    """The error of an invalid option or argument; None for the one that is being parsed."""
     return typer.BadParameter(problem, param_hint=what)
 
 
 @contextmanager
 def usable(what: str | None = None, *answers: type[ValueError]) -> Iterator[None]:
-    """Turn what the work cannot do with an argument into wrong usage, but not its answers."""
+    """Turn a ValueError about an argument into a usage error, except `answers`."""
     try:
         yield
     except ValueError as error:
@@ -305,6 +404,6 @@ def usable(what: str | None = None, *answers: type[ValueError]) -> Iterator[None
 
 
 def answered(yes: bool) -> None:
-    """End with an exit code of its own where what was asked for cannot be had."""
+    """Exit with code 3 if there is no solution or the target is not reached."""
     if not yes:
         raise typer.Exit(NO)

@@ -1,8 +1,9 @@
-"""`stepwell figure`, `replay`, `studio` and `demo`: what others are shown."""
+"""`stepwell figure`, `replay`, `studio` and `demo`: figures and pages."""
 
 from __future__ import annotations
 
 import webbrowser
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,46 +26,58 @@ _KINDS = ("pdf", "svg", "png")
 
 
 class PageOptions(options.Group):
-    """The page that a figure is for."""
+    """Size and layout of a figure."""
 
     width: str | None = option(
-        "Of the page, in mm, cm, in or pt, as 88mm; or a journal's, as nature-single; "
-        "help lists them; 180mm by default.",
+        "Width of the figure, such as 88mm, 3.5in or nature-single (a journal); `help` lists the "
+        "journals. 180mm by default.",
         "LENGTH",
     )
-    height: str | None = option("Of the page; what the panels want by default.", "LENGTH")
-    columns: int | None = option("Panels in a row, where no / says so.", "N", min=1, max=26)
-    letters: str = option("How panels are lettered.", "A|a|(a)|none", default="A")
+    height: str | None = option("Height of the figure; by default set by the panels.", "LENGTH")
+    columns: int | None = option(
+        "Number of panels in a row, if the panels contain no /.", "N", min=1, max=26
+    )
+    letters: str = option("Style of the panel letters.", "A|a|(a)|none", default="A")
 
     def layout(self) -> dict[str, Any]:
-        """The same as `reports.figure` takes it; lengths in mm."""
+        """Keyword arguments of `reports.figure`; lengths in mm."""
         with screen.usable("--width"):
-            wide = sw.figures.length(self.width or _USUAL)
+            wide = _page_length(self.width or _USUAL)
         with screen.usable("--height"):
-            high = None if self.height is None else sw.figures.length(self.height)
+            high = None if self.height is None else _page_length(self.height)
         return {"width": wide, "height": high, "columns": self.columns, "letters": self.letters}
 
 
-class SnapOptions(options.Group):
-    """What the panel of a snap needs to know of the cells."""
+def _page_length(text: str) -> float:
+    """A length of a page [mm]; a number alone is in mm, as in all options."""
+    with suppress(ValueError):
+        text = f"{float(text):.12g}mm"
+    return sw.figures.length(text)
 
-    mass: float | None = option("Outside each cell [g], for the panel snap.", "--mass G")
-    damping: float | None = option("Of each cell [N s/m], for the panel snap.", "N_S/M")
+
+class SnapOptions(options.Group):
+    """Parameters of the panel snap."""
+
+    mass: float | None = option("Mass of each cell [g], for the panel snap.", "--mass G")
+    damping: float | None = option("Damping of each cell [N s/m], for the panel snap.", "N_S/M")
 
 
 class FigureFile(options.Group):
     """The file of a figure."""
 
     out: Path | None = option(
-        "The file to write.", "--out -o FILE", dir_okay=False, callback=options.local
+        "Write this file (.pdf, .svg or .png).",
+        "--out -o FILE",
+        dir_okay=False,
+        callback=options.local,
     )
     kind: str | None = option(
-        "Of the file, if its name does not say; pdf by default.", "--format pdf|svg|png"
+        "File format, if the file name has no ending; pdf by default.", "--format pdf|svg|png"
     )
-    force: options.ForceFile = False
+    force: options.Force = False
 
     def place(self) -> Path:
-        """The file to write, whose name and format agree."""
+        """The path of the file, with the ending of its format."""
         out, kind = self.out, self.kind
         if kind is not None and kind not in _KINDS:
             raise screen.wrong("--format", f"{kind!r}: must be {', '.join(_KINDS)}.")
@@ -73,7 +86,9 @@ class FigureFile(options.Group):
         suffix = out.suffix.lower().removeprefix(".")
         if suffix in _KINDS:
             if kind not in (None, suffix):
-                raise screen.wrong("--format", f"{kind} is not what {out} is called.")
+                raise screen.wrong(
+                    "--format", f"{kind} contradicts the ending of {out}: omit one of them."
+                )
             return out
         if kind is None:
             raise screen.wrong(str(out), f"must end in .{', .'.join(_KINDS)}, or pass --format.")
@@ -83,13 +98,13 @@ class FigureFile(options.Group):
 def figure(
     design: options.Design,
     panels: str | None = option(
-        "What to show, as mechanism,force,landscape; a / begins a new row; help lists "
-        "all. By default what suits the design.",
+        "Panels, such as mechanism,force,landscape; / starts a new row; `help` lists all panels. "
+        "By default panels suited to the design.",
         "NAMES",
     ),
     measured: list[Path] | None = option(
-        "A recording to draw behind the force, as `stepwell lab read` reads it; may be "
-        "given up to four times.",
+        "Recording to plot behind the force, in a format of `stepwell lab read`. May be repeated "
+        "up to four times.",
         "FILE",
     ),
     *,
@@ -97,11 +112,11 @@ def figure(
     snap: SnapOptions,
     file: FigureFile,
 ) -> None:
-    """Plot a figure for a paper.
+    """Plot a figure of a design for a publication.
 
-    Panels of a design, drawn at the size they have on paper, with letters. In PDF and SVG fonts are
-    in the file and text stays text; PNG has 600 dpi. paper:fig1 to paper:fig4 in place of the
-    design are the quantities of the paper's figures.
+    Panels have their final size and letters. PDF and SVG contain their fonts and editable text; PNG
+    has 600 dpi. With paper:fig1 to paper:fig4 in place of a design, the quantities of the paper's
+    figures are plotted.
 
     Example: stepwell figure preset:paper-forward --width 88mm --out leg.pdf
     """
@@ -113,7 +128,7 @@ def figure(
     if design.startswith(_PAPER):
         others = {"--panels": panels, "--width": page.width, "--measured": measured}
         for other in [name for name, value in others.items() if value]:
-            raise screen.wrong(other, f"cannot stand with {design}.")
+            raise screen.wrong(other, f"cannot be combined with {design}.")
         with screen.usable("DESIGN"):
             drawn = sw.reports.figure_of(design.removeprefix(_PAPER))
     else:
@@ -125,7 +140,7 @@ def figure(
     screen.show_verbatim(f"Wrote {out}")
     screen.show_lines(f"{size[0]:.0f} mm wide, {size[1]:.0f} mm high.")
     if size[1] > _TALLEST:
-        screen.warn(f"That is higher than a page, about {_TALLEST:g} mm: take fewer panels.")
+        screen.warn(f"The figure is higher than a page ({_TALLEST:g} mm): use fewer panels.")
 
 
 def _composed(design: str, panels: str | None, **how: Any) -> Figure:
@@ -136,11 +151,13 @@ def _composed(design: str, panels: str | None, **how: Any) -> Figure:
 
 
 def _rows(panels: str | None) -> list[str | list[str]]:
-    """Names of panels, in rows where a / stands between them."""
+    """Names of panels, in rows if the text contains a /."""
     rows = [list(filter(None, map(str.strip, row.split(",")))) for row in (panels or "").split("/")]
     rows = list(filter(None, rows))
     if panels is not None and not rows:
-        raise screen.wrong("--panels", "names no panel; help lists them.")
+        raise screen.wrong(
+            "--panels", "contains no panel: give names of panels, which `--panels help` lists."
+        )
     return [*rows] if len(rows) > 1 else [*rows[0]] if rows else []
 
 
@@ -149,7 +166,7 @@ def _list() -> None:
         (name, "robot" if one.of is sw.robot.Robot else "chain", one.shows)
         for name, one in sw.reports.PANELS.items()
     ]
-    screen.show_table("Panels", ["panel", "of a", "what it shows"], rows, left=range(3))
+    screen.show_table("Panels", ["panel", "for a", "content"], rows, left=range(3))
     journals = sw.figures.JOURNAL_WIDTHS.items()
     widths = [(name, f"{one.width:g}", one.source) for name, one in journals]
     screen.show_lines("")
@@ -158,48 +175,46 @@ def _list() -> None:
 
 def replay(
     design: str = argument(
-        "A design file (TOML) of a chain or a robot, or preset:NAME.",
-        "DESIGN",
-        autocompletion=options.designs,
+        options.DESIGN_HELP, "DESIGN", autocompletion=options.designs, callback=options.by_name
     ),
     arena: options.Arena = None,
     cycles: float | None = option(
-        "How often a robot's actuator goes out and back: 8 times by default, in an arena "
-        "until the robot reaches the goal or gets nowhere, for 600 s at most.",
+        "Number of drive cycles of a robot; 8 by default, or in an arena until the robot reaches "
+        "the goal or is stuck, at most 600 s.",
+        "N",
         min=0.01,
     ),
     out: Path = option(
-        "The file to write.",
-        "--out -o FILE.html",
+        "Write this file (.html).",
+        "--out -o FILE",
         default=Path("replay.html"),
         callback=options.local,
     ),
-    force: options.ForceFile = False,
+    force: options.Force = False,
 ) -> None:
-    """Write a design in motion as one HTML page that plays anywhere.
+    """Write an animation of a design as one self-contained HTML page.
 
-    It works without a server and without a network, so it can be mailed: a slider, the mechanism,
-    its curves with one cursor, and what the numbers rest on. A design with a program is shown as
-    it is programmed, any other in its full cycle. A robot is simulated, and seen from above and
-    from the side.
+    The page works without a server or a network and can be sent by mail. It contains a slider, the
+    mechanism, its curves with a common cursor, and the assumptions. It shows the program of a
+    design, or else its full cycle. A robot is simulated and shown in top view and side view.
 
     Example: stepwell replay preset:paper-forward --out leg.html
     """
     if out.suffix.lower() not in (".html", ".htm"):
         raise screen.wrong(str(out), f"must end in .html, as in {out.stem}.html.")
     options.free_file(out, force)
-    text, found = options.read_design(design)
-    if isinstance(found, sw.Chain):
+    text, subject = options.read_design(design)
+    if isinstance(subject, sw.Chain):
         for option, value in (("--arena", arena), ("--cycles", cycles)):
             if value is not None:
                 raise screen.wrong(option, "is for a robot: this is a chain.")
         file = sw.files.loads(text, design)
-        result = program_in_file(file) if file.program else found
+        result = program_in_file(file) if file.program else subject
         with screen.progress("margin") as tell:
             content = sw.studio.replay(result, progress=tell)
     else:
         with screen.usable(design), screen.progress("walking") as tell:
-            run = _run(found, arena, cycles, tell)
+            run = _run(subject, arena, cycles, tell)
         with screen.usable(design), screen.progress("page"):
             content = sw.studio.replay(run)
     sw.files.write_atomic(out, content)
@@ -217,39 +232,42 @@ def _run(
 
 def studio(
     design: str | None = argument(
-        "What the page shows first: a design file (TOML), or preset:NAME; the gallery by default.",
+        f"{options.DESIGN_HELP} Without it, the page shows the gallery.",
         "[DESIGN]",
         default=None,
         autocompletion=options.designs,
+        callback=options.by_name,
     ),
     port: int | None = option(
-        "The port on this machine, 0 for any; by default 7473, where the browser finds "
-        "the last design again, or any free one.",
+        "Port on this machine, 0 for any; 7473 by default, where the browser restores the last "
+        "design, or any free port.",
+        "N",
         min=0,
         max=65535,
         show_default=False,
     ),
     studies: Path | None = option(
-        "Where the page finds and keeps studies; by default a folder of your own data.",
-        "FOLDER",
+        "Folder of the studies that the page lists and writes; by default a folder of the user.",
+        "DIR",
         file_okay=False,
         show_default=False,
         callback=options.local,
     ),
     demo: bool = flag("Begin with a guided tour of two minutes.", "--demo"),
-    no_open: bool = flag("Print the page's address and open no browser.", "--no-open"),
+    no_open: bool = flag(options.NO_OPEN, "--no-open"),
 ) -> None:
-    """Open a page on which a design is dragged and everything follows.
+    """Open an interactive page to edit a design in the browser.
 
-    Mechanism, force, sequence and margins, all from the same engine as the other commands. Only
-    this machine can reach it, with the address that is printed. Ctrl-C ends it.
+    Mechanism, forces, sequence and margins follow while an anchor is dragged; all commands use the
+    same engine. The page is accessible from this machine only, at the address that is printed.
+    Ctrl-C ends it.
 
     Example: stepwell studio preset:paper-forward
     """
     tables = None
     if design is not None:
         text = sw.files.text_of(design)
-        sw.files.loads(text, design)  # which refuses what cannot be
+        sw.files.loads(text, design)  # an error for an invalid design
         tables = sw.files.tables_in(text, design)
 
     def opened(address: str) -> None:
@@ -266,13 +284,13 @@ def studio(
 
 def demo(
     out: Path = option(
-        "Write the page and the designs into this folder.",
+        "Write the results into this folder.",
         "--out -o DIR",
         default=Path("stepwell-demo"),
         file_okay=False,
         callback=options.local,
     ),
-    no_open: bool = flag("Name the page and open no browser.", "--no-open"),
+    no_open: bool = flag(options.NO_OPEN, "--no-open"),
     force: options.Force = False,
 ) -> None:
     """Run a seven-step demonstration, and write it as one HTML page.
@@ -289,7 +307,7 @@ def demo(
     if left_out:
         titles = "; ".join(planned.title for planned in left_out)
         packages = "packages that pip install 'stepwell[all]' brings"
-        screen.show_text(f"Left out, for want of {packages}: {titles}.")
+        screen.show_text(f"Skipped, because they need {packages}: {titles}.")
     shown: list[tuple[sw.reports.PlannedStep, sw.reports.StoryStep]] = []
     for planned in [one for one in sw.reports.STEPS if one.available]:
         screen.show_title(f"{len(shown) + 1}  {planned.title}")
@@ -301,7 +319,7 @@ def demo(
     with screen.progress(screen.WRITING) as tell:
         sw.reports.write_story(shown, out, left_out=left_out, progress=tell, force=force)
     page = out / "index.html"
-    screen.show_text("All of it, moving, on one page:")
+    screen.show_text("All steps, animated, on one page:")
     screen.show_verbatim(str(page))
     if not no_open and screen.has_display() and screen.at_terminal():
         webbrowser.open(page.resolve().as_uri())

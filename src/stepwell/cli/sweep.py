@@ -1,4 +1,4 @@
-"""`stepwell sweep`: one thing computed of many designs, into a store that loses nothing."""
+"""`stepwell sweep`: parameter studies, written to a store from which they can be resumed."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ import stepwell as sw
 from stepwell.accounts import account
 from stepwell.base import Measure
 from stepwell.cli import options as opts, screen, tolerances as parts
+from stepwell.cli.driving import From
 from stepwell.cli.options import Design, Folder, Group, Json
-from stepwell.cli.ranges import read_range
+from stepwell.cli.ranges import length, read_range
 
-commands = screen.subcommands("Compute a parameter study on all cores; it can be resumed.")
+commands = screen.subcommands("Compute a parameter study in parallel; it can be resumed.")
 
 _Partial = Annotated[
-    bool, typer.Option("--partial", help="Go without designs that are missing, instead of failing.")
+    bool, typer.Option("--partial", help="Skip missing designs instead of failing.")
 ]
 _There = Annotated[
     Path, typer.Argument(metavar="STORE", help="Path of the study: the value given to --out.")
@@ -31,69 +32,73 @@ _Engine = Annotated[
     str,
     typer.Option(
         metavar="ENGINE",
-        help="cpu computes every design; warp screens all of them at once on a GPU, in single "
-        "precision; cpu then recomputes all designs that behave like the design itself, all "
-        "undecided ones, and a random 10 %.",
+        help="cpu: compute every design on the CPU. warp: evaluate all designs on a GPU in single "
+        "precision, then recompute on the CPU all designs that behave like the reference design, "
+        "all undecided ones, and a random 10 %.",
     ),
 ]
 
 
 class _Program(Group):
-    start: str | None = opts.option("As in 00.", "--from STATE")
-    target: str = opts.option("As in 01.", "STATE", default=...)
+    start: From = None
+    target: str = opts.option(
+        "Target: the state to end in, such as 01.", "--target TARGET", default=...
+    )
 
 
 class _Walk(Group):
-    cycles: int = opts.option("How many cycles each walks.", default=4, min=1)
+    cycles: int = opts.option(opts.CYCLES, "N", default=4, min=1)
     engine: _Engine = "cpu"
 
 
 class _Maze(Group):
-    arena: str = opts.option("A name, or a file of your own.", "ARENA", default=...)
-    limit: float = opts.option("Time it is given [s].", default=600.0, min=1)
+    arena: str = opts.option(opts.ARENA_HELP, "ARENA", default=..., autocompletion=opts.arenas)
+    limit: float = opts.option(opts.TIME_LIMIT, "S", default=600.0, min=1)
     layouts: int = opts.option(
-        "So many layouts with walls and start a little elsewhere, the same for "
-        "every design; 0 takes the arena as it is.",
+        "Number of random layouts, with walls and start shifted; the same for every design. 0: the "
+        "arena itself.",
+        "N",
         default=0,
         min=0,
     )
     first: int = opts.option(
-        "Number of the first of these layouts; another range than the one by "
-        "which a design was chosen is an independent test of it.",
+        "Number of the first layout. For an independent test of a design that was selected with "
+        "some layouts, use others.",
+        "N",
         default=0,
         min=0,
     )
     place: float | None = opts.option(
-        "How far a layout shifts each wall at most [mm]; 40 by default.", "MM", min=0
+        "Maximum shift of each wall in a layout [mm]; 40 by default.", "LENGTH", parser=length()
     )
     angle: float | None = opts.option(
-        "How far a layout turns each wall at most [deg]; 8 by default.", "DEG", min=0
+        "Maximum rotation of each wall in a layout [deg]; 8 by default.", "DEG", min=0
     )
     engine: _Engine = "cpu"
 
 
 class _Call(Group):
     function: str = opts.option(
-        "A function of a design and a seed that gives numbers and texts by name.",
+        "Function of a design and a seed that returns numbers and texts by name.",
         "FILE.py:NAME",
         default=...,
     )
 
 
 class Effort(Group):
-    """On which processes the work is done."""
+    """The processes that compute a study."""
 
     workers: int | None = opts.option(
-        "Processes at once; one for every core by default, 0 to do without any.", "N", min=0
+        "Number of worker processes; one per core by default, 0 for none.", "N", min=0
     )
     scheduler: str | None = opts.option(
-        "A running Dask scheduler, such as tcp://10.0.0.1:8786, instead.", "ADDRESS"
+        "Dask scheduler to use instead of local processes, such as tcp://10.0.0.1:8786.", "ADDRESS"
     )
 
 
 class _Study(Effort):
     seed: parts.Seed = 0
-    chunk: int | None = opts.option("Designs that are computed and written together.", "N", min=1)
+    chunk: int | None = opts.option("Number of designs per chunk of the store.", "N", min=1)
     estimate: bool = opts.flag(
         "Print the estimated run time and disk space, then exit.", "--estimate"
     )
@@ -102,30 +107,30 @@ class _Study(Effort):
 
 class _Drawn(Group):
     vary: list[str] | None = opts.option(
-        "What varies, such as outer.q.x=0:20:41 or 1.stiffness=20:40:9, in the units of "
-        "`stepwell map`; of a robot a key such as foot.below_mm; :log for equal ratios; without "
-        "COUNT with --sobol, --latin or --random. May be given again.",
+        "Parameter to vary, such as outer.q.x=0:20:41 or 1.stiffness=20:40:9, in the units of "
+        "`stepwell map`, or a key of a robot such as foot.below_mm. Append :log for equal ratios; "
+        "omit COUNT with --sobol, --latin or --random. May be repeated.",
         "--vary NAME=FROM:TO:COUNT",
     )
-    table: Path | None = opts.option("Designs one by one, a line of a CSV file each.", "FILE")
-    sobol: int | None = opts.option("N designs of a Sobol' sequence, scrambled.", "N", min=1)
+    table: Path | None = opts.option("List of designs: one row of a CSV file per design.", "FILE")
+    sobol: int | None = opts.option("N designs of a scrambled Sobol' sequence.", "N", min=1)
     latin: int | None = opts.option("N designs of a Latin hypercube.", "N", min=1)
-    random: int | None = opts.option("N designs drawn independently.", "N", min=1)
+    random: int | None = opts.option("N independent random designs.", "N", min=1)
 
-    built = None  # an option of chains
+    monte_carlo = None  # an option of chains
 
     def of(self, subject: Any, seed: int) -> sw.studies.Designs:
-        """The designs, as a study takes them."""
-        ways = ("table", "sobol", "latin", "random", "built")
+        """The designs of the study."""
+        ways = ("table", "sobol", "latin", "random", "monte_carlo")
         chosen = [name for name in ways if getattr(self, name) is not None]
-        _refuse_two(chosen, bool(self.vary))
+        _refuse_two([name.replace("_", "-") for name in chosen], bool(self.vary))
         if self.table is not None:
             with screen.usable("--table"):
                 return sw.studies.read_table(self.table, subject)
-        if isinstance(self, _Chosen) and self.built is not None:
+        if isinstance(self, _Chosen) and self.monte_carlo is not None:
             measure = getattr(subject, "measure", Measure.TRAVEL)
-            with screen.usable("--built"):
-                return sw.studies.Workshop(self.tolerances(measure), self.built, seed)
+            with screen.usable("--monte-carlo"):
+                return sw.studies.Workshop(self.tolerances(measure), self.monte_carlo, seed)
         count = self.sobol or self.latin or self.random or 0
         with screen.usable("--vary"):
             axes = read_axes(self.vary or [], subject, drawn=bool(count))
@@ -134,20 +139,22 @@ class _Drawn(Group):
 
 
 class _Sampled(_Drawn):
-    """The same of chains, which can be sampled too."""
+    """Designs of a chain, or Monte Carlo samples of one chain."""
 
-    built: int | None = opts.option(
-        "N random samples of the design within these tolerances:", "N", min=1
+    monte_carlo: int | None = opts.option(
+        "N Monte Carlo samples of the design, within the tolerances given by the options below.",
+        "N",
+        min=1,
     )
 
 
 class _Chosen(parts.ToleranceOptions, _Sampled):
-    """The same with the tolerances of the samples."""
+    """Designs of a chain, with the tolerances of samples."""
 
 
 _GRID = "preset:paper-forward --vary outer.q.x=0:20:41"
 _FEET = "robot-forward --vary foot.below_mm=0.6:1.0:5"
-# What else a study asks for, with an example; the others ask for nothing more.
+# Options of single kinds of studies, with an example.
 _OWN: dict[str, tuple[type[Group], str]] = {
     "program": (_Program, f"{_GRID} --target 01"),
     "call": (_Call, f"{_GRID} --function mine.py:count"),
@@ -163,8 +170,8 @@ def _command(what: str, doc: str) -> None:
         design: Design,
         own: Group,
         out: Path = opts.option(
-            "The store, a folder that xarray opens as Zarr.",
-            "--out -o STORE",
+            "Write the results into this folder, a Zarr store.",
+            "--out -o DIR",
             default=...,
             callback=opts.local,
         ),
@@ -189,22 +196,22 @@ def _command(what: str, doc: str) -> None:
     kind, example = _OWN.get(what, (Group, _GRID))
     run.__annotations__ |= {"own": kind, "designs": _Drawn if kind in (_Walk, _Maze) else _Chosen}
     run.__doc__ = (
-        f"{doc}\n\nThe designs are a grid, drawn, listed, or samples of one design. Results are "
+        f"{doc}\n\nThe designs are a grid, random, listed, or samples of one design. Results are "
         f"written to a store in chunks. To resume after an interruption, run the same command "
-        f"again; the finished store is the same. If a design fails, its row contains the problem."
+        f"again; the result is identical. If a design fails, its row contains the error message."
         f"\n\nExample: stepwell sweep {what} {example} --out store"
     )
     commands.command(what, epilog=screen.EXIT_CODES)(opts.grouped(run))
 
 
 for _what, _doc in {
-    "cycle": "Compute the full cycle of every design: sequence, snaps, peak force, energy lost.",
-    "margin": "Compute how far every design is from another sequence, by an anchor or a stiffness.",
-    "yield": "Compute the yield of every design with the usual tolerances.",
-    "graph": "Compute the number of states and transitions that every design reaches.",
+    "cycle": "Compute the full cycle of every design: sequence, snaps, peak force, energy.",
+    "margin": "Compute the margin of every design: smallest change of an anchor or a stiffness.",
+    "yield": "Compute the yield of every design with the default tolerances.",
+    "graph": "Compute the number of reachable states and transitions of every design.",
     "program": "Search the fewest turning points of every design from one state to another.",
     "walk": "Simulate a walk of every robot: advance, turn, work and gaits.",
-    "maze": "Simulate every robot in an arena: whether it reaches the goal.",
+    "maze": "Simulate every robot in an arena: fraction of layouts in which it reaches the goal.",
     "call": "Compute a function of your own for every design.",
 }.items():
     _command(_what, _doc)
@@ -212,7 +219,7 @@ for _what, _doc in {
 
 @opts.command(commands)
 def resume(store: _There, effort: Effort, as_json: Json = False) -> None:
-    """Compute what is missing in a store.
+    """Compute the missing designs of a store.
 
     Example: stepwell sweep resume store
     """
@@ -223,11 +230,11 @@ def resume(store: _There, effort: Effort, as_json: Json = False) -> None:
 def extend(
     *,
     store: _There,
-    count: int = opts.option("Designs in all.", "N", default=..., min=1),
+    count: int = opts.option("Total number of designs.", "N", default=..., min=1),
     effort: Effort,
     as_json: Json = False,
 ) -> None:
-    """Add designs to a store whose designs were drawn; those that there are stay.
+    """Add random designs to a store; existing designs are kept.
 
     Example: stepwell sweep extend store --count 2048
     """
@@ -243,18 +250,20 @@ def cancel(store: _There) -> None:
     Example: stepwell sweep cancel store
     """
     sw.studies.cancel(sw.studies.opened(store))
-    screen.show_lines(f"{store}: stops soon. Go on with: stepwell sweep resume {store}")
+    screen.show_lines(
+        f"{store}: stops after the current chunks. To resume: stepwell sweep resume {store}"
+    )
 
 
 @opts.command(commands)
 def status(store: _There, as_json: Json = False) -> None:
-    """List the progress of a study, and its results so far.
+    """List the progress of a study and its preliminary results.
 
     Example: stepwell sweep status store
     """
-    found = sw.studies.status(store)
-    screen.report(account(found), as_json)
-    if any(gap.damaged for gap in found.gaps):
+    progress = sw.studies.status(store)
+    screen.report(account(progress), as_json)
+    if any(gap.damaged for gap in progress.gaps):
         raise typer.Exit(screen.FAILED)
 
 
@@ -263,37 +272,37 @@ def export(
     *,
     store: _There,
     out: Path = opts.option(
-        "The table: .csv, or .parquet.",
+        "Write this file (.csv or .parquet).",
         "--out -o FILE",
         default=...,
         dir_okay=False,
         callback=opts.local,
     ),
     best: int | None = opts.option(
-        "Only the N best designs, best first, and only what varies: a list that another "
-        "study takes as --table.",
+        "Export the varied parameters of the N best designs, best first: input for --table of "
+        "another study.",
         "N",
         min=1,
     ),
     by: list[str] | None = opts.option(
-        "What makes them the best: the largest values of a column, or the least with - "
-        "before it; given again, what decides between ties.",
-        "COLUMN",
+        "Column to rank designs by: largest value first, or smallest with - before the name. May "
+        "be repeated to break ties.",
+        "--rank-by COLUMN",
     ),
     partial: _Partial = False,
 ) -> None:
-    """Export the designs of a store as a table, units in the headings.
+    """Export the designs of a store as a table with units.
 
     Example: stepwell sweep export store --out table.csv
     """
     if bool(best) != bool(by):
-        raise screen.wrong("--best, --by", "must both be given, or neither.")
+        raise screen.wrong("--best, --rank-by", "must both be given, or neither.")
     if out.suffix not in ((".csv",) if best else (".csv", ".parquet")):
         ends = ".csv" if best else ".csv or .parquet"
         raise screen.wrong("--out", f"{out}: must end in {ends}.")
     study = sw.studies.opened(store)
     if best and by:
-        with screen.usable("--by"):
+        with screen.usable("--rank-by"):
             table = study.best(best, by, partial=partial)
         table.to_csv(out, study.subject)
         screen.show_lines(f"Written into {out}: the best {table.count} of {study.count} designs.")
@@ -306,27 +315,27 @@ def export(
 
 @opts.command(commands)
 def report(store: _There, partial: _Partial = False, *, output: Folder) -> None:
-    """Plot the results of a study on one page, and compute which number decides them.
+    """Plot the results of a study as an HTML report, and compute the most influential parameter.
 
     Example: stepwell sweep report store --out report
     """
     output.check_output_folder("sweep report")
-    found = sw.studies.status(store)
+    status = sw.studies.status(store)
     if not partial:
-        found.study.require_whole()
-    output.report(found, how={"partial": partial})
+        status.study.require_whole()
+    output.report(status, how={"partial": partial})
 
 
 def _resumed(study: sw.studies.Study, effort: Effort, as_json: bool) -> None:
     if study.work.screen and effort.scheduler is None and not sw.simulation.device()[1]:
-        slow = "No GPU here: Warp screens on the processor, where --engine cpu is much faster."
+        slow = "No GPU available: Warp runs on the CPU, where --engine cpu is much faster."
         screen.warn(slow)
     kinds, begun, where = Counter[str](), sw.studies.begun(study), effort.scheduler
     with going_on(study.folder, where, lambda: _so_far(kinds)) as tell:
-        found = sw.studies.resumed(
+        status = sw.studies.resumed(
             begun, effort.workers, scheduler=where, progress=tell, problems=kinds.update
         )
-    screen.report(account(found), as_json)
+    screen.report(account(status), as_json)
 
 
 def _so_far(kinds: Counter[str]) -> str:
@@ -335,12 +344,12 @@ def _so_far(kinds: Counter[str]) -> str:
 
 def _refuse_two(chosen: Sequence[str], varied: bool) -> None:
     if len(chosen) > 1:
-        raise screen.wrong(f"--{chosen[0]}", f"cannot stand with --{chosen[1]}.")
-    listed = chosen in (["table"], ["built"])
+        raise screen.wrong(f"--{chosen[0]}", f"cannot be combined with --{chosen[1]}.")
+    listed = chosen in (["table"], ["monte-carlo"])
     if not varied and not listed:
-        raise screen.wrong("--vary", "is needed, or --table, or --built.")
+        raise screen.wrong("--vary", "is needed, or --table, or --monte-carlo.")
     if varied and listed:
-        raise screen.wrong(f"--{chosen[0]}", "cannot stand with --vary.")
+        raise screen.wrong(f"--{chosen[0]}", "cannot be combined with --vary.")
 
 
 def _given(options: Group, subject: Any) -> dict[str, Any]:
@@ -358,33 +367,33 @@ def _given(options: Group, subject: Any) -> dict[str, Any]:
     return own
 
 
-def _show_estimate(found: sw.studies.StudyEstimate) -> None:
-    minutes = found.seconds / 60
-    took = f"{found.seconds:.0f} s" if minutes < 2 else f"{minutes:.0f} min"
+def _show_estimate(estimate: sw.studies.StudyEstimate) -> None:
+    minutes = estimate.seconds / 60
+    took = f"{estimate.seconds:.0f} s" if minutes < 2 else f"{minutes:.0f} min"
     if minutes > 120:
         took = f"{minutes / 60:.0f} h"
     screen.show_lines(
-        f"{found.designs} designs: about {took} on {sw.base.counted(found.workers, 'core')} "
-        f"({sw.base.to_unit(found.each, 'ms'):.3g} ms each, from {found.sample} of them), and at "
-        f"most {found.disk / 1e6:.3g} MB."
+        f"{estimate.designs} designs: about {took} on "
+        f"{sw.base.counted(estimate.workers, 'core')} ({sw.base.to_unit(estimate.each, 'ms'):.3g} "
+        f"ms each, measured on {estimate.sample}), and at most {estimate.disk / 1e6:.3g} MB."
     )
 
 
 @contextmanager
 def going_on(store: Path, scheduler: str | None, note: Callable[[], str] = str) -> Iterator[Any]:
-    """Show how far the work on a store is, and say how it goes on where it is interrupted."""
+    """Show the progress of a study, and after an interruption the command that resumes it."""
     if scheduler is not None:
         screen.warn(f"Dask's dashboard: {sw.studies.dashboard(scheduler)}")
-    kept = f"what is done stays, and `stepwell sweep resume {store}` goes on"
+    kept = f"finished chunks are kept; to resume: `stepwell sweep resume {store}`"
     with screen.progress("chunks", kept=kept, note=note) as tell:
         yield tell
 
 
 def read_axes(texts: Sequence[str], subject: Any, *, drawn: bool) -> tuple[sw.studies.Axis, ...]:
-    """What varies, as a store keeps it."""
+    """The axes of a study, in SI for chains."""
     form = "NAME=FROM:TO" if drawn else "NAME=FROM:TO:COUNT"
     example = "outer.q.x=0:20" + ("" if drawn else ":41")
-    found: list[sw.studies.Axis] = []
+    axes: list[sw.studies.Axis] = []
     for text in texts:
         one = read_range(text, form, example)
         if not one.start < one.stop:
@@ -392,5 +401,5 @@ def read_axes(texts: Sequence[str], subject: Any, *, drawn: bool) -> tuple[sw.st
         unit = sw.studies.unit_in(subject, one.name)
         factor = 1.0 if isinstance(subject, sw.Robot) else sw.base.display_unit(unit)[1]
         ends = one.start / factor, one.stop / factor
-        found.append(sw.studies.Axis(one.name, *ends, one.count or 2, one.log))
-    return tuple(found)
+        axes.append(sw.studies.Axis(one.name, *ends, one.count or 2, one.log))
+    return tuple(axes)

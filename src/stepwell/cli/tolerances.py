@@ -12,6 +12,7 @@ import typer
 import stepwell as sw
 from stepwell import base
 from stepwell.cli.options import Group, option
+from stepwell.cli.ranges import length
 from stepwell.cli.screen import progress, usable, warn
 
 if TYPE_CHECKING:
@@ -21,8 +22,9 @@ if TYPE_CHECKING:
 Friction = Annotated[
     float,
     typer.Option(
-        metavar="N",
-        help="Every cell has up to this more friction [N; kPa or mN m where forces are].",
+        metavar="FORCE",
+        help="Friction tolerance: uniform additional friction of every cell, at most FORCE [N; kPa "
+        "or mN m for elements with these units].",
         min=0,
     ),
 ]
@@ -30,51 +32,54 @@ TravelTolerance = Annotated[
     float,
     typer.Option(
         metavar="PERCENT",
-        help="Standard deviation of all travels of an element alike [%].",
+        help="Travel tolerance: standard deviation of the travel of an element [%].",
         min=0,
         max=24.9,
     ),
 ]
-Seed = Annotated[int, typer.Option(help="Random seed.", min=0)]
+Seed = Annotated[int, typer.Option(metavar="N", help="Random seed.", min=0)]
+SAMPLES = "Number of Monte Carlo samples."
 
 
 class Sampling(Group):
-    """How many mechanisms are made at random, and which."""
+    """Number and seed of the samples."""
 
     samples: int | None = option(
-        f"How many mechanisms are made at random; {base.QUICKLY}, or {base.ONE_BY_ONE} "
-        "where each is followed by the engine.",
-        "N",
-        min=1,
+        SAMPLES, "N", min=1, show_default=f"{base.QUICKLY}; {base.ONE_BY_ONE} if simulated"
     )
     seed: Seed = 0
 
 
 class BandTolerances(Group):
-    """The tolerances of bands and elements that all commands with tolerances take."""
+    """Tolerances of bands and elements, common to all commands with tolerances."""
 
     anchor: float = option(
         "Anchor tolerance: radius of a uniform distribution [mm].",
-        "--anchor MM",
+        "--anchor LENGTH",
         default=base.to_unit(base.USUAL_ANCHOR, "mm"),
-        min=0,
+        parser=length(),
     )
     stiffness_tolerance: float = option(
-        "Standard deviation of a band's stiffness, or of all forces of an element alike [%].",
+        "Stiffness tolerance: standard deviation of the stiffness of a band, or of the force scale "
+        "of an element [%].",
         "PERCENT",
         default=base.to_unit(base.USUAL_STIFFNESS, "percent"),
         min=0,
         max=24.9,
     )
     rest_length_tolerance: float = option(
-        "Standard deviation of a band's rest length [%].", "PERCENT", default=0.0, min=0, max=24.9
+        "Rest-length tolerance: standard deviation of the rest length of a band [%].",
+        "PERCENT",
+        default=0.0,
+        min=0,
+        max=24.9,
     )
 
     # Options of the groups below.
     lever_tolerance = friction = travel_tolerance = 0.0
 
     def tolerances(self, measure: base.Measure = base.Measure.TRAVEL) -> Tolerances:
-        """The same in SI; friction is in the unit in which forces of the measure are shown."""
+        """These tolerances in SI; friction is given in the display unit of the measure's forces."""
         from stepwell.design import Tolerances
 
         _, factor = base.display_unit(measure.force_unit)
@@ -90,16 +95,19 @@ class BandTolerances(Group):
 
 
 class DesignTolerances(BandTolerances):
-    """The tolerances of a mechanism that is being designed."""
+    """Tolerances that `design` takes into account."""
 
     lever_tolerance: float = option(
-        "Every cell's lever is off by up to this [mm].", "MM", default=0.0, min=0
+        "Lever tolerance: half width of a uniform distribution [mm].",
+        "LENGTH",
+        default=0.0,
+        parser=length(),
     )
     friction: Friction = 0.0
 
 
 class ToleranceOptions(DesignTolerances):
-    """The tolerances within which mechanisms are made."""
+    """All tolerances of a chain."""
 
     travel_tolerance: TravelTolerance = 0.0
 
@@ -108,14 +116,15 @@ Data = Annotated[
     Path | None,
     typer.Option(
         metavar="PATH",
-        help="Recordings of your cells: their bands, weight and friction, and by how much bands "
-        "differ, instead of the design's and of --stiffness-tolerance.",
+        help="Recordings (file or folder) of your cells: bands, weight and friction are fitted to "
+        "them and replace those of the design; the scatter of the bands replaces "
+        "--stiffness-tolerance.",
     ),
 ]
 
 
 def recordings_in(paths: Sequence[Path]) -> list[sw.lab.Recording]:
-    """All recordings of some paths; what cannot be read is a warning."""
+    """All recordings of some paths; files that cannot be read are warnings."""
     with progress("reading") as tell:
         batch = sw.lab.read_all(paths, progress=tell)
     for error in batch.refused:
@@ -128,18 +137,19 @@ def recordings_in(paths: Sequence[Path]) -> list[sw.lab.Recording]:
 def calibrated_on(
     data: Path, text: str, chain: sw.Chain, spread: Tolerances
 ) -> tuple[str, sw.Chain, Tolerances, sw.accounts.Calibrated]:
-    """The file and the chain of a design with bands, weight and friction as recordings have them.
+    """Design text, chain, tolerances and calibration, fitted to recordings.
 
-    With the tolerances, which get the scatter of the bands, and what the recordings gave.
+    Bands, weight and friction of the chain are those of the recordings. The stiffness tolerance is
+    the scatter of the recorded bands.
     """
     given = recordings_in([data])
     series = sw.lab.sort_series(given).series
     with progress("fits") as tell:
         prepared = sw.lab.prepare(series, sw.lab.tension_tables(given))
-        found = sw.lab.calibrate(prepared, progress=tell)
-    summary = sw.accounts.account(found).record["summary"]
+        fit = sw.lab.calibrate(prepared, progress=tell)
+    summary = sw.accounts.account(fit).record["summary"]
     hashes = sw.lab.hashes(given)
-    calibrated = sw.accounts.Calibrated(data.name, hashes, found.law, summary, found.scatter)
-    measured = found.applied(chain)
+    calibrated = sw.accounts.Calibrated(data.name, hashes, fit.law, summary, fit.scatter)
+    measured = fit.applied(chain)
     text = sw.files.dumps(measured, program=sw.files.loads(text).program)
-    return text, measured, replace(spread, stiffness=found.scatter), calibrated
+    return text, measured, replace(spread, stiffness=fit.scatter), calibrated

@@ -125,7 +125,7 @@ def _words_of(study: Study) -> list[str]:
         }
         always = ("--anchor", "--stiffness-tolerance")
         given = {name: f"{value:.12g}" for name, value in spread.items() if value or name in always}
-        return ["--built", str(designs.count), *chain.from_iterable(given.items()), *seed]
+        return ["--monte-carlo", str(designs.count), *chain.from_iterable(given.items()), *seed]
     if not isinstance(designs, Space):
         return ["--table", "designs.csv"]
     gridded, words = designs.how is How.GRID, list[str]()
