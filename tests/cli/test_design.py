@@ -104,7 +104,7 @@ def test_a_target_is_a_cycle_a_list_of_states_or_all_of_them():
     assert target_of("00>10>11>01>00") == {"sequence": "00>10>11>01>00"}
     assert target_of("00, 10,11") == {"states": ["00", "10", "11"]}
     assert target_of("all:12") == {"states": "all", "cells": 12}
-    with pytest.raises(typer.BadParameter, match="must be a cycle as in"):
+    with pytest.raises(typer.BadParameter, match="must be a sequence such as"):
         target_of("all")
 
 
@@ -201,7 +201,7 @@ def test_a_span_rises():
         (("--element", "dome", "--force-scale", "2:1", BACK), "must be FROM:TO, both above 0"),
         (
             ("forward",),
-            "'forward': must be a cycle as in 00>10>11>01>00, states as in 00,10,11, or",
+            "'forward': must be a sequence such as 00>10>11>01>00, states such as 00,10,11, or",
         ),
         (("00>11>00",), "'00>11>00'"),
         (("all:0",), "cells = 0"),

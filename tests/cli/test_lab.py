@@ -92,7 +92,7 @@ def test_options_of_the_band_command_reach_the_fit(stepwell, data):
         "cubic",
         "--json",
     ]
-    record = json.loads(stepwell("lab", "band", "bands", *options).stdout)
+    record = json.loads(stepwell("lab", "band", "bands", *options, "--json").stdout)
     assert record["window_mm"] == pytest.approx([10, 20])
     assert (record["cycles"], record["samples"]) == ([6, 6], [1, 3])
     assert "cubic_per_mm2" in record["table"]

@@ -127,7 +127,7 @@ def test_every_help_begins_with_a_verb_and_ends_with_an_example_that_is_understo
 
 # Defaults that differ on purpose: what is drawn where, and the tolerances of a first build.
 OWN_DEFAULTS = {"--out", "--samples", "--cycles", "--anchor", "--stiffness-tolerance"}
-OWN_DEFAULTS |= {"--travel-tolerance", "--drive", "--x", "--y"}
+OWN_DEFAULTS |= {"--travel-tolerance", "--drive", "--x", "--y", "--holes"}
 
 
 def test_an_option_has_one_default_in_all_commands():

@@ -83,7 +83,7 @@ def test_a_direction_is_told_by_two_numbers_or_an_angle():
         (("--by", "inner.p", "--along", "0:0"), "'0:0': must be X:Y, as in -1:0, or degrees"),
         (("--by", "inner.p", "--along", "1:2:3"), "'1:2:3': must be X:Y"),
         (("--by", "inner.p", "--along", "nan"), "'nan': must be X:Y"),
-        (("--by", "inner.p", "--one-way"), "--one-way: needs --along X:Y, the way to go."),
+        (("--by", "inner.p", "--one-way"), "--one-way: needs --along X:Y, the direction."),
     ],
 )
 def test_wrong_input_ends_in_code_2_with_what_is_allowed(stepwell, arguments, message):

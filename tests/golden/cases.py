@@ -417,7 +417,7 @@ LABS = [
             "lab as-built preset:paper-forward --data data/2unit_00_11/x/2unit_MMT_1.txt "
             "--scale 0.05 --anchor 0.5 --stiffness-tolerance 5 --rest-length-tolerance 2 "
             "--friction 0.02 --travel-tolerance 0 --samples 100 --seed 1 --out out",
-            "lab as-built preset:paper-cell-20-0 --pulls 5:0.3,15:-0.3 --snaps-out none "
+            "lab as-built preset:paper-cell-20-0 --pulls 5:0.3,15:-0.3 --snaps-loading none "
             "--wrong-hole 2 --holes 4 --target '0>1>0' --samples 100 --json",
         ),
         prepare=cells,
@@ -427,8 +427,8 @@ LABS = [
     ),
     _one(
         "lab/as-built-seen",
-        "lab as-built preset:paper-forward --seen '00>10>11>01>00' --snaps-out 37 --snaps-back 3 "
-        "--ruler 2 --samples 100 --anchor 0.3 --stiffness-tolerance 2",
+        "lab as-built preset:paper-forward --seen '00>10>11>01>00' --snaps-loading 37 "
+        "--snaps-unloading 3 --ruler 2 --samples 100 --anchor 0.3 --stiffness-tolerance 2",
         prepare=cells,
         within=FITTED,
         slow=True,

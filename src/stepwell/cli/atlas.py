@@ -32,8 +32,8 @@ _There = Annotated[
     Path | None,
     typer.Argument(
         metavar="STORE",
-        help="Path of a store of `stepwell atlas build`; by default an atlas of three cells that is "
-        "part of Stepwell.",
+        help="Path of a store of `stepwell atlas build`; by default the atlas of three cells in "
+        "Stepwell.",
     ),
 ]
 # The paper's map for every cell, and one band up to two.

@@ -29,7 +29,7 @@ _Side = Annotated[
     typer.Option(
         parser=span,
         metavar="FROM:TO",
-        help="Anchor positions: allowed range of q along this axis [mm]. By default 0:20 and -15:15 "
+        help="Anchor positions: allowed range of q along this axis [mm]. By default 0:20, -15:15 "
         "for the paper's lever, scaled for other levers, mirrored for p.",
     ),
 ]

@@ -251,16 +251,6 @@ def calibrate(
     output.report(calibration, source=data.name, data_sha256=sw.lab.hashes(given))
 
 
-_Strokes = Annotated[
-    str | None,
-    typer.Option(
-        metavar="LIST",
-        help="Strokes of snaps in this direction, separated by commas [mm, mL or deg]; none for no "
-        "snap.",
-    ),
-]
-
-
 class BuiltTolerances(given.BandTolerances):
     """Tolerances of a prototype, and the probability of anchors in wrong holes."""
 
@@ -293,8 +283,14 @@ class SeenOptions(Group):
     """Observations of a prototype, with their uncertainty."""
 
     seen: str | None = option("Observed sequence of states, such as 00>10>11>01>00.", "STATES")
-    snaps_out: _Strokes = None
-    snaps_back: _Strokes = None
+    snaps_loading: str | None = option(
+        "Strokes of snaps during loading, separated by commas [mm, mL or deg]; none for no snap.",
+        "LIST",
+    )
+    snaps_unloading: str | None = option(
+        "Strokes of snaps during unloading, separated by commas [mm, mL or deg]; none for no snap.",
+        "LIST",
+    )
     pulls: str | None = option(
         "Forces read during loading, as STROKE:FORCE separated by commas [mm:N, mL:kPa, deg:N mm].",
         "LIST",
@@ -348,8 +344,8 @@ def as_built(
             pulls += sw.lab.pulls_of(sw.lab.read(observed.data), chain.full_stroke)
         seen = sw.lab.Observed(
             observed.seen,
-            _strokes(observed.snaps_out, "--snaps-out", driven),
-            _strokes(observed.snaps_back, "--snaps-back", driven),
+            _strokes(observed.snaps_loading, "--snaps-loading", driven),
+            _strokes(observed.snaps_unloading, "--snaps-unloading", driven),
             pulls,
             observed.ruler / driven,
             0.05 * peak if observed.scale is None else observed.scale / forced,

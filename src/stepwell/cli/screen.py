@@ -245,6 +245,8 @@ FORMER_OPTIONS = {
     "--rest-length-spread": ("--rest-length-tolerance",),
     "--samples": ("--monte-carlo",),
     "--sequence": ("--target",),
+    "--snaps-back": ("--snaps-unloading",),
+    "--snaps-out": ("--snaps-loading",),
     "--start": ("--from",),
     "--stiffness": ("--stiffness-tolerance",),
     "--stiffness-spread": ("--stiffness-tolerance",),

@@ -88,13 +88,13 @@ def work(pipe: Connection) -> None:
     with suppress(EOFError, OSError):
         while True:
             message: Message = pipe.recv()
-            told = monotonic()
+            reported_at = monotonic()
 
             def tell(done: float, total: float, message: Message = message) -> None:
-                nonlocal told
+                nonlocal reported_at
                 now = monotonic()
-                if now - told >= _EVERY:
-                    told = now
+                if now - reported_at >= _EVERY:
+                    reported_at = now
                     pipe.send((False, step(message.type, message.seq, done, total)))
 
             def show(view: View, message: Message = message) -> None:

@@ -181,8 +181,8 @@ class PageDesign:
     @property
     def robot(self) -> Robot:
         """The robot; a chain is refused."""
-        if isinstance(found := self.read.subject, Robot):
-            return found
+        if isinstance(subject := self.read.subject, Robot):
+            return subject
         raise DesignError("design", ["is a chain, and this needs a robot."])
 
     @property

@@ -66,8 +66,8 @@ _PLAIN = [(b"content-type", b"text/plain; charset=utf-8")]
 
 def _only(scope: Scope, name: bytes) -> str:
     """The value of a header that stands there once; "" where it does not."""
-    found = [value for key, value in scope["headers"] if key == name]
-    return found[0].decode("latin-1") if len(found) == 1 else ""
+    values = [value for key, value in scope["headers"] if key == name]
+    return values[0].decode("latin-1") if len(values) == 1 else ""
 
 
 def _headers(host: str) -> list[tuple[bytes, bytes]]:
@@ -76,7 +76,7 @@ def _headers(host: str) -> list[tuple[bytes, bytes]]:
         f"font-src 'self'; connect-src 'self'{f' ws://{host}' if host else ''}; "
         "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
     )
-    told = {
+    headers = {
         "content-security-policy": policy,
         "x-content-type-options": "nosniff",
         "referrer-policy": "no-referrer",
@@ -84,4 +84,4 @@ def _headers(host: str) -> list[tuple[bytes, bytes]]:
         "cross-origin-resource-policy": "same-origin",
         "cache-control": "no-cache",
     }
-    return [(key.encode(), value.encode()) for key, value in told.items()]
+    return [(key.encode(), value.encode()) for key, value in headers.items()]

@@ -35,13 +35,13 @@ class Refusal(NamedTuple):
 
     @classmethod
     def of(cls, text: str) -> "Refusal":
-        """The problem that a sentence tells."""
-        found = _AT.match(text)
-        return cls(found["at"] if found else "", text)
+        """The problem in a sentence."""
+        match = _AT.match(text)
+        return cls(match["at"] if match else "", text)
 
 
 def problems_of(error: StepwellError) -> list[Refusal]:
-    """Every problem that an error has, in the words that a command would print."""
+    """All problems of an error, with the text that a command prints."""
     if isinstance(error, DesignError):
         return [Refusal.of(line) for line in error.problems]
     return [Refusal.of(slips_text(error) if isinstance(error, SlipError) else str(error))]
@@ -55,7 +55,7 @@ _DTYPES = {"f": ("f8", "<f8"), "i": ("i4", "<i4"), "u": ("i4", "<i4"), "b": ("i4
 
 
 class WireError(InputError):
-    """A message that cannot be understood; `seq` is its number, 0 where that is not known."""
+    """A message that cannot be parsed; `seq` is its number, or 0."""
 
     def __init__(self, text: str, seq: int = 0):
         self.seq = seq
@@ -63,7 +63,7 @@ class WireError(InputError):
 
 
 class Message(NamedTuple):
-    """A request of the page; `studies` is the server's own, which no page can say."""
+    """A request of the page; `studies` is the folder of the server, never set by the page."""
 
     type: str
     seq: int
@@ -74,33 +74,33 @@ class Message(NamedTuple):
 
 
 def message_of(text: str, types: Iterable[str]) -> Message:
-    """The request of a known type that a text holds, or a WireError that says what it must be."""
-    found = _object(text)
-    seq: Any = found.get("seq")
-    for problem in _problems(found, [*types]):
+    """The request in a text; a WireError if it is not a request of a known type."""
+    keys = _object(text)
+    seq: Any = keys.get("seq")
+    for problem in _problems(keys, [*types]):
         raise WireError(problem, seq if _is_number(seq) else 0)
-    ask, leg = found.get("ask") or {}, found.get("leg", 0)
-    return Message(found["type"], seq, found.get("design"), ask, leg)
+    ask, leg = keys.get("ask") or {}, keys.get("leg", 0)
+    return Message(keys["type"], seq, keys.get("design"), ask, leg)
 
 
 def _object(text: str) -> dict[str, Any]:
     try:
-        found: Any = json.loads(text)
+        value: Any = json.loads(text)
     except RecursionError:
         raise WireError("the message is nested too deeply.") from None
     except ValueError as error:
         raise WireError(f"the message is not JSON: {printable(str(error))[:120]}.") from None
-    if not isinstance(found, dict):
+    if not isinstance(value, dict):
         raise WireError("the message must be an object with v, type and seq.")
-    return found
+    return value
 
 
-def _problems(found: Mapping[str, Any], types: list[str]) -> Iterator[str]:
-    """What is wrong with the keys of a message, the first problem first."""
-    for key in found:
+def _problems(keys: Mapping[str, Any], types: list[str]) -> Iterator[str]:
+    """Problems of the keys of a message."""
+    for key in keys:
         if key not in _KEYS:
             yield f"{_cut(key)}: unknown key; known are {', '.join(_KEYS)}."
-    seq, version, kind, leg = (found.get(key) for key in ("seq", "v", "type", "leg"))
+    seq, version, kind, leg = (keys.get(key) for key in ("seq", "v", "type", "leg"))
     if not _is_number(seq):
         yield f"seq = {_cut(seq)}: must be a whole number from 0 to 2^53 - 1."
     if type(version) is not int or version != VERSION:
@@ -110,9 +110,9 @@ def _problems(found: Mapping[str, Any], types: list[str]) -> Iterator[str]:
         advice = f"Did you mean {near}?" if near else f"Known here: {', '.join(types)}."
         yield f"type = {_cut(kind)}: no such type. {advice}"
     for key in ("design", "ask"):
-        if not isinstance(found.get(key), dict | None):
-            yield f"{key} = {_cut(found[key])}: must be an object."
-    if "leg" in found and not _is_number(leg, math.inf):
+        if not isinstance(keys.get(key), dict | None):
+            yield f"{key} = {_cut(keys[key])}: must be an object."
+    if "leg" in keys and not _is_number(leg, math.inf):
         yield f"leg = {_cut(leg)}: must be a whole number from 0."
 
 
@@ -135,23 +135,23 @@ def packed(kind: str, seq: int, view: View) -> bytes:
 
 
 def refused(kind: str, seq: int, problems: Iterable[Refusal], **more: Any) -> bytes:
-    """A refusal as bytes, with everything that is wrong."""
-    told = [problem._asdict() for problem in problems]
-    return _head({**_start(kind, seq), "ok": False, **more, "problems": told, "blocks": []})
+    """A refusal as bytes, with all problems."""
+    listed = [problem._asdict() for problem in problems]
+    return _head({**_start(kind, seq), "ok": False, **more, "problems": listed, "blocks": []})
 
 
 def failed(error: WireError) -> bytes:
-    """What answers a message that cannot be understood."""
+    """The answer to a message that cannot be parsed."""
     return refused("error", error.seq, [Refusal("", str(error))])
 
 
 def part(kind: str, seq: int, view: View) -> bytes:
-    """What is known of an answer before all of it is, as bytes."""
+    """A partial answer as bytes."""
     return packed(kind, seq, View({**view.header, "part": True}, view.blocks))
 
 
 def step(kind: str, seq: int, done: float, total: float) -> bytes:
-    """How far a long computation is, as bytes."""
+    """The progress of a long computation as bytes."""
     return _head({**_start(kind, seq), "ok": True, "progress": [done, total], "blocks": []})
 
 
@@ -163,9 +163,9 @@ def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray[Any, Any
     blocks: dict[str, np.ndarray[Any, Any]] = {}
     for block in header["blocks"]:
         count = int(np.prod(block["shape"]))
-        found = np.frombuffer(data, f"<{block['dtype']}", count, at)
-        blocks[block["name"]] = found.reshape(block["shape"])
-        at += found.nbytes + -found.nbytes % 8
+        array = np.frombuffer(data, f"<{block['dtype']}", count, at)
+        blocks[block["name"]] = array.reshape(block["shape"])
+        at += array.nbytes + -array.nbytes % 8
     return header, blocks
 
 

@@ -15,26 +15,26 @@ from stepwell.statics import Event, EventKind, Path, SegmentKind
 from stepwell.studio.ask import View
 
 MM, MJ = display_unit("m")[1], display_unit("J")[1]
-# A picture needs no more samples than this on all smooth segments together, nor on one of them;
-# and so many on a segment that takes the whole range of the drive.
+# Most samples of a picture on all smooth segments together, on one of them, fewest on one, and
+# samples of a segment over the whole range of the drive.
 _ALL, _MOST, _LEAST, _WHOLE = 600, 33, 3, 26
 _LANDSCAPE = 65
 
 
 def units_of(chain: Chain) -> dict[str, str]:
     """The unit of every number of a chain on the page."""
-    (travel, _), (force, _), (drive, _) = _told(chain)
+    (travel, _), (force, _), (drive, _) = _units_of(chain)
     return {"travel": travel, "force": force, "stroke": travel, "drive": drive, "energy": "mJ"}
 
 
-def _told(chain: Chain) -> list[tuple[str, float]]:
-    """Units of travel, force and drive, and how many of each make one in SI."""
+def _units_of(chain: Chain) -> list[tuple[str, float]]:
+    """Units of travel, force and drive, and their factors from SI."""
     units = chain.measure.travel_unit, chain.measure.force_unit, chain.drive_unit
     return [display_unit(unit) for unit in units]
 
 
 def drawn(path: Path) -> Path:
-    """The path with as many samples as a picture needs."""
+    """The path, resampled for a picture."""
     spans = [float(np.ptp(one.drive)) for one in path.segments() if one.kind is SegmentKind.MOVE]
     longest = max(spans, default=0.0) / (np.ptp(path.turning_points) or 1.0)
     least = max(_LEAST, math.ceil(_WHOLE * longest))
@@ -43,7 +43,7 @@ def drawn(path: Path) -> Path:
 
 def arrays_of(path: Path) -> dict[str, np.ndarray[Any, Any]]:
     """The samples of a path in the units of `units_of`; a snap is a jump between two of them."""
-    (_, travel), (_, force), (_, drive) = _told(path.chain)
+    (_, travel), (_, force), (_, drive) = _units_of(path.chain)
     return {
         "drive": path.drive * drive,
         "stroke": path.stroke * travel,
@@ -77,7 +77,7 @@ def landscape(chain: Chain) -> dict[str, np.ndarray[Any, Any]]:
 
 
 def cells_of(chain: Chain) -> list[dict[str, Any]]:
-    """What is to be drawn of every cell, and the phases in which it stands without a force."""
+    """Geometry of every cell, and the phases that are stable without a force."""
     return [_cell(cell, name) for cell, name in zip(chain.cells, chain.names, strict=True)]
 
 
@@ -87,17 +87,17 @@ def _cell(cell: Cell | Element, name: str) -> dict[str, Any]:
         display_unit(cell.measure.force_unit)[1],
     )
     ends = cell.phases[0].force_high, cell.phases[-1].force_low
-    told: dict[str, Any] = {
+    header: dict[str, Any] = {
         "name": name,
         "kind": "lever" if isinstance(cell, Cell) else "element",
         "full_travel_mm": cell.full_travel * travel,
         "stable": [k for k, p in enumerate(cell.phases) if p.force_low < 0.0 < p.force_high],
     }
     if isinstance(cell, Cell):
-        # A slack band holds nothing at a stop, and yet a barrier may stand between the stops.
-        if len(told["stable"]) < 2 and cell.is_bistable:
-            told["stable"] = [0, 1]
-        told |= {
+        # A slack band exerts no force at a stop, but a barrier may exist between the stops.
+        if len(header["stable"]) < 2 and cell.is_bistable:
+            header["stable"] = [0, 1]
+        header |= {
             "lever_mm": cell.lever * MM,
             "limit_deg": float(np.degrees(cell.limit)),
             "bands": [{"p_mm": plain(b.p, MM), "q_mm": plain(b.q, MM)} for b in cell.bands],
@@ -106,13 +106,13 @@ def _cell(cell: Cell | Element, name: str) -> dict[str, Any]:
         }
     else:
         first, last = (plain(end, force) for end in ends)
-        told |= {"force_0_N": first, "force_1_N": last, "bands": []}
-    return told
+        header |= {"force_0_N": first, "force_1_N": last, "bands": []}
+    return header
 
 
 def events_of(events: Iterable[Event], path: Path) -> list[dict[str, Any]]:
     """Switches and snaps; each lies between its sample and the one after it."""
-    (_, travel), (_, force), (_, drive) = _told(path.chain)
+    (_, travel), (_, force), (_, drive) = _units_of(path.chain)
     events = list(events)
     return [
         {
@@ -133,8 +133,8 @@ def events_of(events: Iterable[Event], path: Path) -> list[dict[str, Any]]:
     ]
 
 
-def path_told(path: Path, few: Path) -> dict[str, Any]:
-    """What moves on a path and what it takes; events are placed among the samples of `few`."""
+def path_header(path: Path, few: Path) -> dict[str, Any]:
+    """Cells, events, forces and dissipated energy of a path; events refer to samples of `few`."""
     chain = path.chain
     return {
         "title": chain.title,
@@ -146,7 +146,7 @@ def path_told(path: Path, few: Path) -> dict[str, Any]:
     }
 
 
-def cycle_told(cycle: Cycle) -> dict[str, Any]:
+def cycle_header(cycle: Cycle) -> dict[str, Any]:
     """The sequence of a full cycle, its name, and advice on every tie."""
     return {
         "sequence": str(cycle.sequence),
@@ -156,9 +156,9 @@ def cycle_told(cycle: Cycle) -> dict[str, Any]:
 
 
 def _samples_at(events: Iterable[Event], path: Path) -> list[int]:
-    found: list[int] = []
+    samples: list[int] = []
     snaps = iter(np.flatnonzero(path.snap_after))
-    # The last bits of a sample's drive may be others than those of its event.
+    # The drive of a sample may differ from that of its event by rounding.
     near = 1e-12 * np.ptp(path.drive)
     at = 0
     for event in events:
@@ -168,9 +168,9 @@ def _samples_at(events: Iterable[Event], path: Path) -> list[int]:
             here = np.abs(path.drive[at:] - event.drive) <= near
             here &= path.direction[at:] == event.direction
             at += int(np.argmax(here))
-        found.append(at)
+        samples.append(at)
         at += event.kind is EventKind.SNAP
-    return found
+    return samples
 
 
 def margins_of(limits: Margin | None) -> dict[str, Any]:
@@ -181,7 +181,7 @@ def margins_of(limits: Margin | None) -> dict[str, Any]:
     known.sort(key=lambda change: (change.parameter != "anchor", change.distance))
     return {
         "margins": [_change(change) for change in limits.changes],
-        # What a design becomes takes a cycle of its own: it is told of the nearest alone.
+        # The sequence after a change takes a cycle of its own: computed for the nearest change only.
         "margin": _change(known[0]) | {"becomes": known[0].becomes} if known else None,
         "method": limits.method.name.lower(),
     }
@@ -194,23 +194,23 @@ def _change(change: Change) -> dict[str, Any]:
     return {"cell": change.cell, "what": change.parameter, **reach, "move_mm": move}
 
 
-def program_told(found: Program) -> dict[str, Any]:
+def program_header(program: Program) -> dict[str, Any]:
     """What a program does, its drives in the unit of `units_of`."""
-    drive = display_unit(found.chain.drive_unit)[1]
+    drive = display_unit(program.chain.drive_unit)[1]
     return {
-        "start": found.start,
-        "target": found.target,
-        "arrives": found.arrives,
-        "meets_target": found.arrives == found.target and found.hangs is None,
-        "proved": found.shortest,
-        "reason": found.reason,
-        "turning_points_mm": [point * drive for point in found.turning_points],
+        "start": program.start,
+        "target": program.target,
+        "arrives": program.arrives,
+        "meets_target": program.arrives == program.target and program.hangs is None,
+        "proved": program.shortest,
+        "reason": program.reason,
+        "turning_points_mm": [point * drive for point in program.turning_points],
         "turns": [
             {"drive_mm": t.drive * drive, "low_mm": t.low * drive, "high_mm": t.high * drive}
-            for t in found.turns
+            for t in program.turns
         ],
-        "states": list(found.sequence.states),
-        "sequence": str(found.sequence),
+        "states": list(program.sequence.states),
+        "sequence": str(program.sequence),
     }
 
 
@@ -221,18 +221,21 @@ def motion_of(
 ) -> View:
     """The full cycle of a chain with its margins, if not `known`, or a program with its windows."""
     if isinstance(result, Program):
-        path, found = result.path, {**margins_of(None), "program": program_told(result)}
+        path, view_header = result.path, {**margins_of(None), "program": program_header(result)}
     else:
         cycle = result.cycle() if isinstance(result, Chain) else result
         limits = margin(cycle.chain, progress=progress) if known is None else known
-        path, found = cycle.path, {"program": None, **cycle_told(cycle), **margins_of(limits)}
+        path, view_header = (
+            cycle.path,
+            {"program": None, **cycle_header(cycle), **margins_of(limits)},
+        )
     few, rests = drawn(path), assumptions(path.chain)
-    header = {**path_told(path, few), "version": __version__, "assumptions": rests, **found}
+    header = {**path_header(path, few), "version": __version__, "assumptions": rests, **view_header}
     return View(header, arrays_of(few) | landscape(path.chain) | {"phase": _phases(few)})
 
 
 def _phases(path: Path) -> Ints:
     """(n, N) the phase of every cell at every sample; -1 in transit."""
     columns = zip(path.chain.stretches, path.sheet.T.tolist(), path.travel.T.tolist(), strict=True)
-    found = [[phase_at(own, *at) for at in zip(on, s, strict=True)] for own, on, s in columns]
-    return np.array([[-1 if one == "-" else int(one) for one in cell] for cell in found]).T
+    phases = [[phase_at(own, *at) for at in zip(on, s, strict=True)] for own, on, s in columns]
+    return np.array([[-1 if one == "-" else int(one) for one in cell] for cell in phases]).T

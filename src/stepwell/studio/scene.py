@@ -42,7 +42,7 @@ class Scene:
         """(1, nq) joint positions of the robot that stands at the start with every cell at 0."""
         return np.asarray(self._model.key_qpos[:1])
 
-    def told(self) -> dict[str, Any]:
+    def header(self) -> dict[str, Any]:
         """What of the robot and around it keeps its shape, and the names of legs and antennas."""
         robot = self._robot
         antennas = [
@@ -85,7 +85,7 @@ class Scene:
 
     def _lines(self) -> list[dict[str, Any]]:
         """Levers, links and bands: straight from a point of one body to a point of another."""
-        model, found = self._model, list[dict[str, Any]]()
+        model, lines = self._model, list[dict[str, Any]]()
         for i in range(model.ntendon):
             first = int(model.tendon_adr[i])
             wraps = slice(first, first + int(model.tendon_num[i]))
@@ -95,7 +95,7 @@ class Scene:
             sites = model.wrap_objid[wraps].tolist()
             # Of several bands of a cell each has a number at the end of its name.
             leg, cell = self._owners.get(model.tendon(i).name.rstrip("0123456789"), (None, None))
-            found.append(
+            lines.append(
                 {
                     "bodies": [self._bodies.index(int(model.site_bodyid[k])) for k in sites],
                     "at_mm": [_list(to_unit(model.site_pos[k], "mm")) for k in sites],
@@ -104,7 +104,7 @@ class Scene:
                     **_colour(model.tendon_rgba[i]),
                 }
             )
-        return found
+        return lines
 
     def placed(self, positions: Floats) -> dict[str, Floats]:
         """Where the bodies are for (n, nq) positions of the joints.
@@ -137,8 +137,8 @@ def samples_of(
     codes: list[list[int]] = []
     for k, leg in enumerate(walk.robot.legs):
         full = np.array(leg.chain.full_travels)
-        found = states(walk.travel[rows, k, : len(full)] / full)
-        codes.append([-1 if one is None else int(one, 2) for one in found])
+        labels = states(walk.travel[rows, k, : len(full)] / full)
+        codes.append([-1 if one is None else int(one, 2) for one in labels])
     gears = [one.gear if one.connected else 0.0 for one in walk.robot.antennas]
     return {
         "time": walk.time[rows],
@@ -172,10 +172,10 @@ class Live:
             self._ask.show(self.view(so_far()))
             self._last = monotonic()
 
-    def view(self, walk: Walk, **told: Any) -> View:
+    def view(self, walk: Walk, **header: Any) -> View:
         """The samples that were not sent yet, with other entries of the header."""
         first, self._sent = self._sent, len(walk.time)
-        return View({"first": first, **told}, samples_of(walk, self._scene, slice(first, None)))
+        return View({"first": first, **header}, samples_of(walk, self._scene, slice(first, None)))
 
 
 # What a number is rounded to, in its unit; poses are looked at and not read.
@@ -200,28 +200,28 @@ def walked(result: Walk | Maze) -> View:
     every = 1 + (len(walk.time) - settled) // _MOST_SAMPLES
     blocks = samples_of(walk, scene, slice(settled, None, every))
     # Obstacles end what comes again; then fewer samples have to do.
-    while _size(told := _differences(blocks)) > _MOST_BYTES and len(blocks["time"]) > 2:
+    while _size(differences := _differences(blocks)) > _MOST_BYTES and len(blocks["time"]) > 2:
         blocks = {name: block[::2] for name, block in blocks.items()}
     header = {
-        **scene.told(),
+        **scene.header(),
         "title": walk.robot.title,
         "version": __version__,
         "arena": None if walk.arena is None else arena_tables(walk.arena),
-        "steps": {name: _STEPS.get(name, _STEP) for name in told},
+        "steps": {name: _STEPS.get(name, _STEP) for name in differences},
         "record": account(result).record,
         "outcome": str(result.outcome) if isinstance(result, Maze) else "",
         "assumptions": simulation_assumptions(walk),
     }
-    return View(header, told)
+    return View(header, differences)
 
 
 def _differences(blocks: dict[str, np.ndarray[Any, Any]]) -> dict[str, np.ndarray[Any, Any]]:
-    found: dict[str, np.ndarray[Any, Any]] = {}
+    differences: dict[str, np.ndarray[Any, Any]] = {}
     for name, block in blocks.items():
         columns = block.reshape(len(block), -1).T
         whole = np.round(columns / _STEPS.get(name, _STEP)).astype(np.int32)
-        found[name] = np.diff(whole, axis=1, prepend=np.int32(0))
-    return found
+        differences[name] = np.diff(whole, axis=1, prepend=np.int32(0))
+    return differences
 
 
 def _size(blocks: dict[str, np.ndarray[Any, Any]]) -> int:
@@ -234,7 +234,7 @@ _POSES, _CYCLES = 30, 2.0
 
 def walking(robot: Robot) -> View:
     """Parts, lines and poses of the second cycle of a walk."""
-    scene, found = Scene(robot), walk_of(robot, _CYCLES)
-    last = np.flatnonzero(found.time >= found.time[-1] - robot.drive.period)
+    scene, motion = Scene(robot), walk_of(robot, _CYCLES)
+    last = np.flatnonzero(motion.time >= motion.time[-1] - robot.drive.period)
     rows = last[np.linspace(0, len(last) - 1, _POSES).astype(int)]
-    return View(scene.shape(), scene.placed(found.positions[rows]))
+    return View(scene.shape(), scene.placed(motion.positions[rows]))

@@ -57,10 +57,10 @@ def replay(
         StaticsError: the engine could not go on; its text says what to do.
     """
     if isinstance(result, Chain | Cycle | Program):
-        found = motion_of(result, margin, progress)
+        motion = motion_of(result, margin, progress)
     else:
-        found = _run_of(result)
-    view = with_(found, header={**found.header, "title": title or found.header["title"]})
+        motion = _run_of(result)
+    view = with_(motion, header={**motion.header, "title": title or motion.header["title"]})
     return filled(view.header["title"], view.header["version"], _data(view))
 
 

@@ -39,10 +39,10 @@ def stores(folder: Path) -> dict[str, Path]:
 
 def store_named(ask: Ask, name: str) -> Path:
     """The store of that name, which must be one of those that are listed."""
-    found = stores(home(ask)).get(name)
-    if found is None:
+    store = stores(home(ask)).get(name)
+    if store is None:
         raise InputError(f"ask.name = {name[:60]!r}: there is no such study.")
-    return found
+    return store
 
 
 def study_of(ask: Ask) -> Study:

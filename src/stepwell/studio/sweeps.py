@@ -34,12 +34,12 @@ def asked_study(design: PageDesign, ask: Ask, folder: Path) -> Study:
     subject = design.robot if what in OF_ROBOTS else design.chain
     given, designs = _given(what, ask), _designs(subject, ask)
     ask.close()
-    found = asked(subject, what, designs, folder, given=given)
-    digest = hashlib.sha256(json.dumps(found.asked(), sort_keys=True).encode()).hexdigest()
+    study = asked(subject, what, designs, folder, given=given)
+    digest = hashlib.sha256(json.dumps(study.asked(), sort_keys=True).encode()).hexdigest()
     # The first words of the title, of letters that no file system minds.
     words = re.findall(r"[a-z0-9]+", subject.title.lower().partition(":")[0])
     stem = "-".join(words)[:_STEM].strip("-") or "design"
-    return replace(found, folder=folder / f"{stem}-{what}-{digest[:8]}.zarr")
+    return replace(study, folder=folder / f"{stem}-{what}-{digest[:8]}.zarr")
 
 
 def _given(what: str, ask: Ask) -> dict[str, Any]:
@@ -70,10 +70,10 @@ def _designs(subject: mechanism.Chain | robot.Robot, ask: Ask) -> Designs:
     if how not in [*How]:
         raise InputError(f"ask.how = {how!r}: must be one of {', '.join(How)}, {BUILT}.")
     axes = tuple(_asked_axis(subject, one, how) for one in ask.parts("vary", _MOST_AXES))
-    found = Space(axes, How(how), 0 if how == How.GRID else ask.whole("count", 1, _MOST), seed)
-    if found.count > _MOST:
-        raise InputError(f"ask.vary: {found.count} designs: must be at most {_MOST}.")
-    return found
+    space = Space(axes, How(how), 0 if how == How.GRID else ask.whole("count", 1, _MOST), seed)
+    if space.count > _MOST:
+        raise InputError(f"ask.vary: {space.count} designs: must be at most {_MOST}.")
+    return space
 
 
 def _asked_axis(subject: mechanism.Chain | robot.Robot, one: Ask, how: str) -> Axis:

@@ -1,4 +1,4 @@
-"""An atlas as a map: its machines, which lies beside which, and those that do what is asked."""
+"""Map of an atlas: its transition graphs, their neighbours, and the results of a search."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,22 +11,21 @@ from stepwell import accounts, base, files, studies
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.stores import store_named
 
-# In parts of the picture's width: circles of the rarest and the most frequent machine, and the
-# room between two; the picture's height.
+# As fractions of the picture's width: radii of the rarest and the most frequent machine, the gap
+# between two, and the picture's height.
 _LEAST, _LARGEST, _ROOM, _TALL = 0.019, 0.05, 0.012, 0.64
 # More are laid out by springs, which cost less.
 _MANY, _PUSHES = 120, 400
 
 
 def placed(
-    found: studies.Atlas, near: Sequence[studies.Border], shown: Sequence[studies.Machine]
+    chart: studies.Atlas, near: Sequence[studies.Border], shown: Sequence[studies.Machine]
 ) -> dict[str, tuple[float, float, float]]:
     """Centre and radius of each machine in a picture of width 1 and height 0.64.
 
-    They lie the closer, the less a number has to be changed to come from one to the other, and are
-    the larger, the more designs there are.
+    Distances grow with the change of a parameter between two machines, radii with their frequency.
     """
-    span = {axis.name: axis.high - axis.low for axis in found.axes}
+    span = {axis.name: axis.high - axis.low for axis in chart.axes}
     names = [one.name for one in shown]
     graph = nx.Graph()
     graph.add_nodes_from(names)
@@ -35,7 +34,7 @@ def placed(
             far = 0.15 + abs(one.step) / span[one.parameter]
             known = graph.get_edge_data(one.machine, one.beyond, {"far": far})["far"]
             graph.add_edge(one.machine, one.beyond, far=min(far, known))
-    # Parts between which nothing is known lie beside one another.
+    # Parts without known neighbours are placed next to each other.
     parts = [min(part, key=names.index) for part in nx.connected_components(graph)]
     for other in parts[1:]:
         graph.add_edge(parts[0], other, far=1.5)
@@ -44,14 +43,14 @@ def placed(
     else:
         spots = nx.spring_layout(graph, weight=None, seed=0)
     at = np.array([spots[name] for name in names], float).reshape(-1, 2)
-    shares = np.array([one.share.share for one in shown])
-    radius = _LEAST + (_LARGEST - _LEAST) * np.sqrt(shares / (shares.max(initial=0.0) or 1.0))
+    sizes = np.array([one.share.share for one in shown])
+    radius = _LEAST + (_LARGEST - _LEAST) * np.sqrt(sizes / (sizes.max(initial=0.0) or 1.0))
     at = _apart(_fitted(at, radius), radius)
     return dict(zip(names, map(tuple, np.column_stack([at, radius]).tolist()), strict=True))
 
 
 def _fitted(at: np.ndarray, radius: np.ndarray) -> np.ndarray:
-    """Stretched over the picture, circles within it; wide rather than tall."""
+    """Positions scaled to the picture, with the longest axis horizontal."""
     if len(at) < 2:
         return np.full((len(at), 2), [0.5, _TALL / 2])
     axes = np.linalg.svd(at - at.mean(axis=0), full_matrices=False)[2]
@@ -63,7 +62,7 @@ def _fitted(at: np.ndarray, radius: np.ndarray) -> np.ndarray:
 
 
 def _apart(at: np.ndarray, radius: np.ndarray) -> np.ndarray:
-    """Pushed off one another until no circles overlap, or enough was tried."""
+    """Positions moved apart until no circles overlap, in at most `_PUSHES` steps."""
     reach = radius[:, None] + radius[None, :] + _ROOM
     edge = radius[:, None] + _ROOM / 2
     for _ in range(_PUSHES):
@@ -73,7 +72,7 @@ def _apart(at: np.ndarray, radius: np.ndarray) -> np.ndarray:
         over = np.maximum(reach - distance, 0.0)
         if not np.any(over > 1e-6):
             break
-        # Two in one place go apart along a line of their own.
+        # Two at the same position move apart along a fixed direction.
         length = np.maximum(distance, 1e-9)[..., None]
         way = np.where(distance[..., None] > 1e-9, apart / length, [1.0, 0.5])
         at = at + 0.5 * np.sum(over[..., None] * way, axis=1)
@@ -85,10 +84,10 @@ _LONGEST, _MOST = 400, 300
 
 
 def answer_atlas(_design: PageDesign, ask: Ask) -> View:
-    """The record of `stepwell atlas show --json`, with places, designs and ways of its machines.
+    """The record of `stepwell atlas show --json`, with positions, designs and transitions.
 
-    With a `query`, the names that `stepwell atlas find` finds, and nothing else. `name` is that
-    of a store, "" of the atlas that comes with Stepwell.
+    With a `query`, only the names of the results of `stepwell atlas find`. `name` is that of a
+    store, or "" for the atlas in Stepwell.
     """
     base.need("studies")
     name, query = ask.text("name", 200), ask.text("query", _LONGEST, "")
@@ -97,19 +96,19 @@ def answer_atlas(_design: PageDesign, ask: Ask) -> View:
     store = store_named(ask, name) if name else studies.THREE
     if query:
         studies.understood(query)  # or refused at once
-    found, near = _charted(store, ask)
+    chart, near = _charted(store, ask)
     if query:
-        machines = studies.find(found, query, least / 100)
+        machines = studies.find(chart, query, least / 100)
         return View({"query": query, "found": [one.name for one in machines]})
-    shown = found.machines[:_MOST]
+    shown = chart.machines[:_MOST]
     names = {one.name for one in shown}
     among = [one for one in near if {one.machine, one.beyond} <= names]
-    record = accounts.account(found, machines=shown, borders=among).record
-    places = placed(found, near, shown)
-    for told, machine in zip(record["machines"], shown, strict=True):
-        told["design_tables"] = files.tables_in(files.dumps(machine.chain))
-        told["x"], told["y"], told["radius"] = places[machine.name]
-        told["ways"] = [
+    record = accounts.account(chart, machines=shown, borders=among).record
+    places = placed(chart, near, shown)
+    for machine_record, machine in zip(record["machines"], shown, strict=True):
+        machine_record["design_tables"] = files.tables_in(files.dumps(machine.chain))
+        machine_record["x"], machine_record["y"], machine_record["radius"] = places[machine.name]
+        machine_record["ways"] = [
             {"from": a, "to": b, "direction": way, "snaps": snaps}
             for a, b, way, snaps in sorted(machine.ways)
         ]
@@ -117,7 +116,7 @@ def answer_atlas(_design: PageDesign, ask: Ask) -> View:
     return View({**record, "name": name, "phrases": [*studies.QUERIES]})
 
 
-# What was charted last, by the store and what of it was done: it is asked about again and again.
+# The last charts, by store and finished chunks, for repeated requests.
 _KNOWN: dict[Any, tuple[studies.Atlas, tuple[studies.Border, ...]]] = {}
 _KEPT = 3
 
@@ -126,8 +125,8 @@ def _charted(store: Path, ask: Ask) -> tuple[studies.Atlas, tuple[studies.Border
     study = studies.opened(store)
     key = str(store), study.identity, tuple(study.done_chunks())
     if key not in _KNOWN:
-        found = studies.charted(study, progress=ask.tell)
+        chart = studies.charted(study, progress=ask.tell)
         while len(_KNOWN) >= _KEPT:
             _KNOWN.pop(next(iter(_KNOWN)))
-        _KNOWN[key] = found, studies.borders(study, found)
+        _KNOWN[key] = chart, studies.borders(study, chart)
     return _KNOWN[key]

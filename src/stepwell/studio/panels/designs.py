@@ -41,8 +41,8 @@ def answer_gallery(_design: PageDesign, ask: Ask) -> View:
 
 @cache
 def _designs() -> list[dict[str, Any]]:
-    told = [_preset(name, title) for name, title in files.presets().items()]
-    return sorted(told, key=lambda one: _GROUPS.index(one["group"]))
+    entries = [_preset(name, title) for name, title in files.presets().items()]
+    return sorted(entries, key=lambda one: _GROUPS.index(one["group"]))
 
 
 def _preset(name: str, title: str) -> dict[str, Any]:
@@ -190,9 +190,9 @@ def _call(start: str, parts: list[str], end: str, depth: int) -> str:
 def answer_text(design: PageDesign, ask: Ask) -> View:
     """TOML that reads as this design, and Python that makes it."""
     ask.close()
-    found, program = design.read.subject, design.read.program
-    toml = files.dumps(found, program=program)
-    return View({"toml": toml, "python": script(found, toml)})
+    subject, program = design.read.subject, design.read.program
+    toml = files.dumps(subject, program=program)
+    return View({"toml": toml, "python": script(subject, toml)})
 
 
 _DPI, _KINDS = 600, ("svg", "png", "pdf")

@@ -1,4 +1,4 @@
-"""What a chain does on the plane of two of its parameters: pictures, boundaries, places."""
+"""Design map of a chain over two of its parameters: image, boundaries, position of the design."""
 
 import math
 from collections.abc import Callable, Iterable
@@ -30,12 +30,12 @@ Progress = Callable[[float, float], None]
 
 
 class Unproved(InputError):
-    """No closed form tells what the chain does everywhere on the plane."""
+    """The sequence is not known in closed form everywhere on the plane."""
 
 
 @dataclass(frozen=True)
 class PlaneAxis:
-    """One of the two parameters, and how far its values reach, in SI."""
+    """One of the two parameters, and the range of its values in SI."""
 
     parameter: Parameter
     low: float
@@ -49,7 +49,7 @@ class PlaneAxis:
 
 @dataclass(frozen=True)
 class Plane:
-    """A chain without its place on the plane, so that designs that only differ there are equal."""
+    """A chain and two parameters; designs that differ only in these parameters are equal."""
 
     chain: Chain  # at some place of the plane
     axes: tuple[PlaneAxis, PlaneAxis]  # of x and of y
@@ -67,15 +67,15 @@ class Plane:
         return cls(chain, axes, (x, y))
 
     def painted(self, wide: int, high: int, progress: Progress) -> tuple[dict[str, Any], Blocks]:
-        """The sequences that are on the plane, and the image (high, wide) of numbers into them."""
+        """The sequences on the plane, and an image (high, wide) of indices into them."""
         sized = zip(self.axes, (wide, high), strict=True)
         x, y = ((axis.parameter, axis.middles(count)) for axis, count in sized)
-        found = parameter_map(self.chain, x, y, progress=progress)
-        flags = found.sequence.attrs
+        nodes = parameter_map(self.chain, x, y, progress=progress)
+        flags = nodes.sequence.attrs
         numbers = np.asarray(flags["flag_values"]).tolist()
         words = dict(zip(numbers, flags["flag_meanings"].split(" "), strict=True))
         codes, image, counts = np.unique(
-            found.sequence.values, return_inverse=True, return_counts=True
+            nodes.sequence.values, return_inverse=True, return_counts=True
         )
         shares = (counts / counts.sum()).tolist()
         header = {"sequences": [words[code] for code in codes.tolist()], "shares": shares}
@@ -85,12 +85,12 @@ class Plane:
         return header, blocks
 
     def curves(self, search: int, progress: Progress) -> tuple[Boundary, ...]:
-        """The boundaries on the plane, looked for on `search` nodes each way where not exact."""
+        """The boundaries on the plane, searched on `search` nodes per axis if not exact."""
         x, y = ((axis.parameter, np.array([axis.low, axis.high])) for axis in self.axes)
         return parameter_boundaries(self.chain, x, y, search=search, progress=progress)
 
-    def told(self, curves: Iterable[Boundary]) -> tuple[dict[str, Any], Blocks]:
-        """The curves in units of the bench, and how far the design is from the nearest."""
+    def boundary_view(self, curves: Iterable[Boundary]) -> tuple[dict[str, Any], Blocks]:
+        """The curves in units of the page, and the distance of the design from the nearest."""
         (x, x_factor), (y, y_factor) = (unit_of(axis.parameter) for axis in self.axes)
         factors = np.array([x_factor, y_factor])
         here = np.array(self.here) * factors
@@ -111,7 +111,7 @@ class Plane:
 
 
 def pixels(ask: Ask) -> tuple[int, int]:
-    """How many the image has, across and up; fewer where each stands for `coarse` by `coarse`."""
+    """Number of pixels of the image, across and up, for blocks of `coarse` by `coarse` pixels."""
     wide, high = (int(n) for n in ask.numbers("pixels", 2, 2, _MOST_PIXELS, least_many=2))
     coarse = ask.whole("coarse", 1, 64, 1)
     return max(2, -(-wide // coarse)), max(2, -(-high // coarse))
@@ -129,25 +129,25 @@ def asked_parameter(chain: Chain, ask: Ask, letter: str) -> Parameter:
 
 
 def key_of(parameter: Parameter) -> str:
-    """By which a parameter is asked for; cells by number from 1, since names may repeat."""
+    """Key of a parameter in a request; cells have numbers from 1, since names may repeat."""
     return parameter.name if parameter.cell is None else f"{parameter.cell + 1}.{parameter.part}"
 
 
 def unit_of(parameter: Parameter) -> tuple[str, float]:
-    """In which a parameter is told, and how many of it make one in SI."""
-    told, factor = display_unit(parameter.unit)
-    return _PERCENT if told == "1" else (Quantity("", told).sign, factor)
+    """Unit of a parameter on the page, and its factor from SI."""
+    unit, factor = display_unit(parameter.unit)
+    return _PERCENT if unit == "1" else (Quantity("", unit).sign, factor)
 
 
 def unproved(_done: float, total: float) -> None:
-    """Refuse to follow a single place."""
+    """A progress function that raises as soon as a position has to be simulated."""
     if total:
-        raise Unproved(f"{total:.0f} places have to be followed one by one.")
+        raise Unproved(f"{total:.0f} positions have to be simulated one by one.")
 
 
 @lru_cache(maxsize=16)
 def _proved_curves(plane: Plane) -> tuple[Boundary, ...]:
-    # The grid only finds places where the proof ends, and there this is given up.
+    # The grid only detects positions without a proof, which end the search.
     return plane.curves(61, unproved)
 
 
@@ -161,8 +161,8 @@ def _axis(chain: Chain, ask: Ask, letter: str) -> PlaneAxis:
 def _ways(
     here: Floats, curves: Iterable[Boundary], blocks: Blocks, units: tuple[str, str]
 ) -> list[dict[str, Any]]:
-    """The shortest way to another sequence, or along each axis where they have unlike units."""
-    found: dict[str, dict[str, Any]] = {}
+    """The shortest change to another sequence, or one along each axis if their units differ."""
+    nearest: dict[str, dict[str, Any]] = {}
     for k, curve in enumerate(curves):
         if curve.kind is BoundaryKind.BISTABLE:
             continue
@@ -175,8 +175,8 @@ def _ways(
             if at is None:
                 continue
             far = float(np.linalg.norm(at - here))
-            if along not in found or far < found[along]["distance"]:
-                found[along] = {
+            if along not in nearest or far < nearest[along]["distance"]:
+                nearest[along] = {
                     "along": along,
                     "distance": far,
                     "unit": units["xy".find(along)] if along in "xy" else units[0],
@@ -184,11 +184,11 @@ def _ways(
                     "sequences": list(curve.sequences),
                     "method": curve.method.name.lower(),
                 }
-    return list(found.values())
+    return list(nearest.values())
 
 
 def _closest(here: Floats, points: Floats) -> Floats | None:
-    """The place of a polyline (m, 2) that is closest."""
+    """The closest point of a polyline (m, 2)."""
     start, way = points[:-1], np.diff(points, axis=0)
     length = np.maximum(np.sum(way**2, axis=1), 1e-300)
     share = np.clip(np.sum((here - start) * way, axis=1) / length, 0.0, 1.0)
@@ -197,7 +197,7 @@ def _closest(here: Floats, points: Floats) -> Floats | None:
 
 
 def _met(here: Floats, points: Floats, axis: int) -> Floats | None:
-    """Where a polyline (m, 2) is met first on a straight way along one axis, if it is."""
+    """First intersection of a polyline (m, 2) with a straight line along one axis, if any."""
     off = points[:, 1 - axis] - here[1 - axis]
     k = np.flatnonzero((off[:-1] <= 0) != (off[1:] <= 0))
     if not len(k):
@@ -209,7 +209,7 @@ def _met(here: Floats, points: Floats, axis: int) -> Floats | None:
     return at
 
 
-# Of a lever: as far as an anchor is mapped to either side, which is the paper's box.
+# Half width of the map of an anchor, in lever lengths: the paper's box.
 _REACH = 1.06
 _WORDS = {
     "p.x": "x of p",
@@ -221,15 +221,15 @@ _WORDS = {
 
 
 def answer_parameters(design: PageDesign, ask: Ask) -> View:
-    """Every parameter that is a number, with its value and a range in the unit that is told."""
+    """All numeric parameters, with value and range in the unit of the page."""
     ask.close()
     chain = design.chain
     return View(
-        {"parameters": [_parameter_told(chain, p) for p in parameters(chain) if not p.is_anchor]}
+        {"parameters": [_parameter_record(chain, p) for p in parameters(chain) if not p.is_anchor]}
     )
 
 
-def _parameter_told(chain: Chain, parameter: Parameter) -> dict[str, Any]:
+def _parameter_record(chain: Chain, parameter: Parameter) -> dict[str, Any]:
     unit, factor = unit_of(parameter)
     value = float(parameter.value(chain))  # type: ignore[arg-type]
     low, high = (end * factor for end in _range(chain, parameter, value))
@@ -278,9 +278,10 @@ def _force(cell: Any) -> float:
 
 
 def answer_map(design: PageDesign, ask: Ask) -> View:
-    """An image of numbers into `sequences`, rows from low to high y.
+    """An image of indices into `sequences`, rows from low to high y.
 
-    If some places have to be followed one by one there is none; with `aside`, `map_followed` draws.
+    If some positions have to be simulated one by one, there is no image and `aside` is true: panel
+    `map_followed` computes it.
     """
     plane = Plane.asked(design.chain, ask)
     wide, high = pixels(ask)
@@ -292,14 +293,14 @@ def answer_map(design: PageDesign, ask: Ask) -> View:
     return View({"aside": False, **header}, blocks)
 
 
-# Each is shown as soon as it is there; a place takes a millisecond or so.
+# Each image is shown as soon as it is complete; a position takes about a millisecond.
 _COARSE = 16, 8, 5, 2, 1
 _MOST_FOLLOWED = 2000
-# Nodes each way from which boundaries are bisected.
+# Nodes per axis from which boundaries are bisected.
 _SEARCH = 21
 
 Known = tuple[dict[str, Any], Blocks, tuple[Boundary, ...]]
-# Of the last plane: while the design moves on it, nothing has to be followed again.
+# Result of the last plane: while the design moves on it, nothing is recomputed.
 _known: dict[Plane, Known] = {}
 
 
@@ -312,18 +313,18 @@ def answer_map_followed(design: PageDesign, ask: Ask) -> View:
     wide, high = pixels(ask)
     ask.close()
     if plane not in _known:
-        found = _found(plane, wide, high, ask)
+        known = _found(plane, wide, high, ask)
         _known.clear()
-        _known[plane] = found
+        _known[plane] = known
     header, blocks, curves = _known[plane]
-    told, lines = plane.told(curves)
-    return View({**header, **told}, blocks | lines)
+    header_of_curves, lines = plane.boundary_view(curves)
+    return View({**header, **header_of_curves}, blocks | lines)
 
 
 def _found(plane: Plane, wide: int, high: int, ask: Ask) -> Known:
     def few(done: float, total: float) -> None:
         if total > _MOST_FOLLOWED:
-            raise Unproved(f"{total:.0f} places have to be followed one by one.")
+            raise Unproved(f"{total:.0f} positions have to be simulated one by one.")
         ask.tell(done, max(total, 1))
 
     header: dict[str, Any] = {}
@@ -331,18 +332,18 @@ def _found(plane: Plane, wide: int, high: int, ask: Ask) -> Known:
     for coarse in _COARSE:
         size = max(2, -(-wide // coarse)), max(2, -(-high // coarse))
         try:
-            found, blocks = plane.painted(*size, few)
+            sequences, blocks = plane.painted(*size, few)
         except Unproved:
             break
-        header = {"coarse": coarse, **found}
-        ask.show(View({**header, **plane.told(())[0]}, blocks))
+        header = {"coarse": coarse, **sequences}
+        ask.show(View({**header, **plane.boundary_view(())[0]}, blocks))
     return header, blocks, plane.curves(_SEARCH, ask.tell)
 
 
 def answer_border(design: PageDesign, ask: Ask) -> View:
-    """Curves in units of the bench, the design's place, and the nearest other sequence.
+    """Curves in units of the page, position of the design, and the nearest other sequence.
 
-    With `aside`, no closed form gives them all, and panel `map_followed` searches them.
+    If `aside` is true, some curves have no closed form, and panel `map_followed` searches them.
     """
     plane = Plane.asked(design.chain, ask)
     ask.close()
@@ -350,12 +351,12 @@ def answer_border(design: PageDesign, ask: Ask) -> View:
         curves, aside = _proved_curves(plane), False
     except Unproved:
         curves, aside = (), True
-    header, blocks = plane.told(curves)
+    header, blocks = plane.boundary_view(curves)
     return View({"aside": aside, **header}, blocks)
 
 
 def answer_jump(design: PageDesign, ask: Ask) -> View:
-    """Table `chain` of its design file; `at` has the two values in units of the bench."""
+    """Table `chain` of the design file for the two values `at`, in units of the page."""
     chain = design.chain
     both = [asked_parameter(chain, ask, letter) for letter in "xy"]
     at = ask.numbers("at", 2, -_FARTHEST, _FARTHEST, least_many=2)

@@ -26,8 +26,8 @@ def answer_evaluate(design: PageDesign, ask: Ask) -> View:
     cycle = chain.cycle()
     path = motion.drawn(cycle.path)
     header = {
-        **motion.path_told(cycle.path, path),
-        **motion.cycle_told(cycle),
+        **motion.path_header(cycle.path, path),
+        **motion.cycle_header(cycle),
         # A search takes a hundred times as long as all else here: panel `margin` does it aside.
         **motion.margins_of(proved_margin(chain)),
         "names": list(chain.names),
@@ -96,8 +96,8 @@ def _tables(design: PageDesign) -> tuple[Mapping[str, Any], Mapping[str, Any] | 
     return (own, common) if "cell" in own else (common, {})
 
 
-def _table(found: Any) -> Mapping[str, Any]:
-    return found if isinstance(found, Mapping) else {}
+def _table(value: Any) -> Mapping[str, Any]:
+    return value if isinstance(value, Mapping) else {}
 
 
 # More states than these cells have cannot be seen, and are counted by `stepwell graph`.
@@ -145,14 +145,14 @@ _FARTHEST = 1e6
 
 def answer_program(design: PageDesign, ask: Ask) -> View:
     """The program from `start` to `to`, or the one of `turning_points_mm`, with its samples."""
-    found = program_of(design.chain, ask)
+    program = program_of(design.chain, ask)
     ask.close()
-    path = motion.drawn(found.path)
+    path = motion.drawn(program.path)
     header = {
-        "units": motion.units_of(found.chain),
-        **motion.program_told(found),
-        "events": motion.events_of(found.path.events, path),
-        "written": _written(found),
+        "units": motion.units_of(program.chain),
+        **motion.program_header(program),
+        "events": motion.events_of(program.path.events, path),
+        "written": _written(program),
     }
     return View(header, motion.arrays_of(path))
 
@@ -175,8 +175,8 @@ def _state(chain: Chain, ask: Ask, key: str, default: str | None = None) -> str:
     raise InputError(f"ask.{key} = {state!r}: must be one digit a cell, up to {last}.")
 
 
-def _written(found: Program) -> dict[str, Any]:
+def _written(program: Program) -> dict[str, Any]:
     """The table [program] of a design file; of one that was planned with tidy numbers."""
-    given = WrittenProgram(found.start, found.turning_points, found.target)
-    kept = given if found.method is ProgramMethod.GIVEN else WrittenProgram.of(found)
-    return tomllib.loads(kept.text(found.chain))["program"]
+    given = WrittenProgram(program.start, program.turning_points, program.target)
+    kept = given if program.method is ProgramMethod.GIVEN else WrittenProgram.of(program)
+    return tomllib.loads(kept.text(program.chain))["program"]

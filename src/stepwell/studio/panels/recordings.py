@@ -1,4 +1,4 @@
-"""Recordings of a test machine compared with what the design does."""
+"""Comparison of recordings of a test machine with the model of the design."""
 
 import base64
 import zlib
@@ -27,10 +27,10 @@ _GAP = 3.0, 20.0
 
 
 def answer_measured(design: PageDesign, ask: Ask) -> View:
-    """What is in the recordings, how they compare, and the bands that would fit them.
+    """Contents of the recordings, their comparison with the model, and bands fitted to them.
 
-    A file that cannot be read gets a line and stops no other. The design is the one that was
-    tested, whatever the names of the files say.
+    A file that cannot be read is listed with the reason. The design is the one that was tested;
+    parameters in file names are ignored.
     """
     recordings, refused = _read(ask.parts("files", _MOST_FILES))
     ask.close()
@@ -40,13 +40,13 @@ def answer_measured(design: PageDesign, ask: Ask) -> View:
         raise InputError(f"chain: is not driven by a stroke in mm: {why}.")
     held = account(lab.Batch(tuple(recordings), ())).record["recordings"]
     header: dict[str, Any] = {"files": [_file(one) for one in held], "refused": refused}
-    header |= {"series": [], "told": [], "fit": None, "why_no_fit": ""}
+    header |= {"series": [], "notes": [], "fit": None, "why_no_fit": ""}
     blocks: dict[str, np.ndarray[Any, Any]] = {}
     if recordings:
-        series, told = _series(recordings, chain)
+        series, notes = _series(recordings, chain)
         comparison, why = _compared(recordings, chain, series)
-        header["told"] = [*told, why] if why else told
-        header["series"] = [_told(one, comparison) for one in series]
+        header["notes"] = [*notes, why] if why else notes
+        header["series"] = [_series_record(one, comparison) for one in series]
         for k, one in enumerate(series):
             blocks |= _curves(f"{k}", one)
         if comparison is not None:
@@ -59,23 +59,23 @@ def answer_measured(design: PageDesign, ask: Ask) -> View:
 
 
 def _read(files: Iterable[Ask]) -> tuple[list[lab.Recording], list[str]]:
-    found: list[lab.Recording] = []
+    recordings: list[lab.Recording] = []
     refused: list[str] = []
     left = _MOST_BYTES
     for file in files:
-        # Only a name: it is told and never opened.
+        # Only a name for messages, never opened.
         name = PurePosixPath(file.text("name", 200).replace("\\", "/")).name or "recording"
         packed = file.text("gzip_base64", LONGEST_MESSAGE)
         file.close()
         try:
             content = _unpacked(packed, left)
             left -= len(content)
-            found.append(lab.read_bytes(content, name))
+            recordings.append(lab.read_bytes(content, name))
         except lab.LabError as error:
             refused.append(str(error))
         except ValueError as error:
             refused.append(f"{name}: {error}")
-    return found, refused
+    return recordings, refused
 
 
 def _unpacked(packed: str, most: int) -> bytes:
@@ -98,10 +98,10 @@ def _series(
     recordings: Sequence[lab.Recording], chain: mechanism.Chain
 ) -> tuple[list[lab.Series], list[str]]:
     try:
-        found = lab.sort_series(recordings, [chain], as_designed=True)
+        batch = lab.sort_series(recordings, [chain], as_designed=True)
     except lab.LabError as error:
         return [], [error.problem]
-    return list(found.series), list(found.told)
+    return list(batch.series), list(batch.told)
 
 
 def _compared(
@@ -121,7 +121,7 @@ def _file(record: dict[str, Any]) -> dict[str, Any]:
     return {"name": record["source"], "stroke_mm": stroke, **same}
 
 
-def _told(series: lab.Series, comparison: lab.Comparison | None) -> dict[str, Any]:
+def _series_record(series: lab.Series, comparison: lab.Comparison | None) -> dict[str, Any]:
     """A series with its verdict, and its snaps next to those of the model."""
     tests = comparison.tests if comparison else ()
     test = next((one for one in tests if one.series.name == series.name), None)
@@ -135,7 +135,7 @@ def _told(series: lab.Series, comparison: lab.Comparison | None) -> dict[str, An
         "unloading": series.unloading,
         "runs": [run.source for run in series.recordings],
         "baseline": [run.source for run in series.baseline],
-        "told": list(series.told),
+        "notes": list(series.told),
         "verdict": test.verdict if test else "",
         "rms_N": test.rmse * series.scale if test else None,
         "snaps": [
@@ -172,9 +172,9 @@ def _pairs(
     for _, i, j in near:
         if i not in partner and j not in partner.values():
             partner[i] = j
-    found = {i: measured[j] for i, j in partner.items()}
+    measured_of = {i: measured[j] for i, j in partner.items()}
     alone = [(None, b) for j, b in enumerate(measured) if j not in partner.values()]
-    return [*((a, found.get(i)) for i, a in enumerate(predicted)), *alone]
+    return [*((a, measured_of.get(i)) for i, a in enumerate(predicted)), *alone]
 
 
 def _curves(name: str, series: lab.Series) -> dict[str, np.ndarray[Any, Any]]:
@@ -200,12 +200,12 @@ def _segments(run: lab.Recording) -> Ints:
     return np.cumsum(gap)
 
 
-def _taken(found: lab.Refit, design: PageDesign) -> dict[str, Any]:
+def _taken(fit: lab.Refit, design: PageDesign) -> dict[str, Any]:
     tables = deepcopy(design.tables or {})
     legs = tables.get("leg") or [{}]
     leg = legs[design.leg] if design.leg < len(legs) else {}
     chain = leg["chain"] if "cell" in leg.get("chain", {}) else tables["chain"]
-    stiffness, rest_length = plain(found.stiffness), plain(found.rest_length, MM)
+    stiffness, rest_length = plain(fit.stiffness), plain(fit.rest_length, MM)
     fitted = {"stiffness_N_per_m": stiffness, "rest_length_mm": rest_length}
     chain["band"] = {**chain.get("band", {}), **fitted}
     bands = [band for cell in chain["cell"] for band in (cell.get("band"), *cell.get("bands", []))]

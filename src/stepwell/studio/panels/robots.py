@@ -68,7 +68,7 @@ def answer_robot(design: PageDesign, ask: Ask) -> View:
     from stepwell.studio.scene import Scene
 
     scene = Scene(robot, arena)
-    return View(scene.told(), scene.placed(scene.start))
+    return View(scene.header(), scene.placed(scene.start))
 
 
 def answer_predict(design: PageDesign, ask: Ask) -> View:
@@ -93,11 +93,11 @@ def _answer(run: "partial[Walk | Maze]", ask: Ask) -> View:
     from stepwell.studio.scene import Live
 
     live = Live(run.args[0], run.keywords["arena"], ask)
-    found = run(look=live.look)
-    record = accounts.account(found).record
-    if isinstance(found, Maze):
-        return live.view(found.walk, record=record, outcome=str(found.outcome))
-    return live.view(found, record=record)
+    result = run(look=live.look)
+    record = accounts.account(result).record
+    if isinstance(result, Maze):
+        return live.view(result.walk, record=record, outcome=str(result.outcome))
+    return live.view(result, record=record)
 
 
 _SHARES = 0.8, 1.2
@@ -106,7 +106,7 @@ _SHARES = 0.8, 1.2
 def answer_robot_numbers(design: PageDesign, ask: Ask) -> View:
     """Every number that is not 0, by its key, with its unit and a fifth to either side of it."""
     ask.close()
-    found = [
+    numbers = [
         {
             "key": one.path,
             "label": one.path,
@@ -117,4 +117,4 @@ def answer_robot_numbers(design: PageDesign, ask: Ask) -> View:
         for one in files.parameters(design.robot)
         if one.values[0]
     ]
-    return View({"parameters": found})
+    return View({"parameters": numbers})

@@ -1,4 +1,4 @@
-"""What the page asks of studies: which there are, and one begun, watched, stopped, read."""
+"""Panels of parameter studies: list, start, progress, stop, results."""
 
 from collections import Counter
 from pathlib import Path
@@ -17,20 +17,20 @@ from stepwell.studio.sweeps import asked_study, command_of
 
 
 def answer_studies(_design: PageDesign, ask: Ask) -> View:
-    """Each by its name, the newest first; `missing` says how to get what studies need."""
+    """All studies, newest first; `missing` is the command that installs a missing package."""
     ask.close()
     if not have("studies"):
         return View({"missing": str(missing("studies")), "folder": "", "studies": []})
     folder = home(ask)
-    found: list[dict[str, Any]] = []
+    entries: list[dict[str, Any]] = []
     for name, place in stores(folder).items():
-        if told := described(place):
+        if description := described(place):
             running, problem = how(place)
-            found.append({"name": name, "running": running, "problem": problem, **told})
-    return View({"missing": "", "folder": str(folder), "studies": found})
+            entries.append({"name": name, "running": running, "problem": problem, **description})
+    return View({"missing": "", "folder": str(folder), "studies": entries})
 
 
-# Designs that are shown at most, and of a column of words the most frequent ones.
+# Most designs that are shown, and most words of a column of words.
 _POINTS, _WORDS = 4000, 12
 
 
@@ -42,8 +42,8 @@ def answer_study(_design: PageDesign, ask: Ask) -> View:
     """
     study = study_of(ask)
     ask.close()
-    found, going, done = status(study), pace(study), study.done_chunks()
-    record = accounts.account(found).record
+    progress, going, done = status(study), pace(study), study.done_chunks()
+    record = accounts.account(progress).record
     numbers = np.concatenate([np.empty(0, int), *(np.asarray(study.rows(k)) for k in done)])
     some = np.unique(np.linspace(0, len(numbers) - 1, min(len(numbers), _POINTS)).astype(int))
     blocks: dict[str, np.ndarray[Any, Any]] = {"rows": numbers[some].astype(np.int32)}
@@ -59,7 +59,7 @@ def answer_study(_design: PageDesign, ask: Ask) -> View:
         "designs_done": len(numbers),
         "rate_per_s": rate,
         "left_s": (study.count - len(numbers)) / rate if rate else None,
-        "at_work": bool(going and going.at_work and not found.finished),
+        "at_work": bool(going and going.at_work and not progress.finished),
         "version": study.version,
         "columns": columns,
     }
@@ -77,19 +77,19 @@ def _column(
     blocks: dict[str, np.ndarray[Any, Any]],
 ) -> dict[str, Any]:
     (unit, factor), block = study.display_unit(name), f"c{k}"
-    told = {"name": name, "unit": unit, "varied": name in study.varied, "block": block}
+    header = {"name": name, "unit": unit, "varied": name in study.varied, "block": block}
     if study.columns[name] != "text":
         blocks[block] = values[some] * factor
-        return {**told, "words": None}
+        return {**header, "words": None}
     words = [str(one).partition(":")[0] if name == "problem" else str(one) for one in values]
     often = [word for word, _ in Counter(words).most_common(_WORDS)]
     places = {word: place for place, word in enumerate(often)}
     blocks[block] = np.array([places.get(words[i], len(often)) for i in some], np.int32)
-    return {**told, "words": [*often, "any other"]}
+    return {**header, "words": [*often, "any other"]}
 
 
 def answer_study_begin(design: PageDesign, ask: Ask) -> View:
-    """The name of the store; a study that was begun before is the same, and goes on."""
+    """The name of the store; a study that exists already is resumed."""
     if ask.has("name"):
         study = study_of(ask)
         ask.close()
@@ -102,7 +102,7 @@ def answer_study_begin(design: PageDesign, ask: Ask) -> View:
 
 
 def answer_study_stop(_design: PageDesign, ask: Ask) -> View:
-    """At once if this server began it; otherwise the process that did stops after its chunks."""
+    """Stop a study: at once if this server runs it, otherwise after the current chunks."""
     study = study_of(ask)
     ask.close()
     at_once = stop(study.folder)
@@ -112,17 +112,17 @@ def answer_study_stop(_design: PageDesign, ask: Ask) -> View:
 
 
 def answer_study_estimate(design: PageDesign, ask: Ask) -> View:
-    """What `stepwell sweep ... --estimate` prints, as numbers."""
+    """Numbers of `stepwell sweep ... --estimate`."""
     study = asked_study(design, ask, home(ask))
-    found = estimate(study, cores())
+    times = estimate(study, cores())
     header = {
         "name": study.folder.name,
-        "designs": found.designs,
-        "sample": found.sample,
-        "each_ms": to_unit(found.each, "ms"),
-        "time_s": found.seconds,
-        "workers": found.workers,
-        "disk_MB": found.disk / 1e6,
+        "designs": times.designs,
+        "sample": times.sample,
+        "each_ms": to_unit(times.each, "ms"),
+        "time_s": times.seconds,
+        "workers": times.workers,
+        "disk_MB": times.disk / 1e6,
         "command": command_of(study),
     }
     return View(header)
@@ -132,7 +132,7 @@ _MOST = 1_000_000
 
 
 def answer_study_csv(_design: PageDesign, ask: Ask) -> View:
-    """The bytes that `stepwell sweep export` writes."""
+    """The bytes of the table of `stepwell sweep export`."""
     study = study_of(ask)
     ask.close()
     if study.count > _MOST:
@@ -148,7 +148,7 @@ def answer_study_csv(_design: PageDesign, ask: Ask) -> View:
 
 
 def answer_study_design(_design: PageDesign, ask: Ask) -> View:
-    """The tables of the design of that `number`, counted from 0."""
+    """The tables of the design with a `number`, counted from 0."""
     study = study_of(ask)
     number = ask.whole("number", 0, study.count - 1)
     ask.close()

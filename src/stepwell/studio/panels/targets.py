@@ -1,4 +1,4 @@
-"""Designs for a target, and how many that are built with tolerances reach theirs."""
+"""Panels of inverse design and of yield."""
 
 import math
 from typing import Any
@@ -17,7 +17,7 @@ _OBJECTIVES = ("yield", "worst")
 def answer_wish(_design: PageDesign, ask: Ask) -> View:
     """The record of `stepwell design --json`, the design, and in `shown` its cycle.
 
-    Asked for is a `sequence`, or `states` as text between blanks, or "all" of so many `cells`.
+    The target is a `sequence`, or `states` separated by blanks, or "all" for a number of `cells`.
     """
     wanted = _wanted(ask)
     tolerances = ask.tolerances()
@@ -34,10 +34,10 @@ def answer_wish(_design: PageDesign, ask: Ask) -> View:
         "most_force": force,
         "seed": seed,
     }
-    found = designed(**wanted, **how, holes=holes, progress=ask.tell)
-    tables = files.tables_in(files.dumps(found.chain))
+    result = designed(**wanted, **how, holes=holes, progress=ask.tell)
+    tables = files.tables_in(files.dumps(result.chain))
     shown = evaluated(PageDesign(tables), Ask())
-    header = {**accounts.account(found).record, "design": tables, "shown": shown.header}
+    header = {**accounts.account(result).record, "design": tables, "shown": shown.header}
     return View(header, shown.blocks)
 
 
@@ -50,21 +50,21 @@ def _wanted(ask: Ask) -> dict[str, Any]:
     if key == "states" and text == "all":
         return {"states": text, "cells": ask.whole("cells", 1, _MOST_CELLS)}
     if max(map(len, text.replace(">", " ").split()), default=0) > _MOST_CELLS:
-        most = f"at most {_MOST_CELLS} are placed here; `stepwell design` takes more"
+        most = f"the limit of the page is {_MOST_CELLS}; `stepwell design` accepts more"
         raise InputError(f"ask.{key} = {text[:60]!r}: has too many cells: {most}.")
     return {"sequence": text} if key == "sequence" else {"states": states}
 
 
 _MOST = 1_000_000
-# How many are made first, and no more if the engine has to follow each of them.
+# Samples of the first estimate; the only ones if each has to be simulated.
 _FIRST = 1000
 
 
 def answer_yield(design: PageDesign, ask: Ask) -> View:
-    """The record that `stepwell yield --json` prints, and the verdict that `stepwell check` gives.
+    """The record of `stepwell yield --json`, and the verdict of `stepwell check`.
 
-    Without `samples`, of few mechanisms first, then of as many as by default, unless each has to be
-    followed.
+    Without `samples`, a first estimate has few samples and a second one the default number, unless
+    each sample has to be simulated.
     """
     tolerances = ask.tolerances()
     n = ask.whole("samples", 1, _MOST) if ask.has("samples") else None
@@ -74,14 +74,14 @@ def answer_yield(design: PageDesign, ask: Ask) -> View:
     tied = bool(sequences.cycle(chain).path.degenerate)
     if n is None:
         first = yields(chain, tolerances, samples=_FIRST, seed=seed, progress=ask.tell)
-        view = View(_yield_told(first, tied))
+        view = View(_yield_record(first, tied))
         if first.by_engine > _FIRST // 10:
             return view
         ask.show(view)
-    found = yields(chain, tolerances, samples=n, seed=seed, progress=ask.tell)
-    return View(_yield_told(found, tied))
+    result = yields(chain, tolerances, samples=n, seed=seed, progress=ask.tell)
+    return View(_yield_record(result, tied))
 
 
-def _yield_told(found: Yield, tied: bool) -> dict[str, Any]:
-    verdict = judged(meets_target=True, tied=tied, interval=found.interval)
-    return {**accounts.account(found).record, "verdict": verdict}
+def _yield_record(result: Yield, tied: bool) -> dict[str, Any]:
+    verdict = judged(meets_target=True, tied=tied, interval=result.interval)
+    return {**accounts.account(result).record, "verdict": verdict}
