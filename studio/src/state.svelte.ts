@@ -26,7 +26,7 @@ const REST_MS = 400;
 /** What is asked of a design whenever it has changed. */
 export interface Follower {
   type: string;
-  /** Whether the server answers in a process of its own, with words on how far it is. */
+  /** Whether the server answers in a process of its own, with words on progress of the study. */
   long?: boolean;
   /** What is asked beside the design; null where nothing is. */
   ask?: () => object | null;

@@ -36,7 +36,7 @@ export const STEPS: Step[] = [
     until: () => does("00>01>11>10>00"),
   },
   {
-    say: "The discs say how far an anchor may be off before the order is another one. We take that back.",
+    say: "The discs say margin: smallest change of an anchor or a stiffness before the order is another one. We take that back.",
     does: async (hand) => hand.press("Undo"),
     until: () => does("00>10>11>01>00"),
   },
@@ -68,10 +68,10 @@ export const STEPS: Step[] = [
   {
     say: "Or the other way round: wish for an order, state by state, and a design is found for it.",
     does: async (hand) => {
-      await hand.press("Wish");
+      await hand.press("Target");
       for (const state of ["00", "01", "11", "10", "00"]) await hand.press(`State ${state}`);
       await hand.press("Find a design");
-      await hand.press("Take it");
+      await hand.press("Use this design");
     },
     until: () => does("00>01>11>10>00"),
   },

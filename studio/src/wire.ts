@@ -92,7 +92,7 @@ export class Wire {
    *
    * @param leg of a robot, whose chain is meant.
    * @param settle is given the answer, unless a newer one overtakes it.
-   * @param partly is given every word on the way to it: how far it is, or what is known already.
+   * @param partly is given every word on the way to it: progress of the study, or what is known already.
    */
   ask(
     type: string,

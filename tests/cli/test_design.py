@@ -208,7 +208,10 @@ def test_a_span_rises():
         (("00,1",), "as long as each other"),
         (("all:2", "--x", "20:0"), "'20:0': must rise"),
         (("all:2", "--y", "low"), "'low': must be FROM:TO in mm, as in 0:20."),
-        (("all:2", "--band", "rubber"), "'rubber': must be paper, robot, antennas, or K:LENGTH"),
+        (
+            ("all:2", "--band", "caoutchouc"),
+            "'caoutchouc': must be paper, robot, antennas, or K:LENGTH",
+        ),
         (("all:2", "--band", "-3:10"), "stiffness = -3.0 N/m: must be > 0 and finite."),
         (("all:2", "--objective", "best"), "best"),
         (("all:2", "--force-limit", 0), "must be > 0"),

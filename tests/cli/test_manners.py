@@ -2,19 +2,23 @@
 
 import json
 import os
+import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
+import typer
 from typer.main import get_command
 from typer.testing import CliRunner
 
 import stepwell
 from sizes import SIZE
-from stepwell.cli import app
-from stepwell.cli.screen import EXIT_CODES
+from stepwell.cli import app, ranges
+from stepwell.cli.screen import EXIT_CODES, FORMER_OPTIONS, SYNONYMS
 
 COMMAND = Path(sys.executable).with_name("stepwell")
 COMMANDS = [command.name for command in app.registered_commands]
@@ -131,18 +135,98 @@ OWN_DEFAULTS |= {"--travel-tolerance", "--drive", "--x", "--y", "--holes"}
 
 
 def test_an_option_has_one_default_in_all_commands():
-    found: dict[str, set[str]] = {}
+    defaults_of: dict[str, set[str]] = {}
     for command in LEAVES.values():
         for parameter in command.params:
             if not parameter.required:
-                found.setdefault(parameter.opts[0], set()).add(str(parameter.default))
-    unlike = {name for name, defaults in found.items() if len(defaults) > 1}
+                defaults_of.setdefault(parameter.opts[0], set()).add(str(parameter.default))
+    unlike = {name for name, defaults in defaults_of.items() if len(defaults) > 1}
     assert {name for name in unlike if name.startswith("--")} <= OWN_DEFAULTS
 
 
-def test_a_tolerance_and_a_target_have_one_name_in_all_commands():
-    names = {opt for command in LEAVES.values() for one in command.params for opt in one.opts}
-    assert not names & {"--wanted", "--want", "--to", "--stiffness", "--rest-length", "--travel"}
+# One name in place of several, by which an option is no longer called.
+FORMER = {"--wanted", "--want", "--to", "--start", "--stiffness", "--rest-length", "--travel"}
+
+
+def options() -> Iterator[tuple[str, str, Any]]:
+    """Every option of every command, with the command and its longest name."""
+    for names, command in LEAVES.items():
+        for one in command.params:
+            if one.opts[0].startswith("-"):
+                yield " ".join(names), max(one.opts, key=len), one
+
+
+def kind_of(option: Any) -> str:
+    """What an option takes; a range with a count is a range."""
+    kind = option.metavar or str(option.type_descriptor.annotation)
+    return {"NAME=FROM:TO:COUNT": "NAME=FROM:TO", "FROM:TO:COUNT": "FROM:TO"}.get(kind, kind)
+
+
+def test_one_option_name_takes_one_thing_in_all_commands():
+    kinds: dict[str, dict[str, str]] = {}
+    for command, name, option in options():
+        kinds.setdefault(name, {}).setdefault(kind_of(option), command)
+    unlike = {name: of for name, of in kinds.items() if len(of) > 1}
+    # The rest of what commands write is a folder, or one file.
+    assert unlike.pop("--out").keys() == {"DIR", "FILE"}
+    assert unlike == {}
+    assert not FORMER & kinds.keys()
+
+
+def test_one_option_name_has_one_meaning_in_all_commands():
+    # Behind a comma or the like, a command adds its own default or example.
+    heads: dict[tuple[str, str], dict[str, str]] = {}
+    for command, name, option in options():
+        head = re.split(r"[,;:.(\[]", option.help)[0].strip()
+        key = (name, option.metavar if name == "--out" else "")
+        heads.setdefault(key, {}).setdefault(head, command)
+    assert {key: of for key, of in heads.items() if len(of) > 1} == {}
+
+
+@pytest.mark.parametrize(
+    ("words", "name"),
+    [
+        (("plot", "forward.toml"), "'stepwell figure'"),
+        (("calibrate",), "'stepwell lab calibrate'"),
+        (("yield", "forward.toml", "--wanted", "0>1>0"), "--target"),
+        (("check", "forward.toml", "--stiffness-spread", "3"), "--stiffness-tolerance"),
+        (("sweep", "cycle", "forward.toml", "--built", "3"), "--monte-carlo"),
+        (("graph", "forward.toml", "--start", "00"), "--from"),
+    ],
+)
+def test_a_former_or_usual_name_is_answered_with_the_present_one(stepwell, words, name):
+    result = stepwell(*words)
+    assert result.exit_code == 2
+    assert name in result.output
+
+
+@pytest.mark.parametrize("name", sorted({*SYNONYMS.values()}))
+def test_every_suggested_command_exists(name):
+    assert name.startswith("--") or tuple(name.split()) in {*LEAVES} | {(one[0],) for one in LEAVES}
+
+
+def test_every_suggested_option_exists():
+    names = {name for _, name, _ in options()}
+    assert {one for meant in FORMER_OPTIONS.values() for one in meant} <= names
+
+
+@pytest.mark.parametrize("name", ["three-wave", "preset:three-wave"])
+def test_a_preset_is_read_by_its_name_alone(stepwell, name):
+    assert stepwell("map", name, "--x", "0:20:2", "--y", "0:10:2").exit_code == 0
+    assert stepwell("graph", name).exit_code == 0
+    assert stepwell("new", "copy.toml", "--preset", name, "--force").exit_code == 0
+
+
+@pytest.mark.parametrize("length", ["5", "5mm", "0.5cm", "5e-3m", "0.19685039370078740in"])
+def test_a_length_has_a_unit_or_is_in_millimetres(length):
+    assert ranges.length()(length) == pytest.approx(5)
+    assert ranges.span(f"-{length}:{length}") == ranges.Range(-5, pytest.approx(5))
+
+
+@pytest.mark.parametrize("length", ["5 furlongs", "mm", "-5", "nan", "5m5"])
+def test_a_wrong_length_is_refused(length):
+    with pytest.raises(typer.BadParameter, match="must be a length of at least 0 mm"):
+        ranges.length()(length)
 
 
 @pytest.mark.slow

@@ -213,7 +213,7 @@ def test_a_wrong_parameter_ends_in_code_2_with_what_is_allowed(stepwell, argumen
         ("outer.q=0:20:5", (), "take outer.q.x or outer.q.y."),
         ("inner.stiffness=20:40:5", (), "take two parameters."),
         ("outer.lever=-5:5:5", (), "lever"),
-        ("outer.q.x=0:20:5", ("--cell", "inner"), "cannot stand with --cell, --x or --y."),
+        ("outer.q.x=0:20:5", ("--cell", "inner"), "cannot be combined with --cell, --x or --y."),
     ],
 )
 def test_two_parameters_have_to_go_together(stepwell, across, options, message):

@@ -89,7 +89,10 @@ def test_list_shows_every_arena_with_its_title(stepwell):
     [
         (("robot-explorer", "three-wall"), "Did you mean three-walls?"),
         (("robot-forward", "open", "--disconnect"), "this robot has no antennas."),
-        (("robot-explorer", "open", "--disconnect", "--no-antennas"), "give one of the two"),
+        (
+            ("robot-explorer", "open", "--disconnect", "--no-antennas"),
+            "give only one of the options",
+        ),
         (("robot-explorer",), "ARENA"),
     ],
 )

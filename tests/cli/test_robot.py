@@ -128,10 +128,10 @@ def test_an_interrupted_sweep_goes_on_where_it_stopped(stepwell, tmp_path, monke
         (("foot.below_mm=0:1",), "must be KEY=FROM:TO:COUNT"),
         (("foot.below_mm=0:1:3", "--random", "2"), "must be KEY=FROM:TO with --random"),
         (("foot.below_mm=0:one:3",), "must be KEY=FROM:TO:COUNT"),
-        (("foot.below_mm=1:1:3",), "must go from one number to another"),
-        (("foot.below_mm=0:nan:3",), "must go from one number to another"),
+        (("foot.below_mm=1:1:3",), "must be a range of two numbers"),
+        (("foot.below_mm=0:nan:3",), "must be a range of two numbers"),
         (("foot.below_mm=0:1:1",), "the count must be 2 or more"),
-        (("foot.below_mm=0:1:2", "foot.below_mm=0:1:3"), "is there twice"),
+        (("foot.below_mm=0:1:2", "foot.below_mm=0:1:3"), "is given twice"),
         (("foot.below_mm=0:1:999", "floor.drag_N=0:1:999"), "998001 robots"),
         (("foot.below_mm=-2:-1:3",), "foot.below_mm = -2"),
     ],
@@ -170,5 +170,5 @@ def test_view_without_a_display_says_so_in_a_line(stepwell, monkeypatch):
     monkeypatch.setattr(screen, "has_display", lambda: False)
     result = stepwell("view", "robot-forward")
     assert (result.exit_code, result.stdout) == (1, "")
-    assert result.stderr.startswith("There is no display here")
+    assert result.stderr.startswith("The viewer needs a display")
     assert result.stderr.count("\n") == 1

@@ -144,7 +144,7 @@ def test_a_design_with_a_program_is_judged_by_what_the_program_does(stepwell, tm
         (("--target", "00>11"), "00>11"),
         (("--target", "000>111"), "000>111"),
         (("--program",), "forward.toml: has no table [program]"),
-        (("--program", "--sensitivity"), "--sensitivity: cannot stand with --program."),
+        (("--program", "--sensitivity"), "--sensitivity: cannot be combined with --program."),
         (("--lever-tolerance", 20), "must be smaller than the shortest lever"),
     ],
 )

@@ -59,7 +59,7 @@ def test_a_stiffness_is_typed_shown_as_default_and_taken_out_again(page: Page):
     settled(page)
     assert spin(page, name).input_value() == "28.5"
     same(page, tables("paper-forward"))
-    page.get_by_text("What all cells share").click()
+    page.get_by_text("Common to all cells").click()
     typed(page, "stiffness of all bands in N/m", 33)
     assert spin(page, name).input_value() == "33"
 
@@ -86,7 +86,7 @@ def test_a_bad_value_is_told_at_its_field_and_can_be_mended(page: Page):
 
 
 def test_an_actuator_is_a_number_or_rigid(page: Page):
-    page.get_by_text("What all cells share").click()
+    page.get_by_text("Common to all cells").click()
     field = page.get_by_role("textbox", name="actuator stiffness of the chain in N/m")
     assert field.input_value() == "rigid"
     field.fill("40")

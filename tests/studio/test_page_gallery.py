@@ -95,7 +95,7 @@ def test_designs_stand_in_groups_with_their_cells_and_sequences(gallery: Page):
     for heading, first in (
         ("The paper's", "paper-backward"),
         ("Further chains", "antenna-leg"),
-        ("Other elements than levers", "balloon"),
+        ("Other elements", "balloon"),
         ("Robots", "robot-15"),
     ):
         group = gallery.get_by_role("group", name=heading, exact=True)
@@ -130,7 +130,7 @@ def test_what_is_out_of_view_waits(gallery: Page):
 
 
 def test_all_hold_still_when_they_are_told_to(gallery: Page):
-    hold = gallery.get_by_role("button", name="Hold still")
+    hold = gallery.get_by_role("button", name="Pause animations")
     hold.click()
     expect(hold).to_have_attribute("aria-pressed", "true")
     gallery.wait_for_timeout(200)
@@ -145,7 +145,7 @@ def test_all_hold_still_when_they_are_told_to(gallery: Page):
 
 def test_nothing_moves_for_those_who_want_no_motion(gallery: Page):
     gallery.emulate_media(reduced_motion="reduce")
-    expect(gallery.get_by_role("button", name="Hold still")).to_have_count(0)
+    expect(gallery.get_by_role("button", name="Pause animations")).to_have_count(0)
     before = pictures(gallery)
     assert all("block" in one or "robot" in one for one in before)
     gallery.wait_for_timeout(800)
@@ -203,7 +203,7 @@ def test_the_gallery_that_was_left_goes_on_and_what_was_open_comes_first(
     again.add_init_script(without("thumbnails"))
     again.goto(empty_address)
     expect(cards(again)).to_have_count(len(presets()))
-    expect(again.locator(".card").first).to_contain_text("Go on where you were")
+    expect(again.locator(".card").first).to_contain_text("Continue with the last design")
     again.close()
 
 

@@ -206,7 +206,7 @@ def test_what_a_lost_server_leaves_is_saved_and_goes_on_in_the_next_at_its_port(
     opened.wrong.clear()  # the browser tells of every socket that did not open
     with served(tmp_path, "", int(port[1])) as address:
         page.goto(address)
-        page.get_by_role("button", name="Go on where you were").click()
+        page.get_by_role("button", name="Continue with the last design").click()
         expect(output(page, "sequence")).to_be_visible()
         settled(page)
         assert anchors(page, "outer")[1] == [15.0, 0.0]

@@ -187,8 +187,8 @@ def test_a_cycle_is_wished_by_clicks_and_taken_as_is_an_earlier_answer(page: Pag
     expect(output(page, "sequence found")).to_have_text(WHOLE)
     found = sw.design(WHOLE)
     assert number(page, "yield found") == float(f"{found.yield_.share * 100:.6g}")
-    expect(page.get_by_role("group", name="The design found, all cells at 0")).to_be_visible()
-    page.get_by_role("button", name="Take it").click()
+    expect(page.get_by_role("group", name="Design for the target, all cells at 0")).to_be_visible()
+    page.get_by_role("button", name="Use this design").click()
     expect(output(page, "sequence")).to_have_attribute("data-value", WHOLE)
     settled(page)
     assert chain_shown(page).cycle().peak_force == pytest.approx(found.chain.cycle().peak_force)
@@ -196,7 +196,7 @@ def test_a_cycle_is_wished_by_clicks_and_taken_as_is_an_earlier_answer(page: Pag
     expect(output(page, "sequence")).to_have_attribute("data-value", "00>10>11>01>00")
     expect(page.get_by_role("button", name="Undo")).to_be_disabled()
     # Of several answers an earlier one is taken.
-    pitch = page.get_by_role("spinbutton", name="Pitch of the holes in mm")
+    pitch = page.get_by_role("spinbutton", name="Spacing of the holes in mm")
     pitch.fill("5")
     pitch.press("Enter")
     page.get_by_role("button", name="Find a design").click()
@@ -219,7 +219,7 @@ def test_a_set_of_states_is_wished_and_reached(page: Page):
     # That the design is Python's is held where panels are asked without a page: it takes seconds.
     expect(output(page, "states found")).to_have_text("00 10 11", timeout=120_000)
     sequence = output(page, "sequence found").inner_text()
-    page.get_by_role("button", name="Take it").click()
+    page.get_by_role("button", name="Use this design").click()
     expect(output(page, "sequence")).to_have_attribute("data-value", sequence)
     settled(page)
     chain = chain_shown(page)
@@ -229,13 +229,13 @@ def test_a_set_of_states_is_wished_and_reached(page: Page):
 
 def test_what_cannot_be_had_is_told_with_its_proof(page: Page):
     opened_tab(page, "TargetOrders")
-    page.get_by_role("spinbutton", name="Largest force in N").fill("0.01")
-    page.get_by_role("spinbutton", name="Largest force in N").press("Enter")
+    page.get_by_role("spinbutton", name="Maximum force in N").fill("0.01")
+    page.get_by_role("spinbutton", name="Maximum force in N").press("Enter")
     wish(page)
     with pytest.raises(ValueError, match=re.escape("00>10")) as error:
         sw.design("00>10>11>01>00", most_force=0.01)
     expect(page.get_by_role("alert")).to_have_text(str(error.value))
-    expect(page.get_by_role("button", name="Take it")).to_have_count(0)
+    expect(page.get_by_role("button", name="Use this design")).to_have_count(0)
 
 
 def test_a_wish_of_five_cells_is_typed(page: Page):
@@ -261,7 +261,7 @@ def test_the_yield_is_pythons_and_follows_the_design(counted: Page):
     page = counted
     tolerance = page.get_by_role("spinbutton", name="Tolerance of the anchors in mm", exact=True)
     expect(output(page, "verdict")).to_have_text("works")
-    expect(output(page, "verdict, always in view")).to_be_in_viewport()
+    expect(output(page, "verdict in the bar")).to_be_in_viewport()
     expect(tolerance).to_have_value("0.3")
     tolerance.fill("4")
     tolerance.press("Enter")

@@ -24,7 +24,7 @@ def turn(page: Page, name: str):
 
 def drawn(page: Page) -> list[float]:
     """The turning points that the page shows [mm], without the first."""
-    found = page.get_by_role("group", name="The actuator's plan").get_by_role("slider").all()
+    found = page.get_by_role("group", name="Program of the actuator").get_by_role("slider").all()
     return [float(one.get_attribute("aria-valuenow") or "") for one in found]
 
 
@@ -60,7 +60,7 @@ def test_a_plan_goes_by_the_keyboard_alone(tab: Page):
 
 
 def test_it_is_brought_to_a_state_and_kept_in_the_design(tab: Page):
-    tab.get_by_role("textbox", name="Bring it to").fill("01")
+    tab.get_by_role("textbox", name="Target state").fill("01")
     tab.get_by_role("button", name="Plan", exact=True).click()
     expect(output(tab, "ends in")).to_have_text("01")
     points = [0.0, *drawn(tab)]
@@ -79,6 +79,6 @@ def test_it_is_brought_to_a_state_and_kept_in_the_design(tab: Page):
 
 
 def test_a_state_that_is_none_is_refused_in_words(tab: Page):
-    tab.get_by_role("textbox", name="Bring it to").fill("07")
+    tab.get_by_role("textbox", name="Target state").fill("07")
     tab.get_by_role("button", name="Plan", exact=True).click()
     expect(tab.get_by_role("alert")).to_have_text(re.compile("one digit a cell"))

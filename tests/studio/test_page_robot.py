@@ -51,7 +51,7 @@ def button(page: Page, name: str) -> Any:
 
 
 def plan(page: Page) -> Any:
-    return page.get_by_role("group", name="The robot on its floor, from above")
+    return page.get_by_role("group", name="The robot on the floor, top view")
 
 
 def drag(page: Page, begin: tuple[float, float], end: tuple[float, float]) -> None:

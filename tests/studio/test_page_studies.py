@@ -57,7 +57,7 @@ def test_an_open_study_shows_what_the_command_prints_and_its_table_is_downloaded
 ):
     opened_study(page, study)
     record = account(studies.status(study)).record
-    expect(output(page, "how far it is")).to_have_text("64 designs, all done")
+    expect(output(page, "progress of the study")).to_have_text("64 designs, all done")
     for row, one in zip(cells(page, "Outcomes"), record["outcomes"], strict=True):
         assert row[0] == one["value"] and int(row[1]) == one["designs"]
         assert told(row[2]) == float(f"{one['share'] * 100:.3g}")
@@ -66,7 +66,7 @@ def test_an_open_study_shows_what_the_command_prints_and_its_table_is_downloaded
         assert [told(text) for text in row[1:]] == [
             shown_as(one[key]) for key in ("least", "median", "most")
         ]
-    for row, one in zip(cells(page, "Which number decides what"), record["decided"], strict=True):
+    for row, one in zip(cells(page, "Influence of the parameters"), record["decided"], strict=True):
         sure = [each for each in one["influences"] if each["share"] > one["floor"]]
         said = re.findall(r"(\S+) ([\d.]+) %", row[1])
         assert [(name, float(share)) for name, share in said] == [
@@ -112,7 +112,7 @@ def test_a_study_is_begun_in_the_page_and_ends_there(page: Page, home: Path):
     page.get_by_role("button", name="Do not vary y of q of outer").click()
     expect(page.get_by_text("3 designs", exact=True)).to_be_visible()
     page.get_by_role("button", name="Start", exact=True).click()
-    expect(output(page, "how far it is")).to_have_text("3 designs, all done", timeout=SLOW)
+    expect(output(page, "progress of the study")).to_have_text("3 designs, all done", timeout=SLOW)
     (folder,) = (home / "studies").glob("forward-leg-cycle-*.zarr")
     study = studies.opened(folder)
     assert study.values("2.q.x").tolist() == pytest.approx([0.004, 0.010, 0.016])
@@ -140,7 +140,7 @@ def test_one_walks_from_machine_to_machine_finds_some_and_takes_one(
         machine = known[output(page, "machine").inner_text()]
         seen.add(machine.name)
         assert output(page, "cycle of the machine").inner_text() == machine.cycle
-        assert number(page, "share of the machine") == shown_as(machine.share.share * 100)
+        assert number(page, "fraction of the machine") == shown_as(machine.share.share * 100)
         assert number(page, "yield of the machine") == shown_as(machine.kept.share * 100)
         ground.press(key)
     assert len(seen) > 1
@@ -164,7 +164,7 @@ def test_one_walks_from_machine_to_machine_finds_some_and_takes_one(
     page.get_by_role("list", name="Neighbours").get_by_role("button").first.click()
     machine = known[output(page, "machine").inner_text()]
     assert machine != charted.machines[0]
-    page.get_by_role("button", name="Take it").click()
+    page.get_by_role("button", name="Use this design").click()
     settled(page)
     expect(output(page, "sequence")).to_have_attribute(
         "data-value", str(machine.chain.cycle().sequence)
@@ -174,11 +174,11 @@ def test_one_walks_from_machine_to_machine_finds_some_and_takes_one(
 def test_nobody_is_kept_out(page: Page, study: Study, charted: studies.Atlas, axe: str):
     opened_study(page, study)
     page.get_by_role("application", name=re.compile("^Designs over")).press("ArrowRight")
-    page.get_by_text("Where it is, and how a terminal does the same").click()
+    page.get_by_text("Location, and the command for a terminal").click()
     page.get_by_text("A new study of this design").click()
     in_every_window(page, axe)
     opened_atlas(page)
-    page.get_by_label("Least yield in percent").fill("99")
+    page.get_by_label("Minimum yield in percent").fill("99")
     page.get_by_role("button", name="Find", exact=True).click()
     expect(output(page, "found")).to_be_visible()
     in_every_window(page, axe)

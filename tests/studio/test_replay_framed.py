@@ -91,7 +91,7 @@ def test_what_it_rests_on_can_be_read_in_a_frame(offline: Opened, tmp_path: Path
     (frame,) = frames_of(page)
     words = frame.get_by_text("Quasi-static")
     expect(words).to_be_hidden()
-    frame.get_by_role("button", name="What this rests on").press("Enter")
+    frame.get_by_role("button", name="Assumptions").press("Enter")
     expect(words).to_be_visible()
     frame.get_by_role("button", name="Close").press("Enter")
     expect(words).to_be_hidden()
@@ -118,7 +118,7 @@ def test_twenty_cells_with_ties_leave_room_for_what_is_seen(offline: Opened, tmp
         assert tall[0] <= tall[1]
     ties = frame.get_by_text("so friction will decide").first
     expect(ties).to_be_hidden()
-    frame.get_by_role("button", name="What this rests on, and").click()
+    frame.get_by_role("button", name="Assumptions, and").click()
     expect(ties).to_be_visible()
 
 

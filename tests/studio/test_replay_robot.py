@@ -85,7 +85,7 @@ def test_a_walk_plays_to_its_end_and_goes_by_the_keyboard(
     slider = page.get_by_role("slider", name="Time in the run")
     slider.press("ArrowRight")
     expect(slider).to_have_value("1")
-    page.get_by_label("Speed of play").select_option("16")
+    page.get_by_label("Playback speed").select_option("16")
     page.get_by_role("button", name="Play the run").press("Enter")
     expect(page.get_by_role("button", name="Play the run")).to_be_visible()
     expect(slider).to_have_value(slider.get_attribute("max") or "")

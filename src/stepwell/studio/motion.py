@@ -181,7 +181,7 @@ def margins_of(limits: Margin | None) -> dict[str, Any]:
     known.sort(key=lambda change: (change.parameter != "anchor", change.distance))
     return {
         "margins": [_change(change) for change in limits.changes],
-        # The sequence after a change takes a cycle of its own: computed for the nearest change only.
+        # The sequence after a change takes a cycle of its own: computed for the nearest only.
         "margin": _change(known[0]) | {"becomes": known[0].becomes} if known else None,
         "method": limits.method.name.lower(),
     }

@@ -32,7 +32,7 @@ class Recordings {
         const size = (file.size / 2 ** 20).toFixed(0);
         this.refuse(`${file.name}: ${size} MiB, and at most 16 MiB can be taken. ${ADVICE}`);
       } else if (length > MESSAGE || others.length >= MOST) {
-        this.refuse(`${file.name}: with it the recordings are too many to be sent. ${ADVICE}`);
+        this.refuse(`${file.name}: together the recordings are too large. ${ADVICE}`);
       } else this.files = [...others, { name: file.name, gzip_base64: packed }];
     }
     this.changed();

@@ -1,4 +1,4 @@
-// The studies in the server's folder: which there are, the one that is open, and how far it is.
+// The studies in the server's folder: which there are, the one that is open, and progress of the study.
 
 import { refusal, studio } from "../state.svelte";
 import type { View } from "../wire";
