@@ -1,4 +1,4 @@
-// The colours of the cells, in the order that the figures have them and told apart by every eye.
+// The colours of the cells, in the order that the figures have them and distinguishable with colour blindness.
 // Loading and unloading keep Okabe and Ito's blue and vermillion for themselves.
 const LIGHT = [
   ...["#009e73", "#b5568f", "#b37a00", "#2f86b8", "#7a6a00", "#1f2328"],

@@ -201,8 +201,8 @@ export function withCellMirrored(cells: CellTable[], i: number): CellTable[] {
 /** To a hundredth of a millimetre, which is finer than any hole is drilled. */
 export const round = (mm: number): number => Math.round(mm * 100) / 100 + 0;
 
-/** A number for a reader: as many digits as can be told apart on a bench. */
-export function told(value: number | null | undefined, digits = 4): string {
+/** A number for a reader: as many digits as can be measured on a bench. */
+export function formatted(value: number | null | undefined, digits = 4): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   const short = Number(value.toPrecision(digits));
   return (Object.is(short, -0) ? 0 : short).toString().replace("-", "−");
@@ -231,8 +231,8 @@ export function fromHash(hash: string): Design | null {
 /** The design that JSON holds; null where it is none. */
 export function designIn(json: string | null): Design | null {
   try {
-    const found: unknown = JSON.parse(json ?? "null");
-    const design = found as Design | null;
+    const value: unknown = JSON.parse(json ?? "null");
+    const design = value as Design | null;
     return Array.isArray(design?.chain?.cell) || isRobot(design) ? design : null;
   } catch {
     return null;

@@ -1,4 +1,4 @@
-// What the actuator is to do: the plan on the page, and how it is edited and told.
+// What the actuator is to do: the plan on the page, and how it is edited and displayed.
 
 import type { Design } from "./design";
 import { type Plan, studio } from "./state.svelte";

@@ -45,11 +45,11 @@ export function ticks(low: number, high: number, about: number): number[] {
   const raw = (high - low) / about;
   const power = 10 ** Math.floor(Math.log10(raw));
   const step = power * ([1, 2, 5, 10].find((one) => one * power >= raw * 0.999) ?? 10);
-  const found: number[] = [];
+  const ticks: number[] = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1) {
-    found.push(Number((k * step).toPrecision(12)));
+    ticks.push(Number((k * step).toPrecision(12)));
   }
-  return found;
+  return ticks;
 }
 
 function range(values: ArrayLike<number>[]): [number, number] {

@@ -1,4 +1,4 @@
-// Paints a map: regions told apart by colour, hatching and letter, and the curves between them.
+// Paints a map: regions distinguished by colour, hatching and letter, and the curves between them.
 
 import { colour } from "./colours";
 import type { Point } from "./design";

@@ -24,11 +24,11 @@ export const STEPS: Step[] = [
     },
   },
   {
-    say: "The slider is the stroke. A snap is shown slowly; really it takes next to no time.",
+    say: "The slider is the stroke. Snaps are shown in slow motion; a real snap takes milliseconds.",
     does: async (hand) => hand.slide("Stroke", 0.5, 3000),
   },
   {
-    say: "Now one band is hooked in elsewhere, and the outer cell goes first. This leg walks backward.",
+    say: "Now one anchor is moved, and the outer cell snaps first. This leg walks backward.",
     does: async (hand) => {
       await hand.slide("Stroke", 0, 300);
       await hand.drag("q of outer", -15, 0, 3500);
@@ -36,12 +36,12 @@ export const STEPS: Step[] = [
     until: () => does("00>01>11>10>00"),
   },
   {
-    say: "The discs say margin: smallest change of an anchor or a stiffness before the order is another one. We take that back.",
+    say: "Each disc is the margin of an anchor: a larger displacement changes the sequence. Now back again.",
     does: async (hand) => hand.press("Undo"),
     until: () => does("00>10>11>01>00"),
   },
   {
-    say: "These are all states in which it can stand. A click, and it goes there the shortest way.",
+    say: "The graph shows all stable states. A click plans the shortest program to a state.",
     does: async (hand) => {
       await hand.press("Graph");
       await hand.press("Go to state 01");
@@ -49,7 +49,7 @@ export const STEPS: Step[] = [
     until: () => studio.way?.arrives === "01",
   },
   {
-    say: "A program is what the actuator does, turn by turn. Drag a turn, and see where it ends.",
+    say: "A program is a list of turning points of the actuator. Drag one, and the final state may change.",
     does: async (hand) => {
       await hand.press("Program");
       await hand.drag("Turn 1", 0, 70, 2500);
@@ -58,7 +58,7 @@ export const STEPS: Step[] = [
     until: () => studio.way === null,
   },
   {
-    say: "A map of where that anchor may be, with exact borders. A click takes the design there.",
+    say: "A map of the sequences for every position of that anchor, with exact boundaries. A click moves the design there.",
     does: async (hand) => {
       await hand.press("Map");
       await hand.point("Map over x of q of outer and y of q of outer", 0.42, 0.2);
@@ -66,7 +66,7 @@ export const STEPS: Step[] = [
     until: () => does("00>10>11>10>00"),
   },
   {
-    say: "Or the other way round: wish for an order, state by state, and a design is found for it.",
+    say: "Inverse design: give a target sequence, state by state, and a design is computed for it.",
     does: async (hand) => {
       await hand.press("Target");
       for (const state of ["00", "01", "11", "10", "00"]) await hand.press(`State ${state}`);
@@ -76,7 +76,7 @@ export const STEPS: Step[] = [
     until: () => does("00>01>11>10>00"),
   },
   {
-    say: "It comes with its yield: how many of a hundred that you build will do the same.",
+    say: "It comes with its yield: the fraction of samples within tolerance that have the same sequence.",
     until: () => studio.fresh.has("yield"),
   },
   {
@@ -93,12 +93,12 @@ export const STEPS: Step[] = [
     until: () => isThere("outcome"),
   },
   {
-    say: "No computer decides anything in it. And all of it is Python, if you like.",
+    say: "The robot has no computer on board. The design is also available as Python code.",
     does: async (hand) => {
       await hand.press("Show me the Python");
       await hand.watch(4000);
       await hand.press("Close");
     },
   },
-  { say: "That was the tour. Everything that you saw can be dragged: try it." },
+  { say: "That was the tour. All parts of the page can be dragged: try it." },
 ];

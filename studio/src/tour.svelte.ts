@@ -24,16 +24,16 @@ export class Hand {
 
   /** Waits until something with this name is there, and can be used. */
   async find(name: string): Promise<Element> {
-    const usable = (found: Element | null): boolean =>
-      found !== null && !(found as HTMLButtonElement).disabled;
+    const usable = (element: Element | null): boolean =>
+      element !== null && !(element as HTMLButtonElement).disabled;
     await this.tour.until(() => usable(named(name)), name);
     return named(name)!;
   }
 
   /** Presses a button, a tab, a state, a card. */
   async press(name: string): Promise<void> {
-    const found = await this.over(await this.find(name));
-    found.dispatchEvent(new MouseEvent("click", { bubbles: true, cancelable: true }));
+    const element = await this.over(await this.find(name));
+    element.dispatchEvent(new MouseEvent("click", { bubbles: true, cancelable: true }));
   }
 
   /** Writes into a field, or chooses from a menu. */
@@ -60,20 +60,20 @@ export class Hand {
 
   /** Points at a part of a picture, counted from its upper left corner, and clicks there. */
   async point(name: string, across: number, down: number): Promise<void> {
-    const found = await this.over(await this.find(name));
-    const box = found.getBoundingClientRect();
+    const element = await this.over(await this.find(name));
+    const box = element.getBoundingClientRect();
     const [x, y] = [box.x + across * box.width, box.y + down * box.height];
     const [x0, y0] = [this.tour.x, this.tour.y];
     const all = { bubbles: true, cancelable: true, pointerId: 1, isPrimary: true };
     await this.tour.over(1200, (part) => {
       [this.tour.x, this.tour.y] = [x0 + (x - x0) * part, y0 + (y - y0) * part];
       const at = { clientX: this.tour.x, clientY: this.tour.y };
-      found.dispatchEvent(new PointerEvent("pointermove", { ...all, ...at }));
+      element.dispatchEvent(new PointerEvent("pointermove", { ...all, ...at }));
     });
     const at = { clientX: x, clientY: y };
-    found.dispatchEvent(new PointerEvent("pointerdown", { ...all, ...at, buttons: 1 }));
-    found.dispatchEvent(new PointerEvent("pointerup", { ...all, ...at }));
-    found.dispatchEvent(new MouseEvent("click", { bubbles: true, cancelable: true, ...at }));
+    element.dispatchEvent(new PointerEvent("pointerdown", { ...all, ...at, buttons: 1 }));
+    element.dispatchEvent(new PointerEvent("pointerup", { ...all, ...at }));
+    element.dispatchEvent(new MouseEvent("click", { bubbles: true, cancelable: true, ...at }));
   }
 
   /** Drags a handle of a drawing, in the drawing's own units. */
@@ -185,7 +185,7 @@ class Tour {
     await this.hold(() => !this.paused);
   }
 
-  /** Something that takes so long, told how much of it has passed. */
+  /** An action of this duration, called with the elapsed fraction. */
   async over(ms: number, show: (part: number) => void): Promise<void> {
     const frames = Math.max(2, Math.round(ms / this.pace / 16));
     for (let k = 1; k <= frames; k += 1) {
@@ -231,8 +231,8 @@ function named(name: string): Element | null {
   if (labelled) return labelled;
   const pressed = document.querySelectorAll("button, [role=tab], [role=button], summary");
   const has = (one: Element): boolean => (one.querySelector("strong") ?? one).textContent?.trim() === name;
-  const found = [...pressed].find(has);
-  if (found) return found;
+  const element = [...pressed].find(has);
+  if (element) return element;
   const label = [...document.querySelectorAll("label")].find(
     (one) => one.textContent?.trim().startsWith(name),
   );

@@ -115,7 +115,7 @@ def test_longer_chains_and_the_legs_of_robots_have_their_curves(runs: list[Path]
     files = [packed(run.name, run.read_bytes()) for run in runs[:1]]
     told = ask("measured", tables("three-wave"), files=files).header
     assert told["series"][0]["verdict"] == ""
-    assert "3 cells" in told["told"][0]
+    assert "3 cells" in told["notes"][0]
     robot = tables("robot-forward")
     leg = ask("measured", robot, leg=1, files=files).header
     assert leg["series"][0]["verdict"].startswith("order agrees")
@@ -160,7 +160,7 @@ def test_a_stroke_in_another_unit_is_told(factor: float, runs: list[Path]):
     rows = zip(one.time, one.stroke * 1e3 * factor, one.force, strict=True)
     text = HEADER + b"".join(b"%f,%f,%f\n" % row for row in rows)
     header = ask("measured", tables("paper-forward"), files=[packed("m.csv", text)]).header
-    assert "check the unit in the header" in header["told"][0]
+    assert "check the unit in the header" in header["notes"][0]
     assert header["series"] == []
     with pytest.raises(lab.LabError, match="check the unit"):
         lab.compare([lab.read_bytes(text, "m.csv")], [sw.preset("paper-forward")])

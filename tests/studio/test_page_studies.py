@@ -151,7 +151,7 @@ def test_one_walks_from_machine_to_machine_finds_some_and_takes_one(
     query.press("Enter")
     found = {one.name for one in studies.find(charted, "reaches every state")}
     assert 0 < len(found) < 3
-    expect(output(page, "found")).to_contain_text(f"{len(found)} of 3 machines")
+    expect(output(page, "matches")).to_contain_text(f"{len(found)} of 3 machines")
     lit = page.locator(".machine.found")
     assert {one.get_attribute("data-name") for one in lit.all()} == found
     query.fill("reaches all")
@@ -180,7 +180,7 @@ def test_nobody_is_kept_out(page: Page, study: Study, charted: studies.Atlas, ax
     opened_atlas(page)
     page.get_by_label("Minimum yield in percent").fill("99")
     page.get_by_role("button", name="Find", exact=True).click()
-    expect(output(page, "found")).to_be_visible()
+    expect(output(page, "matches")).to_be_visible()
     in_every_window(page, axe)
 
 

@@ -386,7 +386,7 @@ def test_an_atlas_is_what_the_command_says_of_it(two: Path):
         }
     query = {"name": "two.zarr", "query": "reaches every state and not snaps", "yield_percent": 90}
     told, _ = unpacked(answered(Message("atlas", 2, None, query, 0, two)))
-    assert told["found"] == [
+    assert told["matches"] == [
         one.name for one in studies.find(found, "reaches every state and not snaps", 0.9)
     ]
     wrong, _ = unpacked(answered(Message("atlas", 3, None, query | {"query": "count"}, 0, two)))

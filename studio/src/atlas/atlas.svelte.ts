@@ -1,4 +1,4 @@
-// The atlas that is open: its machines, where one stands on the map, and what was found.
+// The atlas that is open: its machines, where one stands on the map, and the matches of a search.
 
 import type { Design, Point } from "../design";
 import { refusal, studio } from "../state.svelte";
@@ -63,7 +63,7 @@ class Charted {
   query = $state("");
   least = $state<number | null>(null);
   /** The names that do what was asked; null where nothing was. */
-  found = $state.raw<string[] | null>(null);
+  matches = $state.raw<string[] | null>(null);
   refused = $state("");
 
   machines = $derived<Machine[]>(this.view?.machines ?? []);
@@ -98,7 +98,7 @@ class Charted {
     this.view = null;
     this.problem = "";
     this.at = "";
-    this.found = null;
+    this.matches = null;
     this.done = 0;
     // One that is still being charted is not wanted any more.
     studio.cancel("atlas");
@@ -124,14 +124,14 @@ class Charted {
   find(): void {
     this.refused = "";
     if (!this.query.trim() && !this.least) {
-      this.found = null;
+      this.matches = null;
       return;
     }
     const asked = this.asked;
     const ask = { name: this.name, query: this.query, yield_percent: this.least ?? 0 };
     if (!this.query.trim()) {
       const least = this.least ?? 0;
-      this.found = this.machines.filter((one) => one.yield_low_percent >= least).map((one) => one.name);
+      this.matches = this.machines.filter((one) => one.yield_low_percent >= least).map((one) => one.name);
       return;
     }
     studio.once("atlas", ask, (view) => {
@@ -140,8 +140,8 @@ class Charted {
         this.refused = refusal(view);
         return;
       }
-      this.found = view.found;
-      if (view.found.length && !view.found.includes(this.at)) this.at = view.found[0];
+      this.matches = view.matches;
+      if (view.matches.length && !view.matches.includes(this.at)) this.at = view.matches[0];
     });
   }
 

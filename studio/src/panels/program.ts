@@ -7,7 +7,7 @@ export default {
   name: "program",
   title: "Program",
   place: "tab" as const,
-  // A plan is told anew of every design; nothing is driven by that.
+  // A plan is recomputed for every design; this does not move the mechanism.
   follows: {
     type: "program",
     ask: () => {

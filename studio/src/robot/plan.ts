@@ -71,16 +71,16 @@ export function outline(pose: Pose, part: Part): string {
 function hull(points: Point[]): Point[] {
   const sorted = points.toSorted(([a, b], [c, d]) => a - c || b - d);
   const half = (all: Point[]): Point[] => {
-    const found: Point[] = [];
+    const side: Point[] = [];
     for (const [x, y] of all) {
-      while (found.length > 1) {
-        const [[a, b], [c, d]] = found.slice(-2);
+      while (side.length > 1) {
+        const [[a, b], [c, d]] = side.slice(-2);
         if ((c - a) * (y - b) - (d - b) * (x - a) > 0) break;
-        found.pop();
+        side.pop();
       }
-      found.push([x, y]);
+      side.push([x, y]);
     }
-    return found.slice(0, -1);
+    return side.slice(0, -1);
   };
   return [...half(sorted), ...half(sorted.toReversed())];
 }

@@ -182,8 +182,8 @@ class RobotState {
 
 function arenaIn(json: string | null): Arena | null {
   try {
-    const found: unknown = JSON.parse(json ?? "null");
-    return found && typeof found === "object" && !Array.isArray(found) ? (found as Arena) : null;
+    const value: unknown = JSON.parse(json ?? "null");
+    return value && typeof value === "object" && !Array.isArray(value) ? (value as Arena) : null;
   } catch {
     return null;
   }

@@ -2,17 +2,17 @@
 
 import type { View } from "../wire";
 
-/** A run in full again, of which each column was told by its whole steps from sample to sample. */
+/** A run in full again, of which each column was sent as whole steps from sample to sample. */
 export function inFull(view: View): View {
   const blocks: Record<string, Float64Array> = {};
   const count = view.blocks.time.length;
-  for (const [name, told] of Object.entries<Int32Array>(view.blocks)) {
-    const width = told.length / count;
-    const full = new Float64Array(told.length);
+  for (const [name, sent] of Object.entries<Int32Array>(view.blocks)) {
+    const width = sent.length / count;
+    const full = new Float64Array(sent.length);
     for (let column = 0; column < width; column += 1) {
       let steps = 0;
       for (let k = 0; k < count; k += 1) {
-        steps += told[column * count + k];
+        steps += sent[column * count + k];
         full[k * width + column] = steps * view.steps[name];
       }
     }

@@ -3,7 +3,7 @@
 import { type Point } from "../design";
 import { ticks } from "../plot";
 
-/** A column of a study: its values as they are told; of words their places in the list. */
+/** A column of a study: its displayed values; for words, their indices in the list. */
 export interface Column {
   name: string;
   unit: string;
@@ -191,7 +191,7 @@ export function paintCloud(canvas: HTMLCanvasElement, frame: Frame, look: Look):
   pen.globalAlpha = 1;
 }
 
-// Words are told beside the picture; along an axis they have their letters.
+// Words are listed next to the picture; on an axis they have letters.
 function marks(column: Column | null, [low, high]: Point, about: number): [number, string][] {
   if (column?.words) return column.words.slice(0, -1).map((_, k) => [k, letterOf(k)]);
   return ticks(low, high, Math.max(2, about))

@@ -99,7 +99,7 @@ def answer_atlas(_design: PageDesign, ask: Ask) -> View:
     chart, near = _charted(store, ask)
     if query:
         machines = studies.find(chart, query, least / 100)
-        return View({"query": query, "found": [one.name for one in machines]})
+        return View({"query": query, "matches": [one.name for one in machines]})
     shown = chart.machines[:_MOST]
     names = {one.name for one in shown}
     among = [one for one in near if {one.machine, one.beyond} <= names]
