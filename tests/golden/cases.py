@@ -360,7 +360,7 @@ FILES = [
             "figure preset:paper-forward --panels gait",
             "figure preset:paper-forward --panels elements",
             "figure preset:paper-forward --panels snap",
-            "figure preset:paper-forward --width 88",
+            "figure preset:paper-forward --width 88ft",
             "figure preset:paper-forward --width nature",
             "figure preset:paper-forward --out f.txt",
             "figure preset:paper-forward --out f.svg --format pdf",
