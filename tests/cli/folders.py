@@ -8,13 +8,13 @@ from stepwell.files import manifest
 
 def written(folder: Path) -> set[str]:
     """The names of the results in a folder that holds nothing else and says so."""
-    told = manifest(folder)
-    assert {file.name for file in folder.iterdir()} == {*told["files"], "stepwell.json"}
-    for name in told["files"]:
+    content = manifest(folder)
+    assert {file.name for file in folder.iterdir()} == {*content["files"], "stepwell.json"}
+    for name in content["files"]:
         if name.endswith(".json"):
             record = json.loads((folder / name).read_text("utf-8"))
-            assert record.get("design_sha256") == told["design_sha256"]
-            assert record.get("seed") == told["seed"]
+            assert record.get("design_sha256") == content["design_sha256"]
+            assert record.get("seed") == content["seed"]
             assert record["versions"]["numpy"]
-            assert record["stepwell"] == told["stepwell"]
-    return set(told["files"])
+            assert record["stepwell"] == content["stepwell"]
+    return set(content["files"])

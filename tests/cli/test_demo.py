@@ -66,7 +66,7 @@ class Seen(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def told(tmp_path_factory) -> AxisQuantity:
+def story(tmp_path_factory) -> AxisQuantity:
     """One demo, told once for all that is asked of it."""
     folder = tmp_path_factory.mktemp("demo") / "out"
     with pytest.MonkeyPatch.context() as patch:
@@ -77,48 +77,48 @@ def told(tmp_path_factory) -> AxisQuantity:
 
 
 @pytest.fixture
-def opened(told, browser: "Browser") -> Iterator["Opened"]:
+def opened(story, browser: "Browser") -> Iterator["Opened"]:
     """The page in a browser that has no network."""
     from chromium import Opened
 
     context = browser.new_context(offline=True, viewport={"width": 360, "height": 780})
-    found = Opened(context.new_page())
-    found.page.goto((told.folder / "index.html").as_uri())
-    yield found
+    page = Opened(context.new_page())
+    page.page.goto((story.folder / "index.html").as_uri())
+    yield page
     context.close()
 
 
-def test_it_says_what_the_engine_says(told):
-    words = " ".join(told.words.split())
-    leg, other = (files.load(told.folder / f"{n}.toml").chain for n in ("leg", "leg-reversed"))
+def test_it_says_what_the_engine_says(story):
+    words = " ".join(story.words.split())
+    leg, other = (files.load(story.folder / f"{n}.toml").chain for n in ("leg", "leg-reversed"))
     for chain in (leg, other):
         assert str(chain.cycle().sequence) in words
         assert f"{chain.margin().anchors[1] * 1e3:.4g} mm" in words
     assert str(leg.cycle().sequence) != str(other.cycle().sequence)
-    wish = files.load(told.folder / "wish.toml").chain
+    wish = files.load(story.folder / "wish.toml").chain
     assert str(wish.cycle().sequence) == steps._TARGET
     built = wish.yields(sw.Tolerances(anchor=1e-3, stiffness=0.05))
     assert f"{built.successes:,} of {built.samples:,} random samples" in words
-    turning = files.load(told.folder / "robot-turning.toml").robot.walk(cycles=steps._CYCLES)
+    turning = files.load(story.folder / "robot-turning.toml").robot.walk(cycles=steps._CYCLES)
     assert f"{np.degrees(turning.turn[1:].mean()):.3g}°" in words
     assert turning.turn[1:].mean() > np.radians(10)
 
 
-def test_the_fingers_program_puts_up_one_finger_alone(told):
-    hand = files.load(told.folder / "fingers.toml").chain
-    plan = files.load(told.folder / "fingers.toml").program
+def test_the_fingers_program_puts_up_one_finger_alone(story):
+    hand = files.load(story.folder / "fingers.toml").chain
+    plan = files.load(story.folder / "fingers.toml").program
     assert plan is not None
     program = plan.on(hand)
     up = [name for name, state in zip(hand.names, program.target, strict=True) if state == "1"]
     assert up == [steps._FINGER]
     assert program.arrives == program.target
     for point in program.turning_points[1:]:
-        assert f"{point * 1e3:.4g} " in told.words
+        assert f"{point * 1e3:.4g} " in story.words
 
 
-def test_the_lines_it_shows_of_a_design_file_are_in_it(told):
-    text = {file.name: file.read_text("utf-8") for file in told.folder.glob("*.toml")}
-    shown = "".join(Seen(told.page).words)
+def test_the_lines_it_shows_of_a_design_file_are_in_it(story):
+    text = {file.name: file.read_text("utf-8") for file in story.folder.glob("*.toml")}
+    shown = "".join(Seen(story.page).words)
     anchors = [line for line in text["wish.toml"].splitlines() if line.startswith("q_mm")]
     assert len(anchors) == 3 and all(f"{line} # " in shown for line in anchors)
     assert text["fingers.toml"].partition("[program]")[2].strip() in shown
@@ -128,24 +128,24 @@ def test_the_lines_it_shows_of_a_design_file_are_in_it(told):
     assert come[1:] in text["leg-reversed.toml"] and come[1:] in text["robot-turning.toml"]
 
 
-def test_the_page_is_complete_in_itself_and_has_a_step_for_each_that_was_told(told):
-    page = Seen(told.page)
+def test_the_page_is_complete_in_itself_and_has_a_step_for_each_that_was_told(story):
+    page = Seen(story.page)
     assert all(name.startswith("data:") for name in page.named)
-    assert "url(" not in told.page.partition("</style>")[0]
+    assert "url(" not in story.page.partition("</style>")[0]
     words = " ".join(" ".join(page.words).split())
     for telling in reports.STEPS:
-        assert telling.title in words and telling.title in told.words
-    assert {step.removesuffix(".toml") for step in written(told.folder)} >= {"leg", "wish"}
-    assert written(told.folder) == set(files.OUTPUTS["demo"])
+        assert telling.title in words and telling.title in story.words
+    assert {step.removesuffix(".toml") for step in written(story.folder)} >= {"leg", "wish"}
+    assert written(story.folder) == set(files.OUTPUTS["demo"])
 
 
 @pytest.mark.parametrize("keeps", ["stepwell run", "stepwell program", "stepwell map"])
-def test_its_commands_can_be_typed_in_its_folder(told, keeps, tmp_path, monkeypatch):
-    _copy_designs(told.folder, tmp_path)
+def test_its_commands_can_be_typed_in_its_folder(story, keeps, tmp_path, monkeypatch):
+    _copy_designs(story.folder, tmp_path)
     monkeypatch.chdir(tmp_path)
-    found = [line for line in Seen(told.page).commands if line.startswith(keeps)]
-    assert found
-    for line in found:
+    lines = [line for line in Seen(story.page).commands if line.startswith(keeps)]
+    assert lines
+    for line in lines:
         result = CliRunner().invoke(app, shlex.split(line)[1:], prog_name="stepwell")
         assert result.exit_code == 0, result.output
 
@@ -155,25 +155,25 @@ def _copy_designs(source: Path, target: Path) -> None:
         (target / file.name).write_bytes(file.read_bytes())
 
 
-def test_every_command_on_the_page_is_one(told):
-    lines = Seen(told.page).commands
+def test_every_command_on_the_page_is_one(story):
+    lines = Seen(story.page).commands
     assert len(lines) >= len(reports.STEPS)
     for line in lines:
         words = shlex.split(line.strip())
         known = [file for file in words if file.endswith(".toml")]
-        assert all((told.folder / name).exists() for name in known), line
+        assert all((story.folder / name).exists() for name in known), line
         help_ = CliRunner().invoke(app, [words[1], "--help"], prog_name="stepwell").stdout
         assert all(word in help_ for word in words if word.startswith("--")), line
 
 
-def test_all_that_moves_plays_with_the_network_off(told, opened):
+def test_all_that_moves_plays_with_the_network_off(story, opened):
     from playwright.sync_api import expect
 
     page = opened.page
     assert page.evaluate("document.documentElement.scrollWidth") <= 360
     frames = page.locator("iframe")
     moving = [step for step in reports.STEPS if "tables" not in step.needs]
-    assert frames.count() == Seen(told.page).frames >= len(moving)
+    assert frames.count() == Seen(story.page).frames >= len(moving)
     for k in range(frames.count()):
         frames.nth(k).scroll_into_view_if_needed()
         slider = frames.nth(k).content_frame.get_by_role("slider").first
@@ -183,7 +183,7 @@ def test_all_that_moves_plays_with_the_network_off(told, opened):
         expect(slider).not_to_have_value(reached)
     assert not opened.wrong
     assert [url for url in opened.asked if not url.startswith(("data:", "about:"))] == [
-        (told.folder / "index.html").as_uri()
+        (story.folder / "index.html").as_uri()
     ]
 
 

@@ -37,9 +37,9 @@ def test_json_alone_says_everything(stepwell, tmp_path):
     assert record["proved"]
     assert len(record["states"]) == record["state_count"] == 8
     assert all(v % 5 == 0 for cell in record["cells"] for v in cell["q_mm"])
-    for cell, told in zip(chain.cells, record["cells"], strict=True):
-        assert told["F0_N"] == pytest.approx(cell.force_0)
-        assert told["q_mm"] == pytest.approx([v * 1e3 for v in cell.bands[0].q])
+    for cell, row in zip(chain.cells, record["cells"], strict=True):
+        assert row["F0_N"] == pytest.approx(cell.force_0)
+        assert row["q_mm"] == pytest.approx([v * 1e3 for v in cell.bands[0].q])
     again = yields(chain, Tolerances(0.0003, 0.05), samples=2000)
     assert record["yield"]["share"] == again.share
     assert len(record.pop("files")) == 6
@@ -182,11 +182,11 @@ def test_how_far_pressures_are_from_doing_it_is_told_in_their_unit(stepwell):
 @pytest.mark.slow
 def test_by_which_share_all_forces_may_be_off_is_told_of_elements(stepwell):
     options = "--element", "preset:von-mises-truss", "--drive", "force", "--samples", 50
-    found = json.loads(stepwell("design", BACK, *options, "--json").stdout)["robustness"]
-    assert 0.0 < found["share"] < 1.0
-    assert found["radius_mm"] is None
-    told = f"All forces may be off by {found['share'] * 100:.4g} % at once"
-    assert told in " ".join(stepwell("design", BACK, *options).stdout.split())
+    robustness = json.loads(stepwell("design", BACK, *options, "--json").stdout)["robustness"]
+    assert 0.0 < robustness["share"] < 1.0
+    assert robustness["radius_mm"] is None
+    sentence = f"All forces may be off by {robustness['share'] * 100:.4g} % at once"
+    assert sentence in " ".join(stepwell("design", BACK, *options).stdout.split())
 
 
 def test_a_span_rises():

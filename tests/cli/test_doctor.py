@@ -105,10 +105,10 @@ def test_an_installation_without_packages_keeps_to_the_schema_and_has_every_form
     monkeypatch.setattr(installed, "_version", lambda name: None)
     names: tuple[str, ...] = ("cores", "kernels", "OpenGL", "display")
     probes: dict[str, Callable[[], Any]] = dict.fromkeys(names, lambda: None)
-    found = account(installation(probes))
-    assert violations(found.record) == []
-    assert found.record["packages"][0]["version"] is None and found.record["kernels"] is None
-    for form in (card(found), page(found)):
+    listed = account(installation(probes))
+    assert violations(listed.record) == []
+    assert listed.record["packages"][0]["version"] is None and listed.record["kernels"] is None
+    for form in (card(listed), page(listed)):
         assert "Packages are missing" in form and "numpy" in form
 
 
@@ -134,9 +134,9 @@ def test_it_says_whether_compiled_kernels_can_be_kept(tmp_path, monkeypatch, wri
     try:
         if writable:
             store.write("advance-1-2", b"machine code")
-        found = store.kept()
+        folder = store.kept()
     finally:
         store.folder.cache_clear()
-    assert found.folder == place / "stepwell"
-    assert (found.writable, found.compiled) == (writable, int(writable))
-    assert (found.size > 0) == writable
+    assert folder.folder == place / "stepwell"
+    assert (folder.writable, folder.compiled) == (writable, int(writable))
+    assert (folder.size > 0) == writable

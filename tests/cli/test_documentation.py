@@ -161,10 +161,10 @@ def lab_records() -> list[dict[str, Any]]:
     fit = lab.fit_bands(test, lab.choose_law(test))
     compared = lab.compare([*runs, bump])
     assert compared.cells[-1].rises
-    found = lab.calibrate(lab.prepare(lab.sort_series(runs).series))
+    calibration = lab.calibrate(lab.prepare(lab.sort_series(runs).series))
     return [
         account(value).record
-        for value in (lab.Batch(tuple(pulls), (lab.LabError("", ""),)), fit, compared, found)
+        for value in (lab.Batch(tuple(pulls), (lab.LabError("", ""),)), fit, compared, calibration)
     ]
 
 
@@ -173,7 +173,7 @@ def motion_records() -> list[dict[str, Any]]:
     forward, wave = sw.preset("paper-forward"), sw.preset("three-wave")
     axes = ("outer.q.x", [0.0, 0.01, 0.02]), ("inner.stiffness", [20.0, 30.0, 40.0])
     spread = Tolerances(anchor=0.002, stiffness=0.1)
-    found = forward.program("01")
+    program = forward.program("01")
     x, y = [0.0, 0.01, 0.02], [-0.01, 0.0, 0.01]
     with pytest.raises(Unreachable) as unreachable:
         sw.preset("used-before").program("01")
@@ -184,14 +184,14 @@ def motion_records() -> list[dict[str, Any]]:
         wave.graph("force"),
         sw.preset("countdown").graph(),
         wave.implicit_graph("force").walked(),
-        found,
+        program,
         sw.preset("force-control").program("01"),
         unreachable.value,
         design("00>01>11>10>00", samples=100),
         impossible.value,
         yields(forward, spread, samples=500, sensitivity=True),
         sw.check(forward, None, spread, samples=100),
-        survival(forward, found.turning_points, "01", spread, samples=3),
+        survival(forward, program.turning_points, "01", spread, samples=3),
         reprogram(forward, None, "inner.p"),
         reprogram(sw.preset("balloon"), None, "thin.force_scale"),
         MapView(parameter_map(forward, *axes), parameter_boundaries(forward, *axes)),
@@ -209,8 +209,8 @@ def test_every_name_of_the_json_is_documented():
     names = {name for record in records for name in keys_of(record)} - {"unsolved"}
     for name in sorted(names):
         # Drives that are forces end in _N, as the page says once for all of them.
-        told = (name, re.sub("_N$", "_mm", name))
-        assert any(f"`{one}`" in text or f'"{one}"' in text for one in told), name
+        forms = (name, re.sub("_N$", "_mm", name))
+        assert any(f"`{one}`" in text or f'"{one}"' in text for one in forms), name
 
 
 # In the quick run all commands once, on their own page, and two shorter ones.
@@ -225,13 +225,13 @@ PICTURES = {
 
 
 def _charted_once(charted):
-    found = {}
+    charts = {}
 
     def once(study, *, tolerances, checks, progress):
         key = study.identity, tolerances
-        if key not in found:
-            found[key] = charted(study, tolerances=tolerances, checks=checks, progress=progress)
-        return found[key]
+        if key not in charts:
+            charts[key] = charted(study, tolerances=tolerances, checks=checks, progress=progress)
+        return charts[key]
 
     return once
 

@@ -141,15 +141,15 @@ def test_what_is_too_long_to_be_listed_is_counted_and_walked(stepwell, tmp_path,
     assert record["transitions"] == 2 * implicit.vertex_count - 2
     assert record["start"] == record["walk"][0]["label"] == "0" * cells
     assert record["walk_whole"] is False
-    for node, told in zip(implicit.walk(most=24), record["walk"], strict=True):
-        assert (told["label"], told["low_N"], told["high_N"]) == (node.label, node.low, node.high)
+    for node, row in zip(implicit.walk(most=24), record["walk"], strict=True):
+        assert (row["label"], row["low_N"], row["high_N"]) == (node.label, node.low, node.high)
         for key, way in (("up", implicit.up(node.label)), ("down", implicit.down(node.label))):
-            assert (way is None) == (told[key] is None)
+            assert (way is None) == (row[key] is None)
             if way is not None:
-                assert told[key]["to"] == way[0]
-                assert told[key]["drive_N"] == way[1].drive
-                assert told[key]["cells"] == list(way[1].cells)
-                assert told[key]["released_mJ"] == pytest.approx(way[1].released * 1e3)
+                assert row[key]["to"] == way[0]
+                assert row[key]["drive_N"] == way[1].drive
+                assert row[key]["cells"] == list(way[1].cells)
+                assert row[key]["released_mJ"] == pytest.approx(way[1].released * 1e3)
 
 
 def test_its_walk_begins_where_start_says(stepwell, tmp_path):
@@ -179,7 +179,7 @@ def test_a_file_of_what_cannot_be_listed_is_refused_with_who_still_answers(stepw
     sw.save(long_chain(24, actuator_stiffness=0.0), tmp_path / "long.toml")
     result = stepwell("graph", "long.toml", "-o", "long.dot")
     assert result.exit_code == 2
-    told = " ".join(result.output.split())
-    assert "24 cells of which all 2^N states are sorted: at most 20 are taken" in told
-    assert "ask chain.implicit_graph(), which counts states" in told
+    message = " ".join(result.output.split())
+    assert "24 cells of which all 2^N states are sorted: at most 20 are taken" in message
+    assert "ask chain.implicit_graph(), which counts states" in message
     assert not (tmp_path / "long.dot").exists()

@@ -61,8 +61,8 @@ def interrupted(
         while begun is not None and not begun.exists() and process.poll() is None:
             time.sleep(0.05)
         os.killpg(process.pid, signal.SIGINT)
-        _, told = process.communicate(timeout=60)
-        return process.returncode, told
+        _, message = process.communicate(timeout=60)
+        return process.returncode, message
     pytest.fail(f"{arguments} was done within {after} s")
 
 
@@ -89,15 +89,15 @@ def test_ctrl_c_ends_long_work_with_one_line(tmp_path, arguments):
     (tmp_path / "long.toml").write_text(long_chain())
     (tmp_path / "slack.toml").write_text(SLACK)
     begun = tmp_path / "out" / "unfinished" if arguments[0] == "robot" else None
-    code, told = interrupted(2.5, *arguments, cwd=tmp_path, begun=begun)
-    assert code == 130, told
-    assert len(told.splitlines()) == 1 and told.startswith("Interrupted"), told
+    code, message = interrupted(2.5, *arguments, cwd=tmp_path, begun=begun)
+    assert code == 130, message
+    assert len(message.splitlines()) == 1 and message.startswith("Interrupted"), message
     left = {path.name for path in tmp_path.rglob("*")} - {"long.toml", "slack.toml"}
     if arguments[0] == "robot":
-        assert "run the same command again" in told
+        assert "run the same command again" in message
         assert "unfinished" in left
     else:
-        assert "nothing was written" in told and left == set()
+        assert "nothing was written" in message and left == set()
 
 
 SWALLOWS = """
@@ -179,8 +179,8 @@ def test_ctrl_c_is_heard_where_a_script_runs_a_command_as_it_opens(tmp_path):
     with pytest.raises(subprocess.TimeoutExpired):
         process.wait(1.5)
     process.send_signal(signal.SIGINT)
-    _, told = process.communicate(timeout=30)
-    assert process.returncode == 130 and told.startswith("Interrupted"), told
+    _, message = process.communicate(timeout=30)
+    assert process.returncode == 130 and message.startswith("Interrupted"), message
 
 
 PARSES = """
@@ -206,12 +206,12 @@ def test_ctrl_c_before_a_command_begins_ends_with_one_line():
 @pytest.mark.parametrize("after", cases([0.05, 0.1, 0.15, 0.25, 0.4, 0.7], [0.05, 0.15, 0.4]))
 def test_ctrl_c_while_the_program_opens_shows_no_traceback(tmp_path, after):
     (tmp_path / "slack.toml").write_text(SLACK)
-    code, told = interrupted(after, "yield", "slack.toml", "--samples", "500000", cwd=tmp_path)
+    code, message = interrupted(after, "yield", "slack.toml", "--samples", "500000", cwd=tmp_path)
     # Before Python has read the first line of ours, Ctrl-C is Python's own; on a machine with much
     # else to do that takes a while.
     assert code in (130, -signal.SIGINT) or (after <= 0.1 and code == 1)
     if code == 130:
-        assert len(told.splitlines()) == 1 and told.startswith("Interrupted"), told
+        assert len(message.splitlines()) == 1 and message.startswith("Interrupted"), message
 
 
 # In the quick run one is interrupted above, and another one goes on, in tests/cli/test_robot.py.
@@ -238,8 +238,8 @@ def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path):
     while process.poll() is None and not list(parts.glob("part-*.json")):
         time.sleep(0.05)
     os.killpg(process.pid, signal.SIGINT)
-    _, told = process.communicate(timeout=60)
-    assert process.returncode == 130 and "run the same command again" in told
+    _, message = process.communicate(timeout=60)
+    assert process.returncode == 130 and "run the same command again" in message
     kept = {path.name: path.stat().st_mtime_ns for path in parts.glob("part-*.json")}
     assert kept
     done = subprocess.run(sweep, cwd=tmp_path, capture_output=True, text=True, check=False)

@@ -54,11 +54,11 @@ def test_the_papers_map_has_the_papers_areas(stepwell):
     # Physics of the two-cell map, q_out over x 0..20, y -15..15 mm.
     record = json.loads(stepwell("map", "forward.toml", "--json").stdout)
     expected = {"counterclockwise": 0.261, "via_01": 0.262, "via_10": 0.262, "clockwise": 0.215}
-    found = {name: record["pathway_shares"][name] for name in expected}
-    assert found == pytest.approx(expected, abs=2e-3)
+    fractions = {name: record["pathway_shares"][name] for name in expected}
+    assert fractions == pytest.approx(expected, abs=2e-3)
     assert sum(record["pathway_shares"].values()) == pytest.approx(1.0)
     by_sequence = {pathway.name.lower(): record["shares"][pathway.value] for pathway in FOUR}
-    assert by_sequence == found
+    assert by_sequence == fractions
 
 
 @pytest.mark.slow

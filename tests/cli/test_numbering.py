@@ -14,10 +14,10 @@ from stepwell.sequences.memory import Scrambling
 def test_a_cell_typed_as_a_number_counts_from_1(stepwell, number, name):
     of = ("forward.toml", "--json")
     over = (f"{number}.q.x=0:20:3", f"{3 - int(number)}.q.x=0:10:3")
-    told = json.loads(
+    record = json.loads(
         stepwell("map", *of, "--x", "0:20:3", "--y", "0:9:3", "--cell", number).stdout
     )
-    assert told["moved_cell"] == name
+    assert record["moved_cell"] == name
     across = stepwell("map", *of, "--across", over[0], "--up", over[1])
     assert f'"{name}.q.x"' in across.stdout
     result = stepwell("reprogram", *of, "--by", f"{number}.p")

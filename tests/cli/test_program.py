@@ -18,12 +18,12 @@ def test_it_prints_the_account_and_as_json_its_record(stepwell):
     text, chain = Path("forward.toml").read_text("utf-8"), sw.load("forward.toml")
     for begin in ((), ("--from", "10")):
         program = chain.program("01", start="".join(begin[1:]) or None)
-        found = account(program, About(text, "forward.toml"))
+        expected = account(program, About(text, "forward.toml"))
         arguments = "program", "forward.toml", *begin, "--target", "01"
         result = stepwell(*arguments)
-        shown = "\n".join(line.text for line in terminal(found))
+        shown = "\n".join(line.text for line in terminal(expected))
         assert (result.exit_code, result.stdout) == (0, f"{shown}\n")
-        assert json.loads(stepwell(*arguments, "--json").stdout) == found.record | {"files": []}
+        assert json.loads(stepwell(*arguments, "--json").stdout) == expected.record | {"files": []}
 
 
 def test_the_start_is_all_cells_at_0_by_default(stepwell):
@@ -152,9 +152,9 @@ def test_a_robust_program_is_found_or_proved_to_be_none(stepwell, race):
     assert refused.exit_code == 3
     record = json.loads(refused.stdout)
     assert (record["robust"], record["meets_target"], record["proved"]) == (10.0, False, True)
-    found = stepwell(*arguments, "010", "--json")
-    assert found.exit_code == 0
-    record = json.loads(found.stdout)
+    result = stepwell(*arguments, "010", "--json")
+    assert result.exit_code == 0
+    record = json.loads(result.stdout)
     assert (record["robust"], record["meets_target"]) == (10.0, True)
     record = json.loads(stepwell("program", "race.toml", "--target", "010", "--json").stdout)
     assert record["robust"] is None

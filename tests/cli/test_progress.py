@@ -27,12 +27,12 @@ def at_a_terminal(monkeypatch) -> Terminal:
     return screen
 
 
-def telling(told):
+def telling(reported):
     """In the place of `progress`: keeps what is told."""
 
     @contextmanager
     def kept(_):
-        yield lambda done, total: told.append((done, total))
+        yield lambda done, total: reported.append((done, total))
 
     return kept
 
@@ -91,13 +91,13 @@ def test_a_million_small_steps_move_the_bar_now_and_then(monkeypatch):
     ids=["reprogram", "graph", "robot"],
 )
 def test_commands_that_may_take_long_tell_their_progress(stepwell, module, arguments, monkeypatch):
-    told: list[tuple[float, float]] = []
-    monkeypatch.setattr(f"stepwell.cli.{module}.progress", telling(told))
+    reported: list[tuple[float, float]] = []
+    monkeypatch.setattr(f"stepwell.cli.{module}.progress", telling(reported))
     if arguments[1] == "converge":
         few = simulation.convergence
         monkeypatch.setattr(
             simulation, "convergence", lambda robot, **rest: few(robot, (1e-3, 5e-4), **rest)
         )
     assert stepwell(*arguments).exit_code in (0, 3)
-    assert len(told) > 3
-    assert all(0 <= done <= total + 1e-6 for done, total in told)
+    assert len(reported) > 3
+    assert all(0 <= done <= total + 1e-6 for done, total in reported)

@@ -16,22 +16,22 @@ BACK = "00>01>11>10>00"
 
 def test_the_account_of_the_reprogramming_is_printed(stepwell):
     result = stepwell("reprogram", "forward.toml", "--by", "inner.p", "--target", BACK)
-    found = reprogram(sw.load("forward.toml"), BACK, "inner.p")
+    expected = reprogram(sw.load("forward.toml"), BACK, "inner.p")
     assert result.exit_code == 0
-    assert result.stdout.splitlines() == [line.text for line in terminal(account(found))]
+    assert result.stdout.splitlines() == [line.text for line in terminal(account(expected))]
 
 
 def test_json_alone_says_everything(stepwell):
     options = ("--by", "outer.q", "--along", "0:1", "--one-way", "--json")
     record = json.loads(stepwell("reprogram", "forward.toml", *options).stdout)
-    found = reprogram(sw.load("forward.toml"), None, "outer.q", along=(0, 1), one_way=True)
+    result = reprogram(sw.load("forward.toml"), None, "outer.q", along=(0, 1), one_way=True)
     assert record["schema"] == "stepwell.reprogram/2"
     assert record["possible"]
-    assert record["displacement_mm"] == [part * 1e3 for part in found.move]
-    assert record["after"] == found.after
+    assert record["displacement_mm"] == [part * 1e3 for part in result.move]
+    assert record["after"] == result.after
     assert record["way"][-1]["at_mm"] == pytest.approx(record["displacement_mm"])
-    assert record["way"][-1]["force_at_0_N"] == found.resistance.force_0[-1]
-    assert record["work_at_1_mJ"] == found.resistance.work_1 * 1e3
+    assert record["way"][-1]["force_at_0_N"] == result.resistance.force_0[-1]
+    assert record["work_at_1_mJ"] == result.resistance.work_1 * 1e3
 
 
 def test_the_folder_holds_the_design_past_the_change_and_the_way(stepwell, tmp_path):

@@ -37,11 +37,11 @@ def test_show_lists_every_number_with_unit_and_source_draws_the_robot_and_keeps_
 def test_no_number_is_lost_or_changed_where_they_are_put_together():
     for name in ("robot-forward", "robot-left", "robot-explorer"):
         robot = files.preset(name)
-        told = sorted(
+        values = sorted(
             (one.source, one.unit, value) for one in files.provenance(robot) for value in one.values
         )
         every = {(one.source, one.unit, *one.values) for one in files.parameters(robot)}
-        assert set(told) == every
+        assert set(values) == every
         again = {
             one.path: one.values[0] if len(one.values) == 1 else one.values
             for one in files.provenance(robot)

@@ -24,17 +24,17 @@ FILES = {
 DRAWINGS = {"landscape", "mechanism", "around", "yield"}
 
 
-def _screen(found: Account) -> str:
-    return "\n".join(line.text for line in terminal(found)) + "\n"
+def _screen(account: Account) -> str:
+    return "\n".join(line.text for line in terminal(account)) + "\n"
 
 
 def test_it_prints_the_account_and_as_json_its_record(stepwell):
     text, chain = Path("forward.toml").read_text("utf-8"), sw.load("forward.toml")
-    found = account(Run.of(chain), About(text, "forward.toml"))
+    expected = account(Run.of(chain), About(text, "forward.toml"))
     result = stepwell("run", "forward.toml")
-    assert (result.exit_code, result.stdout) == (0, _screen(found))
+    assert (result.exit_code, result.stdout) == (0, _screen(expected))
     read = json.loads(stepwell("run", "forward.toml", "--json").stdout, parse_constant=pytest.fail)
-    assert read == found.record | {"files": []}
+    assert read == expected.record | {"files": []}
 
 
 def test_landings_are_asked_within_a_ratio_of_mobilities(stepwell):

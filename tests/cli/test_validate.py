@@ -15,10 +15,10 @@ KNOWN = json.loads((ROOT / "docs" / "others.json").read_text("utf-8"))["claims"]
 @pytest.fixture(autouse=True)
 def known(monkeypatch):
     """The committed verdicts, in the place of those computed anew."""
-    told = {one["id"]: one for one in KNOWN}
+    verdicts = {one["id"]: one for one in KNOWN}
 
     def judge(claim: Claim) -> ClaimVerdict:
-        one = told[claim.id]
+        one = verdicts[claim.id]
         return ClaimVerdict(claim, one["ours"], paper.Judgement(one["verdict"]), one["reason"])
 
     monkeypatch.setattr(Claim, "judge", judge)

@@ -28,15 +28,15 @@ WIDTHS = cases((40, 60, 72, 80, 100), (40, 60, 100))
     ],
 )
 def test_a_screen_fits_the_terminal_and_tells_the_same_numbers(stepwell, monkeypatch, command):
-    told = {}
+    screens = {}
     for width in WIDTHS[1:]:
         monkeypatch.setenv("COLUMNS", str(width))
-        told[width] = stepwell(*command).stdout
-        lines = told[width].split("\n")
+        screens[width] = stepwell(*command).stdout
+        lines = screens[width].split("\n")
         assert [line for line in lines if len(line) > width and " " in line.strip()] == []
     # In a table of several blocks the first columns are there again.
-    numbers = [set(re.findall(r"\d+\.\d+", text)) for text in told.values()]
-    assert all(found == numbers[0] for found in numbers)
+    numbers = [set(re.findall(r"\d+\.\d+", text)) for text in screens.values()]
+    assert all(other == numbers[0] for other in numbers)
 
 
 @pytest.mark.slow
@@ -52,8 +52,8 @@ def test_a_table_of_any_shape_fits_and_keeps_every_word(monkeypatch, width):
             for _ in range(rows)
         ]
         head = [" ".join(draw.choices(words, k=draw.randint(1, 2))) for _ in range(columns)]
-        found = fold.blocks(head, table, {k for k in range(columns) if draw.random() < 0.5})
-        lines = [line for named, rest in found for line in (*named, *rest)]
+        blocks = fold.blocks(head, table, {k for k in range(columns) if draw.random() < 0.5})
+        lines = [line for named, rest in blocks for line in (*named, *rest)]
         assert max(map(len, lines)) <= width
         bare = "".join("".join(lines).split())
         assert len(bare) >= sum(len("".join(text.split())) for row in table for text in row)

@@ -16,19 +16,19 @@ ROUGH = ("--anchor", 2, "--stiffness-tolerance", 10, "--samples", 20_000)
 
 def test_the_account_of_the_yield_is_printed(stepwell):
     result = stepwell("yield", "forward.toml", *ROUGH)
-    found = yields(sw.load("forward.toml"), Tolerances(0.002, 0.1), samples=20_000)
+    expected = yields(sw.load("forward.toml"), Tolerances(0.002, 0.1), samples=20_000)
     assert result.exit_code == 0
-    assert result.stdout.splitlines() == [line.text for line in terminal(account(found))]
+    assert result.stdout.splitlines() == [line.text for line in terminal(account(expected))]
 
 
 def test_json_alone_says_everything(stepwell):
     result = stepwell("yield", "forward.toml", *ROUGH, "--json")
     record = json.loads(result.stdout, parse_constant=pytest.fail)
-    found = yields(sw.load("forward.toml"), Tolerances(0.002, 0.1), samples=20_000)
+    expected = yields(sw.load("forward.toml"), Tolerances(0.002, 0.1), samples=20_000)
     assert record["schema"] == "stepwell.yield/2"
-    assert record["share"] == found.share
-    assert (record["share_low"], record["share_high"]) == found.interval
-    assert {one["outcome"]: one["count"] for one in record["outcomes"]} == found.outcomes
+    assert record["share"] == expected.share
+    assert (record["share_low"], record["share_high"]) == expected.interval
+    assert {one["outcome"]: one["count"] for one in record["outcomes"]} == expected.outcomes
     assert record["tolerances"]["anchor_mm"] == 2
     assert record["tolerances"]["stiffness_percent"] == 10
     assert record["sensitivities"] is None
@@ -40,10 +40,14 @@ def test_every_tolerance_has_its_option(stepwell):
     result = stepwell("yield", "forward.toml", *ROUGH, *options, "--seed", 3, "--json")
     record = json.loads(result.stdout)
     given = Tolerances(0.002, 0.1, 0.04, 0.0005, 0.02)
-    found = yields(sw.load("forward.toml"), given, samples=20_000, seed=3)
-    assert record["share"] == found.share
-    told = record["tolerances"]
-    assert (told["rest_length_percent"], told["lever_mm"], told["friction_N"]) == (4, 0.5, 0.02)
+    expected = yields(sw.load("forward.toml"), given, samples=20_000, seed=3)
+    assert record["share"] == expected.share
+    tolerances = record["tolerances"]
+    assert (
+        tolerances["rest_length_percent"],
+        tolerances["lever_mm"],
+        tolerances["friction_N"],
+    ) == (4, 0.5, 0.02)
     shown = stepwell("yield", "forward.toml", *ROUGH, *options).stdout
     assert all(part in shown for part in ("±4 %", "±0.5 mm", "0.02 N"))
 
@@ -117,7 +121,7 @@ def test_the_folder_holds_design_json_outcomes_and_figure(stepwell, tmp_path):
 def test_a_design_with_a_program_is_judged_by_what_the_program_does(stepwell, tmp_path):
     options = ("--program", "--anchor", 3, "--samples", 30, "--json", "--out", "out")
     record = json.loads(stepwell("yield", "preset:finger-selector", *options).stdout)
-    found = survival(
+    expected = survival(
         sw.preset("finger-selector"),
         (0.0, 0.060, 0.020),
         "00100",
@@ -125,8 +129,8 @@ def test_a_design_with_a_program_is_judged_by_what_the_program_does(stepwell, tm
         samples=30,
     )
     assert record["schema"] == "stepwell.survival/2"
-    assert record["successes"] == found.successes
-    assert 0 < found.successes < 30
+    assert record["successes"] == expected.successes
+    assert 0 < expected.successes < 30
     assert record["turning_points_mm"] == [0, 60, 20]
     assert written(tmp_path / "out") == {"design.toml", "report.html", "survival.json"}
     assert (record["from"], record["target"]) == ("00000", "00100")

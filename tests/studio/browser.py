@@ -71,8 +71,8 @@ VALUES = """(names) =>
   names.map((name) => document.querySelector(`input[aria-label=${JSON.stringify(name)}]`).value)
 """
 TOLD = """(names) => {
-  const told = (name) => document.querySelector(`output[aria-label=${JSON.stringify(name)}]`);
-  return names.map((name) => told(name).innerText);
+  const output = (name) => document.querySelector(`output[aria-label=${JSON.stringify(name)}]`);
+  return names.map((name) => output(name).innerText);
 }"""
 # A drag is read once a frame.
 SETTLED = """async () => {
@@ -205,8 +205,8 @@ def compare(page: Page) -> None:
     slider = page.get_by_role("slider", name="Stroke")
     for k in (0, 40, len(path.drive) - 20):
         slider.fill(str(k))
-        told = numbers(page, "stroke", "force", *(f"travel of {name}" for name in chain.names))
-        assert told == [
+        shown = numbers(page, "stroke", "force", *(f"travel of {name}" for name in chain.names))
+        assert shown == [
             shown_as(path.stroke[k] * 1e3),
             shown_as(path.force[k]),
             *(shown_as(travel * 1e3) for travel in path.travel[k]),
@@ -218,10 +218,10 @@ def settled(page: Page) -> None:
     page.evaluate(SETTLED)
 
 
-def middle(found: Locator) -> tuple[float, float]:
+def middle(locator: Locator) -> tuple[float, float]:
     """Where the middle of something is, in view and not behind the bar at the bottom."""
-    found.evaluate("(element) => element.scrollIntoView({ block: 'center' })")
-    box = found.bounding_box()
+    locator.evaluate("(element) => element.scrollIntoView({ block: 'center' })")
+    box = locator.bounding_box()
     assert box is not None
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 

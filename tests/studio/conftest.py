@@ -28,8 +28,8 @@ def empty_address(home: Path) -> Iterator[str]:
     """A studio that begins with the gallery: one for all pages of a process."""
     from studio.browser import served
 
-    with served(home, "") as found:
-        yield found
+    with served(home, "") as address:
+        yield address
 
 
 @pytest.fixture(scope="session")
@@ -40,11 +40,11 @@ def address(empty_address: str) -> str:
     return link(empty_address, "paper-forward")
 
 
-def blameless(found: Opened) -> None:
+def blameless(opened_page: Opened) -> None:
     """Nothing went wrong in a page, and all that it asked for is of this machine."""
-    assert not found.wrong
+    assert not opened_page.wrong
     elsewhere = [
-        url for url in found.asked if not re.match(r"(http://127\.0\.0\.1:|data:|blob:)", url)
+        url for url in opened_page.asked if not re.match(r"(http://127\.0\.0\.1:|data:|blob:)", url)
     ]
     assert not elsewhere
 
@@ -54,10 +54,10 @@ def opened(browser: Browser) -> Iterator[Opened]:
     from chromium import Opened
 
     context = browser.new_context(viewport=WIDE, color_scheme="light")
-    found = Opened(context.new_page())
-    yield found
+    opened_page = Opened(context.new_page())
+    yield opened_page
     context.close()
-    blameless(found)
+    blameless(opened_page)
 
 
 @pytest.fixture(scope="session")
@@ -104,10 +104,10 @@ def beside(shared: Opened) -> Iterator[Opened]:
     """Another page of the same visitor, where nothing was opened yet."""
     from chromium import Opened
 
-    found = Opened(shared.page.context.new_page())
-    yield found
-    found.page.close()
-    blameless(found)
+    second = Opened(shared.page.context.new_page())
+    yield second
+    second.page.close()
+    blameless(second)
 
 
 @pytest.fixture(scope="session")
@@ -122,18 +122,18 @@ def unconnected(browser: Browser) -> Iterator[Opened]:
 @pytest.fixture
 def offline(unconnected: Opened) -> Iterator[Opened]:
     """A page without a network, which may load one file and nothing else."""
-    found = unconnected
-    found.wrong.clear()
-    found.asked.clear()
-    yield found
-    assert not found.wrong
+    opened_page = unconnected
+    opened_page.wrong.clear()
+    opened_page.asked.clear()
+    yield opened_page
+    assert not opened_page.wrong
     # The page itself, and the empty icon that stands in it.
-    assert all(url.startswith(("file://", "data:")) for url in found.asked)
-    assert sum(url.startswith("file://") for url in found.asked) == 1
-    found.page.mouse.move(0, 0)
-    found.page.goto("about:blank")
-    found.page.set_viewport_size(WIDE)
-    found.page.emulate_media(color_scheme="light", reduced_motion="no-preference")
+    assert all(url.startswith(("file://", "data:")) for url in opened_page.asked)
+    assert sum(url.startswith("file://") for url in opened_page.asked) == 1
+    opened_page.page.mouse.move(0, 0)
+    opened_page.page.goto("about:blank")
+    opened_page.page.set_viewport_size(WIDE)
+    opened_page.page.emulate_media(color_scheme="light", reduced_motion="no-preference")
 
 
 @pytest.fixture

@@ -45,9 +45,9 @@ def running(*arguments: str) -> Iterator[Studio]:
     try:
         assert process.stdout is not None
         line = process.stdout.readline()
-        found = re.fullmatch(r"http://(127\.0\.0\.1:\d+)/\?token=([\w-]{20,})\n", line)
-        assert found, line
-        yield Studio(process, found[1], found[2])
+        match = re.fullmatch(r"http://(127\.0\.0\.1:\d+)/\?token=([\w-]{20,})\n", line)
+        assert match, line
+        yield Studio(process, match[1], match[2])
     finally:
         process.kill()
         process.communicate()
@@ -86,7 +86,7 @@ class Page:
 @contextmanager
 def opened(studio: Studio, *, origin: str | None = "", token: str = "") -> Iterator[Page]:
     """A page's socket; origin and token are the right ones by default."""
-    told = Origin(f"http://{studio.host}") if origin == "" else origin and Origin(origin)
+    header = Origin(f"http://{studio.host}") if origin == "" else origin and Origin(origin)
     address = f"ws://{studio.host}/socket?token={token or studio.token}"
-    with connect(address, origin=told or None, max_size=None, proxy=None) as socket:
+    with connect(address, origin=header or None, max_size=None, proxy=None) as socket:
         yield Page(socket)

@@ -41,19 +41,19 @@ def each_tab(page: Page, axe: str, *passed: str) -> None:
 
 @pytest.fixture(scope="module", params=WINDOWS)
 def window(request: pytest.FixtureRequest, browser: Browser) -> Iterator[Page]:
-    with told(browser, **WINDOWS[request.param]) as page:
+    with loaded(browser, **WINDOWS[request.param]) as page:
         yield page
 
 
 @pytest.fixture(scope="module")
 def laptop(browser: Browser) -> Iterator[Page]:
     """One page for all designs but the paper's."""
-    with told(browser, **ALL["light"]) as page:
+    with loaded(browser, **ALL["light"]) as page:
         yield page
 
 
 @contextmanager
-def told(browser: Browser, **look: Any) -> Iterator[Page]:
+def loaded(browser: Browser, **look: Any) -> Iterator[Page]:
     """A page that is soon told all that it asks; motions and an atlas would not come in time."""
     context = browser.new_context(**look)
     for script in (HASTY, COUNTED, without("thumbnails", "atlas")):

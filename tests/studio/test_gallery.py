@@ -28,20 +28,20 @@ def listed() -> list[dict[str, Any]]:
 
 
 @cache
-def told() -> tuple[list[Answer], Answer]:
+def thumbnails() -> tuple[list[Answer], Answer]:
     """Every motion as the page reads it, and the last answer."""
-    found: list[Answer] = []
+    answers: list[Answer] = []
 
     def show(view: View) -> None:
-        found.append(Answer(*unpacked(part("thumbnails", 1, view))))
+        answers.append(Answer(*unpacked(part("thumbnails", 1, view))))
 
     last = answered(Message("thumbnails", 1), Ask({}, lambda _done, _total: None, show))
-    return found, Answer(*unpacked(last))
+    return answers, Answer(*unpacked(last))
 
 
 @cache
 def motions() -> dict[str, Answer]:
-    return {one.header["name"]: one for one in told()[0]}
+    return {one.header["name"]: one for one in thumbnails()[0]}
 
 
 def test_the_gallery_is_in_groups_by_what_designs_are():
@@ -58,9 +58,9 @@ def test_the_gallery_is_in_groups_by_what_designs_are():
 
 @pytest.mark.slow
 def test_there_is_one_motion_a_design_in_the_order_of_the_gallery():
-    found, last = told()
-    assert [one.header["name"] for one in found] == [one["name"] for one in listed()]
-    assert all(one.header["part"] for one in found)
+    answers, last = thumbnails()
+    assert [one.header["name"] for one in answers] == [one["name"] for one in listed()]
+    assert all(one.header["part"] for one in answers)
     assert last.header["count"] == len(presets())
 
 
@@ -122,8 +122,8 @@ def test_every_snap_of_the_path_is_seen(name: str):
     unit = display_unit(chain.measure.travel_unit)[1]
     for one, snap in zip(header["events"], snaps, strict=True):
         for k, travels in ((one["sample"], snap.before), (one["sample"] + 1, snap.after)):
-            found = blocks["travel"][k, list(snap.cells)]
-            np.testing.assert_allclose(found, np.array(travels) * unit, rtol=1e-6, atol=1e-6)
+            of_snap = blocks["travel"][k, list(snap.cells)]
+            np.testing.assert_allclose(of_snap, np.array(travels) * unit, rtol=1e-6, atol=1e-6)
 
 
 @pytest.mark.slow
@@ -135,14 +135,14 @@ def test_a_robot_walks_as_its_simulation_does(name: str):
 
     robot = sw.preset(name)
     assert isinstance(robot, Robot)
-    scene, found = Scene(robot), walk(robot, 2.0)
+    scene, answer = Scene(robot), walk(robot, 2.0)
     header, blocks = motions()[name]
     assert {key: header[key] for key in ("parts", "lines")} == scene.shape()
-    whole = scene.placed(found.positions)
+    whole = scene.placed(answer.positions)
     for k, place in enumerate(blocks["place"]):
         (row,) = np.flatnonzero((whole["place"] == place).all(axis=(1, 2)))
         np.testing.assert_array_equal(whole["turn"][row], blocks["turn"][k])
-        assert found.time[row] >= found.time[-1] - robot.drive.period
+        assert answer.time[row] >= answer.time[-1] - robot.drive.period
     for leg in robot.legs:
         assert str(leg.chain.cycle().sequence) in header["sequence"]
 
@@ -158,13 +158,13 @@ def test_without_the_simulator_a_robot_shows_its_first_leg(monkeypatch: pytest.M
         return imported(name, *rest, **more)
 
     monkeypatch.setattr(builtins, "__import__", none_of_it)
-    found: list[View] = []
+    views: list[View] = []
     monkeypatch.setattr(designs, "_designs", lambda: [{"name": "robot-forward"}])
-    designs.answer_thumbnails(PageDesign(None), Ask({}, lambda _done, _total: None, found.append))
+    designs.answer_thumbnails(PageDesign(None), Ask({}, lambda _done, _total: None, views.append))
     robot = sw.preset("robot-forward")
     assert isinstance(robot, Robot)
-    assert found[0].header["cells"] == cells_of(robot.legs[0].chain)
-    assert found[0].blocks["travel"].shape[1] == len(robot.legs[0].chain)
+    assert views[0].header["cells"] == cells_of(robot.legs[0].chain)
+    assert views[0].blocks["travel"].shape[1] == len(robot.legs[0].chain)
 
 
 def test_thumbnails_take_no_question():

@@ -126,21 +126,21 @@ def test_what_no_closed_form_tells_is_followed_aside_coarse_first():
 def test_every_number_of_a_design_has_a_range_that_holds_it(name: str):
     design = sw.preset(name)
     chain = design if isinstance(design, sw.Chain) else design.legs[0].chain
-    told = ask("parameters", tables(name)).header["parameters"]
-    assert len(told) == sum(not one.is_anchor for one in parameters(chain))
-    assert len({one["key"] for one in told}) == len(told)
-    for one in told:
+    listed = ask("parameters", tables(name)).header["parameters"]
+    assert len(listed) == sum(not one.is_anchor for one in parameters(chain))
+    assert len({one["key"] for one in listed}) == len(listed)
+    for one in listed:
         low, high = one["range"]
         assert low < high
         assert one["value"] is None or low <= one["value"] <= high
 
 
 def test_a_jump_changes_two_parameters_and_nothing_else():
-    told = ask("jump", FORWARD, x="2.q.x", y="1.stiffness", at=[12.5, 20]).header["chain"]
-    found = loads_tables({"title": FORWARD["title"], "chain": told}).chain
+    table = ask("jump", FORWARD, x="2.q.x", y="1.stiffness", at=[12.5, 20]).header["chain"]
+    chain = loads_tables({"title": FORWARD["title"], "chain": table}).chain
     forward = sw.preset("paper-forward")
     wanted = parameter(forward, "outer.q.x").changed(forward, 0.0125)
-    assert found == parameter(wanted, "inner.stiffness").changed(wanted, 20.0)
+    assert chain == parameter(wanted, "inner.stiffness").changed(wanted, 20.0)
 
 
 @pytest.mark.parametrize(
@@ -171,9 +171,9 @@ def test_a_map_that_cannot_be_is_refused_in_the_words_of_python():
 def test_a_set_of_states_is_granted_as_by_python():
     states = ["00", "10", "11"]
     header, blocks = ask("wish", states=" ".join(states), seed=3, objective="worst")
-    found = sw.design(states=states, seed=3, objective="worst")
-    told = json.loads(json.dumps(account(found).record))
-    assert {key: header[key] for key in told} == told
+    result = sw.design(states=states, seed=3, objective="worst")
+    record = json.loads(json.dumps(account(result).record))
+    assert {key: header[key] for key in record} == record
     assert sorted(header["states"]) == states
     # What is shown of it is what is shown of any design.
     shown, same = ask("evaluate", header["design"])
@@ -187,9 +187,9 @@ def test_a_wish_takes_tolerances_force_and_all_states():
         "wish", states="all", cells=2, anchor_mm=0.2, stiffness_percent=2, most_force_N=0.5
     ).header
     tolerances = sw.Tolerances(anchor=0.2e-3, stiffness=0.02)
-    found = sw.design(states="all", cells=2, tolerances=tolerances, most_force=0.5)
-    assert header["yield"]["share"] == found.yield_.share
-    assert loads_tables(header["design"]).subject == found.chain
+    result = sw.design(states="all", cells=2, tolerances=tolerances, most_force=0.5)
+    assert header["yield"]["share"] == result.yield_.share
+    assert loads_tables(header["design"]).subject == result.chain
 
 
 def test_what_cannot_be_had_comes_with_its_proof():
@@ -226,10 +226,10 @@ def test_a_yield_shows_few_first_and_is_pythons():
     assert [one.header for one in shown] == [_judged(chain, chain.yields(tolerances, samples=1000))]
 
 
-def _judged(chain: sw.Chain, found: Yield) -> dict[str, Any]:
+def _judged(chain: sw.Chain, result: Yield) -> dict[str, Any]:
     """The record of a yield, and the verdict on what the drawing does."""
-    checked = check(chain, tolerances=found.tolerances, samples=found.samples, seed=found.seed)
-    return {**account(found).record, "verdict": checked.verdict}
+    checked = check(chain, tolerances=result.tolerances, samples=result.samples, seed=result.seed)
+    return {**account(result).record, "verdict": checked.verdict}
 
 
 @pytest.mark.slow

@@ -62,12 +62,12 @@ def test_what_is_told_of_a_pair_is_what_the_lab_says(runs: list[Path]):
     recordings = [lab.read_bytes(run.read_bytes(), run.name) for run in runs]
     comparison = lab.compare(recordings, [chain], as_designed=True)
     assert [one["verdict"] for one in header["series"]] == [t.verdict for t in comparison.tests]
-    for told, test in zip(header["series"], comparison.pairs, strict=True):
-        assert told["rms_N"] == test.rmse * test.series.scale
-        assert told["baseline"] == [run.source for run in test.series.baseline]
+    for shown, test in zip(header["series"], comparison.pairs, strict=True):
+        assert shown["rms_N"] == test.rmse * test.series.scale
+        assert shown["baseline"] == [run.source for run in test.series.baseline]
         (predicted,) = test.snaps_predicted
-        assert [one["run"] for one in told["snaps"]] == told["runs"]
-        for one, (measured,) in zip(told["snaps"], test.snaps, strict=True):
+        assert [one["run"] for one in shown["snaps"]] == shown["runs"]
+        for one, (measured,) in zip(shown["snaps"], test.snaps, strict=True):
             assert one["predicted_mm"] == predicted * 1e3
             assert one["measured_mm"] == measured * 1e3
             assert one["difference_mm"] == (measured - predicted) * 1e3
@@ -105,17 +105,17 @@ def test_a_fit_that_no_recording_can_tell_says_why(tmp_path: Path):
     written = export(tmp_path / run.source, run.time, run.stroke, run.force).read_bytes()
     text = CELL.replace("rest_length_mm = 10", "cubic_per_mm2 = 0.0003")
     header = ask("open", toml=text).header
-    told = ask("measured", header["design"], files=[packed("mine_1.txt", written)]).header
-    assert told["fit"] is None
-    assert "linear law" in told["why_no_fit"]
-    assert told["series"][0]["verdict"]
+    answer = ask("measured", header["design"], files=[packed("mine_1.txt", written)]).header
+    assert answer["fit"] is None
+    assert "linear law" in answer["why_no_fit"]
+    assert answer["series"][0]["verdict"]
 
 
 def test_longer_chains_and_the_legs_of_robots_have_their_curves(runs: list[Path]):
     files = [packed(run.name, run.read_bytes()) for run in runs[:1]]
-    told = ask("measured", tables("three-wave"), files=files).header
-    assert told["series"][0]["verdict"] == ""
-    assert "3 cells" in told["notes"][0]
+    header = ask("measured", tables("three-wave"), files=files).header
+    assert header["series"][0]["verdict"] == ""
+    assert "3 cells" in header["notes"][0]
     robot = tables("robot-forward")
     leg = ask("measured", robot, leg=1, files=files).header
     assert leg["series"][0]["verdict"].startswith("order agrees")

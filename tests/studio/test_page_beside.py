@@ -8,8 +8,8 @@ from playwright.sync_api import Page, expect  # isort: skip
 
 def cells_of(page: Page, row: str) -> list[str]:
     table = page.get_by_role("table", name="This design and the comparison")
-    found = table.get_by_role("row").filter(has_text=row).get_by_role("cell").all_inner_texts()
-    return [text.replace("−", "-") for text in found]
+    texts = table.get_by_role("row").filter(has_text=row).get_by_role("cell").all_inner_texts()
+    return [text.replace("−", "-") for text in texts]
 
 
 def typed(page: Page, value: object) -> None:

@@ -76,9 +76,9 @@ def outermost(page: Page, name: str) -> Locator:
 
 
 def height(page: Page, name: str) -> str:
-    found = outermost(page, name).get_attribute("y")
-    assert found is not None
-    return found
+    y = outermost(page, name).get_attribute("y")
+    assert y is not None
+    return y
 
 
 def names(page: Page) -> list[str]:
@@ -105,8 +105,8 @@ def test_designs_stand_in_groups_with_their_cells_and_sequences(gallery: Page):
         chain, written = file.subject, file.program
         assert isinstance(chain, Chain)
         result = chain.cycle() if written is None else written.on(chain)
-        told = str(result.sequence).replace(">", " → ")
-        expect(sequence(gallery, name)).to_have_text(told)
+        text = str(result.sequence).replace(">", " → ")
+        expect(sequence(gallery, name)).to_have_text(text)
         named = gallery.get_by_role("button", name=f"{presets()[name]} {len(chain)} cells")
         expect(named).to_have_attribute("data-name", name)
 
@@ -154,7 +154,7 @@ def test_nothing_moves_for_those_who_want_no_motion(gallery: Page):
 
 def test_designs_are_found_by_name_title_and_cells(listed: Page):
     words = listed.get_by_role("searchbox", name="Find a design")
-    for text, found in (
+    for text, matches in (
         ("three", ["countdown", "three-stack", "three-wave", "curved-beam", "trilinear"]),
         ("3 cells", ["three-stack", "three-wave", "curved-beam", "trilinear"]),
         ("3 cells wave", ["three-wave"]),
@@ -163,9 +163,9 @@ def test_designs_are_found_by_name_title_and_cells(listed: Page):
         ("nothing of that name", []),
     ):
         words.fill(text)
-        told = f"{len(found)} of {len(presets())} designs"
-        expect(output(listed, "designs found")).to_have_text(told)
-        assert names(listed) == found
+        counted = f"{len(matches)} of {len(presets())} designs"
+        expect(output(listed, "designs found")).to_have_text(counted)
+        assert names(listed) == matches
     listed.get_by_role("button", name="Show all").click()
     expect(cards(listed)).to_have_count(len(presets()))
 

@@ -30,15 +30,15 @@ STEPS = 100
 # Pressed by the page itself, once a frame: a button, or a key on what has the focus. Each word to
 # a browser takes as long as many steps. What stands in the fields of these names after each.
 PRESSED = """async (element, [times, key, names]) => {
-  const found = [];
+  const rows = [];
   for (let k = 0; k < times; k += 1) {
     if (key) element.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
     else element.click();
     await new Promise(requestAnimationFrame);
     const field = (name) => document.querySelector(`input[aria-label=${JSON.stringify(name)}]`);
-    found.push(names.map((name) => Number(field(name).value)));
+    rows.push(names.map((name) => Number(field(name).value)));
   }
-  return found;
+  return rows;
 }"""
 
 
@@ -46,11 +46,11 @@ def focus(page: Page, name: str, most: int = 60) -> None:
     """Reach what has a name by the Tab key alone."""
     for _ in range(most):
         page.keyboard.press("Tab")
-        found = page.evaluate(
+        focused = page.evaluate(
             "(document.activeElement.getAttribute('aria-label') ?? "
             "document.activeElement.innerText ?? '').trim()"
         )
-        if found.startswith(name):
+        if focused.startswith(name):
             return
     pytest.fail(f"{name} is not reached by Tab")
 
@@ -155,8 +155,8 @@ def test_a_journey_by_keys_alone(blank: Opened, empty_address: str):
     focus(page, "Go to state 01")
     page.keyboard.press("Enter")
     turns = [point * 1e3 for point in chain_shown(page).program("01").turning_points]
-    told = " → ".join(f"{point:.4g}" for point in turns)
-    expect(output(page, "turning points")).to_have_text(f"{told} mm")
+    text = " → ".join(f"{point:.4g}" for point in turns)
+    expect(output(page, "turning points")).to_have_text(f"{text} mm")
     focus(page, "Back to the full cycle")
     page.keyboard.press("Space")
     focus(page, "Play")

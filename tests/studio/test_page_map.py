@@ -35,10 +35,10 @@ def opened_tab(page: Page, name: str) -> None:
 
 
 def the_map(page: Page) -> Locator:
-    found = page.get_by_role("application", name=re.compile("^Map over"))
+    image = page.get_by_role("application", name=re.compile("^Map over"))
     page.get_by_role("list", name="Sequences on the map").locator("li").first.wait_for()
-    expect(found).not_to_have_class(re.compile("stale"))
-    return found
+    expect(image).not_to_have_class(re.compile("stale"))
+    return image
 
 
 def point(page: Page, across: float, up: float) -> tuple[float, float, str]:
@@ -68,13 +68,13 @@ PLACES = ((0.1, 0.5), (0.3, 0.9), (0.3, 0.1), (0.8, 0.4))
 
 def test_the_map_is_pythons(mapped: Page):
     chain = sw.preset("paper-forward")
-    found = set()
+    sequences = set()
     for place in PLACES:
         x, y, sequence = point(mapped, *place)
         there = parameter(chain, "outer.q").changed(chain, (x / 1e3, y / 1e3))
         assert sequence == str(there.cycle().sequence)
-        found.add(sequence)
-    assert len(found) > 2
+        sequences.add(sequence)
+    assert len(sequences) > 2
     expect(output(mapped, "distance")).to_have_text(f"{chain.margin().anchors[1] * 1e3:.4g}")
 
 
@@ -185,13 +185,13 @@ def test_a_cycle_is_wished_by_clicks_and_taken_as_is_an_earlier_answer(page: Pag
     opened_tab(page, "TargetOrders")
     wish(page, "00", "01", "11", "10", "00")
     expect(output(page, "resulting sequence")).to_have_text(WHOLE)
-    found = sw.design(WHOLE)
-    assert number(page, "resulting yield") == float(f"{found.yield_.share * 100:.6g}")
+    result = sw.design(WHOLE)
+    assert number(page, "resulting yield") == float(f"{result.yield_.share * 100:.6g}")
     expect(page.get_by_role("group", name="Design for the target, all cells at 0")).to_be_visible()
     page.get_by_role("button", name="Use this design").click()
     expect(output(page, "sequence")).to_have_attribute("data-value", WHOLE)
     settled(page)
-    assert chain_shown(page).cycle().peak_force == pytest.approx(found.chain.cycle().peak_force)
+    assert chain_shown(page).cycle().peak_force == pytest.approx(result.chain.cycle().peak_force)
     page.get_by_role("button", name="Undo").click()
     expect(output(page, "sequence")).to_have_attribute("data-value", "00>10>11>01>00")
     expect(page.get_by_role("button", name="Undo")).to_be_disabled()
@@ -201,7 +201,7 @@ def test_a_cycle_is_wished_by_clicks_and_taken_as_is_an_earlier_answer(page: Pag
     pitch.press("Enter")
     page.get_by_role("button", name="Find a design").click()
     expect(output(page, "yield of result 1")).to_be_visible()
-    first, second = found, sw.design(WHOLE, holes=0.005)
+    first, second = result, sw.design(WHOLE, holes=0.005)
     assert number(page, "yield of result 1") == float(f"{first.yield_.share * 100:.6g}")
     assert number(page, "resulting yield") == float(f"{second.yield_.share * 100:.6g}")
     force = first.chain.cycle().peak_force
@@ -267,16 +267,18 @@ def test_the_yield_is_pythons_and_follows_the_design(counted: Page):
     tolerance.press("Enter")
     chain = files.preset("paper-forward")
     assert isinstance(chain, sw.Chain)
-    found = chain.yields(sw.Tolerances(anchor=4e-3, stiffness=0.05), seed=0)
-    low, high = found.interval
-    expect(output(page, "yield")).to_have_text(f"{found.share * 100:.6g}")
-    expect(output(page, "verdict")).to_have_text(check(chain, tolerances=found.tolerances).verdict)
+    expected = chain.yields(sw.Tolerances(anchor=4e-3, stiffness=0.05), seed=0)
+    low, high = expected.interval
+    expect(output(page, "yield")).to_have_text(f"{expected.share * 100:.6g}")
+    expect(output(page, "verdict")).to_have_text(
+        check(chain, tolerances=expected.tolerances).verdict
+    )
     expect(output(page, "interval")).to_have_text(f"{low * 100:.6g} to {high * 100:.6g}")
-    expect(output(page, "most failures")).to_have_text(next(iter(found.outcomes)))
-    assert found.critical is not None
-    first, second = found.critical.names
+    expect(output(page, "most failures")).to_have_text(next(iter(expected.outcomes)))
+    assert expected.critical is not None
+    first, second = expected.critical.names
     expect(output(page, "goes wrong first")).to_have_text(
-        f"{first} before {second} while {found.critical.way}"
+        f"{first} before {second} while {expected.critical.way}"
     )
     tolerance.fill("0.3")
     tolerance.press("Enter")

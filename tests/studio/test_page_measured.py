@@ -50,22 +50,22 @@ def compared(page: Page, runs: list[Path]) -> lab.Comparison:
 def test_verdict_snaps_and_fit_are_the_labs_and_the_fit_is_taken(page: Page, runs: list[Path]):
     choose(page, *runs)
     expect(output(page, "fitted stiffness")).to_be_visible(timeout=60_000)
-    found = compared(page, runs)
-    fit = lab.refit(found)
+    comparison = compared(page, runs)
+    fit = lab.refit(comparison)
     assert number(page, "fitted stiffness") == shown_as(fit.stiffness)
     assert number(page, "fitted rest length") == shown_as(fit.rest_length * 1e3)
     assert number(page, "RMS before the fit") == float(f"{fit.before:.3g}")
     assert number(page, "RMS after the fit") == float(f"{fit.after:.3g}")
     rows = page.get_by_role("table", name="Snaps").get_by_role("row")
-    for k, test in enumerate(found.pairs):
+    for k, test in enumerate(comparison.pairs):
         name = test.series.name
         expect(output(page, f"verdict on {name}")).to_have_text(test.verdict)
         assert number(page, f"RMS difference of {name}") == shown_as(test.rmse * test.series.scale)
         ((measured,),), (predicted,) = test.snaps, test.snaps_predicted
-        told = [cell.inner_text() for cell in rows.nth(k + 1).get_by_role("cell").all()]
-        assert told[1:3] == [f"{predicted * 1e3:.4g}", f"{measured * 1e3:.4g}"]
+        texts = [cell.inner_text() for cell in rows.nth(k + 1).get_by_role("cell").all()]
+        assert texts[1:3] == [f"{predicted * 1e3:.4g}", f"{measured * 1e3:.4g}"]
         difference = (measured - predicted) * 1e3
-        assert float(told[3].replace("−", "-")) == float(f"{difference:.3g}")
+        assert float(texts[3].replace("−", "-")) == float(f"{difference:.3g}")
     # It is taken in one step that can be undone.
     before = anchors(page, "inner")
     peak = number(page, "peak force")

@@ -24,8 +24,8 @@ def turn(page: Page, name: str):
 
 def drawn(page: Page) -> list[float]:
     """The turning points that the page shows [mm], without the first."""
-    found = page.get_by_role("group", name="Program of the actuator").get_by_role("slider").all()
-    return [float(one.get_attribute("aria-valuenow") or "") for one in found]
+    sliders = page.get_by_role("group", name="Program of the actuator").get_by_role("slider").all()
+    return [float(one.get_attribute("aria-valuenow") or "") for one in sliders]
 
 
 def visited(points: list[float], start: str = "00") -> str:

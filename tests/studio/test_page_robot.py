@@ -90,8 +90,8 @@ def compare(page: Page, walk: Any) -> None:
         for k, leg in enumerate(walk.robot.legs):
             state = walk.state(leg.name, walk.time[sample]) or "in transit"
             expect(output(page, f"state of leg {leg.name}")).to_have_text(state)
-            told = number(page, f"force under foot {leg.name}")
-            assert told == float(f"{walk.foot_force[sample, k]:.3g}")
+            shown = number(page, f"force under foot {leg.name}")
+            assert shown == float(f"{walk.foot_force[sample, k]:.3g}")
 
 
 # Moves the cursor to the start in the moment in which a run has ended. A run of which nothing
@@ -232,8 +232,8 @@ def test_an_antenna_is_dragged_and_one_undo_takes_it_back(robot_page: Page):
     after = design_kept(page).antennas[0]
     assert after.length > before.length
     assert after.pivot == before.pivot
-    told = page.get_by_role("spinbutton", name="length of antenna left in mm").input_value()
-    assert float(told) == pytest.approx(after.length * 1e3)
+    length = page.get_by_role("spinbutton", name="length of antenna left in mm").input_value()
+    assert float(length) == pytest.approx(after.length * 1e3)
     placed = tip.locator(".dot").bounding_box()
     assert placed is not None
     assert placed["x"] + placed["width"] / 2 == pytest.approx(x + 20, abs=3)

@@ -48,7 +48,7 @@ def cells(page: Page, table: str) -> list[list[str]]:
     return page.get_by_role("table", name=table).locator("tbody tr").evaluate_all(CELLS)
 
 
-def told(text: str) -> float:
+def number_of(text: str) -> float:
     return float(text.split()[0].replace("−", "-"))
 
 
@@ -60,10 +60,10 @@ def test_an_open_study_shows_what_the_command_prints_and_its_table_is_downloaded
     expect(output(page, "progress of the study")).to_have_text("64 designs, all done")
     for row, one in zip(cells(page, "Outcomes"), record["outcomes"], strict=True):
         assert row[0] == one["value"] and int(row[1]) == one["designs"]
-        assert told(row[2]) == float(f"{one['share'] * 100:.3g}")
+        assert number_of(row[2]) == float(f"{one['share'] * 100:.3g}")
     for row, one in zip(cells(page, "Numbers"), record["numbers"], strict=True):
         assert row[0].startswith(one["column"])
-        assert [told(text) for text in row[1:]] == [
+        assert [number_of(text) for text in row[1:]] == [
             shown_as(one[key]) for key in ("least", "median", "most")
         ]
     for row, one in zip(cells(page, "Influence of the parameters"), record["decided"], strict=True):
@@ -149,11 +149,11 @@ def test_one_walks_from_machine_to_machine_finds_some_and_takes_one(
     query = page.get_by_label("Which machine")
     query.fill("reaches every state")
     query.press("Enter")
-    found = {one.name for one in studies.find(charted, "reaches every state")}
-    assert 0 < len(found) < 3
-    expect(output(page, "matches")).to_contain_text(f"{len(found)} of 3 machines")
-    lit = page.locator(".machine.found")
-    assert {one.get_attribute("data-name") for one in lit.all()} == found
+    names = {one.name for one in studies.find(charted, "reaches every state")}
+    assert 0 < len(names) < 3
+    expect(output(page, "matches")).to_contain_text(f"{len(names)} of 3 machines")
+    lit = page.locator(".machine.match")
+    assert {one.get_attribute("data-name") for one in lit.all()} == names
     query.fill("reaches all")
     query.press("Enter")
     expect(page.get_by_role("alert")).to_contain_text("must be a cycle such as")

@@ -13,9 +13,9 @@ from playwright.sync_api import Page, expect  # isort: skip
 
 def design_in(address: str):
     """What the address of a page says that it shows."""
-    found = re.search(r"#design=([\w-]+)", address)
-    assert found is not None
-    data = base64.urlsafe_b64decode(found[1] + "=" * (-len(found[1]) % 4))
+    match = re.search(r"#design=([\w-]+)", address)
+    assert match is not None
+    data = base64.urlsafe_b64decode(match[1] + "=" * (-len(match[1]) % 4))
     return loads_tables(json.loads(data)).subject
 
 

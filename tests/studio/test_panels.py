@@ -31,9 +31,9 @@ def tables(name: str) -> dict[str, Any]:
 
 
 def test_the_gallery_lists_what_comes_along():
-    found = ask("gallery").header["designs"]
-    assert {one["name"]: one["title"] for one in found} == presets()
-    for one in found:
+    designs = ask("gallery").header["designs"]
+    assert {one["name"]: one["title"] for one in designs} == presets()
+    for one in designs:
         design = sw.preset(one["name"])
         chain = design if isinstance(design, sw.Chain) else design.legs[0].chain
         assert one["kind"] == ("chain" if design is chain else "robot")
@@ -106,7 +106,7 @@ def test_every_number_of_a_chain_of_levers_is_pythons(name: str):
     ):
         np.testing.assert_array_equal(blocks[block], array, err_msg=block)
     for i, cell in enumerate(chain.levers):
-        told = header["cells"][i]
+        cell_header = header["cells"][i]
         np.testing.assert_array_equal(
             blocks["angle"][:, i], np.degrees(cell.angle(path.travel[:, i]))
         )
@@ -114,10 +114,10 @@ def test_every_number_of_a_chain_of_levers_is_pythons(name: str):
             blocks["landscape_energy"][:, i],
             cell.energy_at(np.linspace(0.0, cell.full_travel, 65)) * 1e3,
         )
-        assert (told["force_0_N"], told["force_1_N"]) == (cell.force_0, cell.force_1)
-        assert told["full_travel_mm"] == cell.full_travel * 1e3
-        assert told["bands"][0]["q_mm"] == [x * 1e3 for x in cell.bands[0].q]
-        assert (told["stable"] == [0, 1]) == cell.is_bistable
+        assert (cell_header["force_0_N"], cell_header["force_1_N"]) == (cell.force_0, cell.force_1)
+        assert cell_header["full_travel_mm"] == cell.full_travel * 1e3
+        assert cell_header["bands"][0]["q_mm"] == [x * 1e3 for x in cell.bands[0].q]
+        assert (cell_header["stable"] == [0, 1]) == cell.is_bistable
 
 
 def _points(path: Any, size: int) -> int:
@@ -133,21 +133,21 @@ def test_every_event_is_pythons_and_lies_at_its_sample(name: str):
     events = chain.cycle().events
     assert len(header["events"]) == len(events)
     before = -1
-    for told, event in zip(header["events"], events, strict=True):
-        assert told["kind"] == event.kind.name.lower()
-        assert told["cause"] == event.cause.name.lower()
-        assert told["cells"] == list(event.cells)
-        assert told["released_mJ"] == event.released * 1e3
-        k = told["sample"]
+    for event_header, event in zip(header["events"], events, strict=True):
+        assert event_header["kind"] == event.kind.name.lower()
+        assert event_header["cause"] == event.cause.name.lower()
+        assert event_header["cells"] == list(event.cells)
+        assert event_header["released_mJ"] == event.released * 1e3
+        k = event_header["sample"]
         assert k >= before
         before = k
-        assert blocks["drive"][k] == told["drive_mm"]
+        assert blocks["drive"][k] == event_header["drive_mm"]
         if event.kind is EventKind.SNAP:
             # A jump between two samples, and never a piece of a curve.
             assert blocks["segment"][k] != blocks["segment"][k + 1]
             assert blocks["drive"][k] == blocks["drive"][k + 1]
             np.testing.assert_allclose(
-                blocks["force"][k], told["force_before_N"], rtol=1e-9, atol=1e-9
+                blocks["force"][k], event_header["force_before_N"], rtol=1e-9, atol=1e-9
             )
     jumps = np.count_nonzero(np.diff(blocks["segment"]))
     assert jumps >= sum(one["kind"] == "snap" for one in header["events"])
@@ -158,13 +158,13 @@ def test_margins_are_pythons(name: str):
     header = ask("evaluate", tables(name)).header
     margin = sw.margin(sw.preset(name))
     assert header["method"] == margin.method.name.lower() == "exact"
-    for told, change in zip(header["margins"], margin.changes, strict=True):
-        assert (told["cell"], told["what"]) == (change.cell, change.parameter)
+    for shown, change in zip(header["margins"], margin.changes, strict=True):
+        assert (shown["cell"], shown["what"]) == (change.cell, change.parameter)
         if change.parameter == "anchor" and isinstance(change.move, tuple):
-            assert told["reach_mm"] == change.distance * 1e3
-            assert told["move_mm"] == [x * 1e3 for x in change.move]
+            assert shown["reach_mm"] == change.distance * 1e3
+            assert shown["move_mm"] == [x * 1e3 for x in change.move]
         else:
-            assert told["reach_percent"] == change.distance * 100
+            assert shown["reach_percent"] == change.distance * 100
     least = min(margin.changes, key=lambda one: (one.parameter != "anchor", one.distance))
     assert header["margin"]["reach_mm"] == float(np.min(margin.anchors)) * 1e3
     assert header["margin"]["becomes"] == least.becomes
@@ -218,18 +218,18 @@ def test_what_is_wrong_with_a_design_is_told_at_its_key(kind: str, key: str, val
 def test_the_chain_of_a_leg_is_the_robots():
     robot = sw.preset("robot-left")
     for k, leg in enumerate(robot.legs):
-        told = ask("evaluate", tables("robot-left"), leg=k).header
-        assert told["sequence"] == str(leg.chain.cycle().sequence)
-        assert told["names"] == list(leg.chain.names)
+        header = ask("evaluate", tables("robot-left"), leg=k).header
+        assert header["sequence"] == str(leg.chain.cycle().sequence)
+        assert header["names"] == list(leg.chain.names)
     problem = ask("evaluate", tables("robot-left"), leg=2).header["problems"][0]
     assert problem == {"at": "leg[2]", "text": "leg[2]: there are 2."}
 
 
 @pytest.mark.slow
 def test_the_python_of_a_robot_makes_it():
-    told = ask("text", tables("robot-left")).header
+    header = ask("text", tables("robot-left")).header
     made: dict[str, object] = {}
-    exec(told["python"], made)
+    exec(header["python"], made)
     assert made["robot"] == sw.preset("robot-left")
 
 
@@ -247,14 +247,14 @@ def test_the_graph_is_pythons():
     assert header["dot"] == to_dot(graph)
     assert [node["label"] for node in header["nodes"]] == list(graph)
     assert {n["label"] for n in header["nodes"] if n["reached"]} == graph.reachable()
-    for told, label in zip(header["nodes"], graph, strict=True):
+    for shown, label in zip(header["nodes"], graph, strict=True):
         node = graph.node(label)
-        assert (told["low_mm"], told["high_mm"]) == (node.low * 1e3, node.high * 1e3)
+        assert (shown["low_mm"], shown["high_mm"]) == (node.low * 1e3, node.high * 1e3)
     assert len(header["edges"]) == np.count_nonzero(graph.target >= 0)
     for edge in header["edges"]:
-        found = graph.transition(edge["from"], edge["direction"])
-        assert found is not None
-        to, way = found
+        transition = graph.transition(edge["from"], edge["direction"])
+        assert transition is not None
+        to, way = transition
         assert (edge["to"], edge["kind"]) == (to, way.kind.name.lower())
         assert edge["drive_mm"] == way.drive * 1e3
 
@@ -296,9 +296,9 @@ def test_a_program_that_cannot_be_is_refused(keys: Any, words: str):
 def test_the_yield_is_pythons():
     header = ask("yield", FORWARD, anchor_mm=0.5, stiffness_percent=3, samples=2000).header
     tolerances = sw.Tolerances(anchor=0.5e-3, stiffness=0.03)
-    found = account(sw.preset("paper-forward").yields(tolerances, samples=2000)).record
-    told = json.loads(json.dumps(found))
-    assert {key: header[key] for key in told} == told
+    record = account(sw.preset("paper-forward").yields(tolerances, samples=2000)).record
+    expected = json.loads(json.dumps(record))
+    assert {key: header[key] for key in expected} == expected
 
 
 @pytest.mark.parametrize(
@@ -319,10 +319,10 @@ def test_a_yield_is_asked_within_bounds(keys: Any, at: str):
 @pytest.mark.slow
 def test_a_wish_is_granted_as_by_python():
     header = ask("wish", sequence="00>01>11>10>00", anchor_mm=0.2, holes_mm=5).header
-    found = sw.design("00>01>11>10>00", holes=0.005, tolerances=replace(USUAL, anchor=0.2e-3))
-    told = json.loads(json.dumps(account(found).record))
-    assert {key: header[key] for key in told} == told
-    assert loads_tables(header["design"]).subject == found.chain
+    result = sw.design("00>01>11>10>00", holes=0.005, tolerances=replace(USUAL, anchor=0.2e-3))
+    record = json.loads(json.dumps(account(result).record))
+    assert {key: header[key] for key in record} == record
+    assert loads_tables(header["design"]).subject == result.chain
     assert ask("evaluate", header["design"]).header["sequence"] == "00>01>11>10>00"
 
 

@@ -24,13 +24,13 @@ JSON = st.recursive(
 
 
 def test_every_type_has_a_function_that_answers_it_and_every_such_function_a_type():
-    found = {
+    functions = {
         (file.stem, node.name)
         for file in Path(panels.__path__[0]).glob("*.py")
         for node in ast.parse(file.read_text("utf-8")).body
         if isinstance(node, ast.FunctionDef) and node.name.startswith("answer")
     }
-    assert found == {(file, f"answer_{kind}") for kind, file in answering._PANELS.items()}
+    assert functions == {(file, f"answer_{kind}") for kind, file in answering._PANELS.items()}
     assert {*types()} >= answering.LONG
 
 
@@ -126,10 +126,10 @@ def test_blocks_come_back_as_they_were():
     }
     data = packed("x", 3, View({"words": "ü → λ"}, blocks))
     assert len(data) % 8 == 0
-    header, found = unpacked(data)
+    header, arrays = unpacked(data)
     assert header["words"] == "ü → λ" and header["ok"] is True
     for name, block in blocks.items():
-        np.testing.assert_array_equal(found[name], block)
+        np.testing.assert_array_equal(arrays[name], block)
     assert [b["dtype"] for b in header["blocks"]] == ["f8", "i4", "f8", "f8", "i4"]
 
 

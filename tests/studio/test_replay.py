@@ -14,9 +14,9 @@ from playwright.sync_api import expect  # isort: skip
 
 
 def chain(name: str) -> Chain:
-    found = sw.preset(name)
-    assert isinstance(found, Chain)
-    return found
+    design = sw.preset(name)
+    assert isinstance(design, Chain)
+    return design
 
 
 def test_every_number_of_a_cycle_is_pythons_and_nothing_is_loaded(offline: Opened, tmp_path: Path):

@@ -29,10 +29,10 @@ def page_of(name: str) -> str:
 
 
 def frames_of(page: Page) -> list[Frame]:
-    found = page.main_frame.child_frames
-    for frame in found:
+    frames = page.main_frame.child_frames
+    for frame in frames:
         expect(frame.get_by_role("slider", name="Stroke")).to_be_visible()
-    return found
+    return frames
 
 
 @pytest.mark.parametrize("name", ["paper-forward", "metachronal-wave"])
@@ -74,9 +74,9 @@ def test_side_by_side_where_wide_and_one_above_the_other_where_narrow(
 
     def places() -> tuple[dict[str, float], dict[str, float]]:
         regions = [frame.get_by_role("region", name=name) for name in ("Mechanism", "Motion")]
-        found = [region.bounding_box() for region in regions]
-        assert found[0] is not None and found[1] is not None
-        return dict(found[0]), dict(found[1])  # pyright: ignore[reportReturnType]
+        boxes = [region.bounding_box() for region in regions]
+        assert boxes[0] is not None and boxes[1] is not None
+        return dict(boxes[0]), dict(boxes[1])  # pyright: ignore[reportReturnType]
 
     page.set_viewport_size({"width": 900, "height": 800})
     drawing, curves = places()

@@ -21,14 +21,14 @@ from studio.pages import FORWARD, Page, Studio, opened, running
 
 @pytest.fixture(scope="module")
 def studio() -> Iterator[Studio]:
-    with running("preset:paper-forward") as found:
-        yield found
+    with running("preset:paper-forward") as started:
+        yield started
 
 
 @pytest.fixture
 def page(studio: Studio) -> Iterator[Page]:
-    with opened(studio) as found:
-        yield found
+    with opened(studio) as socket:
+        yield socket
 
 
 class Got(NamedTuple):
@@ -119,8 +119,8 @@ def test_this_machine_by_its_other_name_is_let_in(studio: Studio):
 )
 def test_the_socket_opens_for_no_other_page(studio: Studio, origin: str | None):
     port = studio.host.partition(":")[2]
-    told = origin and origin.format(host=studio.host, port=port)
-    with pytest.raises(InvalidStatus) as error, opened(studio, origin=told):
+    header = origin and origin.format(host=studio.host, port=port)
+    with pytest.raises(InvalidStatus) as error, opened(studio, origin=header):
         pass
     assert error.value.response.status_code == 403
 
@@ -202,9 +202,9 @@ def test_two_pages_do_not_hear_each_other(studio: Studio, page: Page):
 def test_long_work_tells_how_far_it_is_and_ends_when_told_while_dragging_goes_on(page: Page):
     slow = tables_in(preset_text("slack"))
     seq = page.send("yield", slow, samples=1_000_000)
-    told = page.hear().header
-    assert (told["seq"], told["ok"]) == (seq, True)
-    assert 0 <= told["progress"][0] < told["progress"][1]
+    progress = page.hear().header
+    assert (progress["seq"], progress["ok"]) == (seq, True)
+    assert 0 <= progress["progress"][0] < progress["progress"][1]
     dragged = page.send("evaluate", FORWARD)
     while page.hear().header["seq"] != dragged:
         pass
@@ -256,10 +256,10 @@ def _children(studio: Studio) -> int:
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to another process")
 @pytest.mark.parametrize(
-    ("told", "shown"), [(signal.SIGINT, ""), (signal.SIGTERM, "robot-forward")]
+    ("sent", "shown"), [(signal.SIGINT, ""), (signal.SIGTERM, "robot-forward")]
 )
 def test_it_begins_with_what_is_named_and_ends_in_one_line_with_a_page_open_and_work_going_on(
-    told: signal.Signals, shown: str
+    sent: signal.Signals, shown: str
 ):
     preset = [f"preset:{shown}"] if shown else []
     with running(*preset) as studio, opened(studio) as page:
@@ -267,12 +267,12 @@ def test_it_begins_with_what_is_named_and_ends_in_one_line_with_a_page_open_and_
         assert design == (tables_in(preset_text(shown)) if shown else None)
         page.send("yield", tables_in(preset_text("slack")), samples=1_000_000)
         page.hear()
-        studio.process.send_signal(told)
+        studio.process.send_signal(sent)
         out, error = studio.process.communicate(timeout=60)
     assert out == ""
-    assert studio.process.returncode == (130 if told is signal.SIGINT else 143)
+    assert studio.process.returncode == (130 if sent is signal.SIGINT else 143)
     line = "The studio has ended; an open page keeps its design.\n"
-    assert error == (line if told is signal.SIGINT else "")
+    assert error == (line if sent is signal.SIGINT else "")
 
 
 @pytest.mark.slow

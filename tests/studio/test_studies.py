@@ -43,8 +43,8 @@ def ask(tmp_path: Path) -> Asks:
     """What a panel answers whose studies are in a folder of the test's own."""
 
     def asks(kind: str, design: Any = None, **keys: Any) -> Answer:
-        told = json.loads(json.dumps(keys, allow_nan=False))
-        return Answer(*unpacked(answered(Message(kind, 1, design, told, 0, tmp_path / "home"))))
+        sent = json.loads(json.dumps(keys, allow_nan=False))
+        return Answer(*unpacked(answered(Message(kind, 1, design, sent, 0, tmp_path / "home"))))
 
     (tmp_path / "home").mkdir()
     return asks
@@ -158,8 +158,8 @@ def test_the_line_for_a_terminal_begins_the_same_study(
     _, _, _, file, *_ = words = shlex.split(command)
     (tmp_path / file).write_text(files.dumps(loads_tables(design).subject))
     monkeypatch.chdir(tmp_path)
-    told = invoke(*words[1:], "--estimate")
-    assert told.exit_code == 0, told.output
+    printed = invoke(*words[1:], "--estimate")
+    assert printed.exit_code == 0, printed.output
     page, _, terminal = meant
     assert terminal.identity == page.identity and terminal.count == page.count
     assert terminal.chunk == page.chunk and terminal.folder.name == page.folder.name
@@ -234,10 +234,10 @@ def test_what_cannot_be_a_study_is_refused_and_leaves_nothing(
 
 
 def test_the_numbers_of_a_robot_are_offered_as_its_file_has_them(ask: Asks):
-    found = ask("robot_numbers", robot()).header["parameters"]
+    parameters = ask("robot_numbers", robot()).header["parameters"]
     held = {one.path: one for one in files.parameters(files.preset("robot-forward"))}
-    assert "foot.below_mm" in {one["key"] for one in found}
-    for one in found:
+    assert "foot.below_mm" in {one["key"] for one in parameters}
+    for one in parameters:
         assert one["value"] == held[one["key"]].values[0]
         assert one["range"][0] < one["value"] < one["range"][1]
 
@@ -372,22 +372,22 @@ def two(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_an_atlas_is_what_the_command_says_of_it(two: Path):
     header, _ = unpacked(answered(Message("atlas", 1, None, {"name": "two.zarr"}, 0, two)))
     study = studies.opened(two / "two.zarr")
-    found = studies.charted(study)
-    record = json.loads(json.dumps(account(found, borders=studies.borders(study, found)).record))
+    chart = studies.charted(study)
+    record = json.loads(json.dumps(account(chart, borders=studies.borders(study, chart)).record))
     del record["cycles"], record["schema"]
     shown = header["machines"]
     for one, of in zip(shown, record.pop("machines"), strict=True):
         assert {key: one[key] for key in of} == of
     assert {key: header[key] for key in record} == record
-    for one, machine in zip(shown, found.machines, strict=True):
+    for one, machine in zip(shown, chart.machines, strict=True):
         assert one["design_tables"] == tables_in(files.dumps(machine.chain))
         assert {(w["from"], w["to"], w["direction"], w["snaps"]) for w in one["ways"]} == {
             *machine.ways
         }
     query = {"name": "two.zarr", "query": "reaches every state and not snaps", "yield_percent": 90}
-    told, _ = unpacked(answered(Message("atlas", 2, None, query, 0, two)))
-    assert told["matches"] == [
-        one.name for one in studies.find(found, "reaches every state and not snaps", 0.9)
+    answer, _ = unpacked(answered(Message("atlas", 2, None, query, 0, two)))
+    assert answer["matches"] == [
+        one.name for one in studies.find(chart, "reaches every state and not snaps", 0.9)
     ]
     wrong, _ = unpacked(answered(Message("atlas", 3, None, query | {"query": "count"}, 0, two)))
     assert "Did you mean 'counts'?" in wrong["problems"][0]["text"]
@@ -396,15 +396,15 @@ def test_an_atlas_is_what_the_command_says_of_it(two: Path):
 @pytest.mark.slow
 def test_machines_lie_within_the_picture_and_on_none_other(two: Path):
     study = studies.opened(two / "two.zarr")
-    found = studies.charted(study, samples=2, checks=0)
+    chart = studies.charted(study, samples=2, checks=0)
     names = [f"{k:08x}" for k in range(60)]
-    renamed = [replace(found.machines[k % 3], name=name) for k, name in enumerate(names)]
-    parameter = found.axes[0].name
+    renamed = [replace(chart.machines[k % 3], name=name) for k, name in enumerate(names)]
+    parameter = chart.axes[0].name
     near = [
         studies.Border(names[k], parameter, 0.0, 1e-3 * (1 + k % 5), names[(k * k + 1) % 60])
         for k in range(50)
     ]
-    places = np.array([*placed(found, near, renamed).values()])
+    places = np.array([*placed(chart, near, renamed).values()])
     xy, radius = places[:, :2], places[:, 2]
     assert np.all(xy - radius[:, None] > 0) and np.all(xy + radius[:, None] < [1.0, 0.64])
     apart = np.hypot(*(xy[:, None] - xy[None, :]).T) + 9 * np.eye(60)

@@ -69,7 +69,7 @@ DESIGN_HELP = "Design file (TOML), or the name of a preset; see `stepwell preset
 
 def by_name(design: str | None) -> str | None:
     """The same design, with "preset:" before the name of a preset that is no file here."""
-    if design in sw.files.presets() and not Path(design).exists():
+    if design and design in sw.files.presets() and not Path(design).exists():
         return f"preset:{design}"
     return design
 

@@ -26,7 +26,7 @@ def length(least: float = 0.0, most: float = math.inf) -> Callable[[str | float]
     """A parser of an option: a length between two bounds [mm]."""
 
     def parse(text: str | float) -> float:
-        if isinstance(text, float):  # the default
+        if not isinstance(text, str):  # the default
             return text
         try:
             value = millimetres(text)

@@ -179,7 +179,7 @@ def replay(
     ),
     arena: options.Arena = None,
     cycles: float | None = option(
-        "Number of drive cycles (robots only); by default 8, or in an arena until the robot reaches "
+        "Number of drive cycles (robots only); 8 by default. In an arena until the robot reaches "
         "the goal or is stuck, at most 600 s.",
         "N",
         min=0.01,
