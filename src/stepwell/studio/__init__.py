@@ -1,4 +1,4 @@
-"""A page on this machine where a design is dragged and everything follows: the server behind it."""
+"""The studio: an interactive page on this machine, and its server."""
 
 from typing import TYPE_CHECKING
 

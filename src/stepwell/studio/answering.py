@@ -1,4 +1,4 @@
-"""The panels by the types of their messages, and the answer to a message as bytes."""
+"""Panels by type of message, and the answer to a message as bytes."""
 
 import json
 import sys
@@ -9,7 +9,7 @@ from stepwell.crash import reported
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.message import Message, Refusal, packed, problems_of, refused
 
-# The file in `panels` of every type of message, which a function `answer_<type>` in it answers.
+# For every type of message the file in `panels` with the function `answer_<type>`.
 FILES = {
     "atlas": ("atlas",),
     "designs": ("export", "gallery", "open", "replay", "text", "thumbnails"),
@@ -24,7 +24,7 @@ FILES = {
     "targets": ("wish", "yield"),
 }
 _PANELS = {kind: file for file, kinds in FILES.items() for kind in kinds}
-# Panels that run in a process of their own: `ask.tell` reports progress, and the page can end them.
+# Panels in a separate process: `ask.tell` reports progress, and the page can cancel them.
 LONG = {
     *("atlas", "export", "map_followed", "margin", "maze", "measured", "predict", "replay"),
     *("study", "study_csv", "study_design", "study_estimate", "thumbnails", "walk", "wish"),
@@ -42,13 +42,13 @@ def types() -> tuple[str, ...]:
 
 
 def answer(kind: str, design: PageDesign, ask: Ask) -> View:
-    """The answer of a panel, whose file is imported at the first question, or what it refuses."""
+    """The answer of a panel; its file is imported at the first request."""
     panels = import_module(f"stepwell.studio.panels.{_PANELS[kind]}")
     return getattr(panels, f"answer_{kind}")(design, ask)
 
 
 def answered(message: Message, ask: Ask | None = None) -> bytes:
-    """What the panel of a message answers, or everything that is wrong with the message.
+    """The answer of a panel to a message, or all problems of the message.
 
     `ask` has functions that report progress; without it there are none.
     """
@@ -58,13 +58,13 @@ def answered(message: Message, ask: Ask | None = None) -> bytes:
         return packed(message.type, message.seq, answer(message.type, design, ask))
     except StepwellError as error:
         return refused(message.type, message.seq, problems_of(error))
-    except Exception as error:  # a fault of ours must not cost the user's session
+    except Exception as error:  # a bug must not end the session
         asked = {"type": message.type, "ask": dict(message.ask), "design": message.design}
         tell(error, json.dumps(asked, default=str))
         return refused(message.type, message.seq, [Refusal("", _BROKEN)])
 
 
 def tell(error: Exception, asked: str = "") -> None:
-    """Write a line about an unexpected error, and a report of it with what the page asked."""
+    """Write one line about an unexpected error, and a report with the request."""
     if sys.stderr is not None:
         sys.stderr.write(f"{reported(error, ['studio'], asked)}\n")

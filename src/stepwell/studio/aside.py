@@ -1,4 +1,4 @@
-"""Long work in a process of its own, which can be ended at any time."""
+"""Long computations in a separate process that can be ended at any time."""
 
 import asyncio
 import multiprocessing
@@ -43,7 +43,7 @@ class WorkerProcess:
             return None
 
     def end(self) -> None:
-        """End the process, whatever it does."""
+        """End the process at once."""
         process, self._process = self._process, None
         if process is not None:
             process.kill()
@@ -62,7 +62,7 @@ class WorkerProcess:
 
 
 def prepare() -> None:
-    """Have what long work starts from begin to import what it needs."""
+    """Start the imports of the process from which long work is forked."""
     if "forkserver" in multiprocessing.get_all_start_methods():
         _apart()
         from multiprocessing import forkserver
@@ -71,8 +71,8 @@ def prepare() -> None:
 
 
 def _apart() -> Any:
-    # A fork of this process would take the locks of its threads along: where that can be had, start
-    # from a process that has all imported and no threads.
+    # A fork of this process would copy locked locks of its threads: if possible, start
+    # from a process without threads that has imported all packages.
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     apart = multiprocessing.get_context("forkserver")
@@ -81,10 +81,10 @@ def _apart() -> Any:
 
 
 def work(pipe: Connection) -> None:
-    """What the process does: answer one message after another until the studio is gone."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the studio's, which ends this
+    """Answer one message after another until the studio ends; runs in the process."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the studio handles Ctrl-C and ends this process
     if hasattr(os, "nice"):
-        os.nice(5)  # what follows the pointer goes first
+        os.nice(5)  # answers to a drag have priority
     with suppress(EOFError, OSError):
         while True:
             message: Message = pipe.recv()

@@ -1,4 +1,4 @@
-"""What the page asks and what it gets: keys with bounds, designs, views."""
+"""Requests of the page and answers: keys with bounds, designs, views."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ from stepwell.robot import Robot
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """An answer of a panel: what JSON can hold, with units in names, and arrays by name."""
+    """An answer of a panel: a JSON header with units in names, and arrays by name."""
 
     header: Mapping[str, Any]
     blocks: Mapping[str, np.ndarray[Any, Any]] = field(default_factory=dict)
@@ -35,10 +35,10 @@ class Ask:
     """The keys of a request, each taken once, or a ValueError; `close` refuses what is left.
 
     Args:
-        keys: as JSON has them.
-        tell: called with (done, total) by panels that take long.
-        show: called by them with what they know already.
-        studies: the folder in which the server keeps studies; None where it keeps none.
+        keys: of the JSON object.
+        tell: called with (done, total) by slow panels.
+        show: called by slow panels with partial answers.
+        studies: the server's folder of studies, or None.
     """
 
     def __init__(
@@ -113,7 +113,7 @@ class Ask:
         return value
 
     def parts(self, key: str, longest: int) -> "list[Ask]":
-        """The objects of a list, each to be asked by itself."""
+        """The objects of a list, as requests."""
         value = self._take(key)
         whole = isinstance(value, list) and 1 <= len(value) <= longest
         if not whole or not all(isinstance(one, dict) for one in value):
@@ -121,7 +121,7 @@ class Ask:
         return [Ask(one) for one in value]
 
     def close(self) -> None:
-        """Refuse keys that were not taken; the text names the first."""
+        """Raise an error about the first unused key."""
         for key in self._keys:
             near = nearest_word(key, self._known)
             known = ", ".join(dict.fromkeys(self._known)) or "none"
@@ -142,16 +142,16 @@ def _shown(value: Any) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-# More cannot be seen at once, nor followed while an anchor is dragged.
+# Limit for the display, and for updates while an anchor is dragged.
 MOST_CELLS = 64
 
 
 class PageDesign:
-    """What the page shows; nothing is checked before it is asked for, and then ValueError raised.
+    """The design on the page; it is checked at the first access, with a ValueError if invalid.
 
     Args:
-        tables: of a design file, as JSON has them; None where the request has no design.
-        leg: of a robot, whose chain is meant where a chain is asked for.
+        tables: of a design file, from JSON; None if the request has no design.
+        leg: the leg of a robot whose chain is used.
     """
 
     def __init__(self, tables: dict[str, Any] | None, leg: int = 0):
@@ -159,22 +159,22 @@ class PageDesign:
 
     @cached_property
     def read(self) -> DesignFile:
-        """What the tables describe, and the program of a chain."""
+        """The design file of the tables."""
         if self.tables is None:
             raise InputError("design: is missing; send the tables of a design file.")
         return loads_tables(self.tables)
 
     @property
     def chain(self) -> Chain:
-        """The chain, or that of one leg of the robot, no longer than the studio can show."""
+        """The chain, or the chain of one leg of the robot, within the limit of the studio."""
         chain = self.read.subject
         if isinstance(chain, Robot):
             if self.leg >= len(chain.legs):
                 raise DesignError("design", [f"leg[{self.leg}]: there are {len(chain.legs)}."])
             chain = chain.legs[self.leg].chain
         if len(chain) > MOST_CELLS:
-            most = f"the studio follows at most {MOST_CELLS} while they are dragged"
-            way = "`stepwell run` takes more"
+            most = f"the limit of the studio is {MOST_CELLS}"
+            way = "`stepwell run` accepts more"
             raise InputError(f"chain.cell: {len(chain)} cells: {most}; {way}.")
         return chain
 
@@ -187,5 +187,5 @@ class PageDesign:
 
     @property
     def program(self) -> WrittenProgram | None:
-        """The program of the chain, where the design has one."""
+        """The program of the design, if any."""
         return self.read.program

@@ -1,4 +1,4 @@
-"""Access to the studio: only the page that it served itself may talk to it."""
+"""Access control of the studio: only its own page may connect."""
 
 import hmac
 from collections.abc import Awaitable, Callable, MutableMapping
@@ -14,10 +14,10 @@ _NAMES = ("127.0.0.1", "localhost")
 
 
 class Guard:
-    """Refuse what comes by another name than this machine's own, from another page, or uninvited.
+    """Refuse requests with another host name, from another page, or without the token.
 
-    A page of another site can send requests to this machine, but not with this Host, which a name
-    that was bent to this address would betray, and a WebSocket of it not with this Origin. Without
+    A page of another site can send requests to this machine, but not with this Host (this detects
+    DNS rebinding), and its WebSocket has another Origin. Without
     the token no socket opens.
     """
 
@@ -27,7 +27,7 @@ class Guard:
         self._token = token.encode()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on, with the headers that keep a browser to this page, or refuse it."""
+        """Pass a request on and add security headers to its answer, or refuse it."""
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
@@ -65,7 +65,7 @@ _PLAIN = [(b"content-type", b"text/plain; charset=utf-8")]
 
 
 def _only(scope: Scope, name: bytes) -> str:
-    """The value of a header that stands there once; "" where it does not."""
+    """The value of a header that occurs once, or ""."""
     values = [value for key, value in scope["headers"] if key == name]
     return values[0].decode("latin-1") if len(values) == 1 else ""
 

@@ -22,7 +22,7 @@ from stepwell.files import DesignError, slips_text
 from stepwell.mechanism import SlipError
 from stepwell.studio.ask import View
 
-# A key path as messages begin with it, and what stands behind it.
+# A key path at the start of a message, and the text after it.
 _NAME = r'(?:[A-Za-z0-9_-]+|"(?:[^"\\]|\\.)*")'
 _AT = re.compile(rf"(?P<at>[A-Za-z_][A-Za-z0-9_-]*(?:\[\d+\]|\.{_NAME})*)(?: = |: |, )")
 
@@ -50,7 +50,7 @@ def problems_of(error: StepwellError) -> list[Refusal]:
 VERSION = 1
 LONGEST_MESSAGE = 1 << 20  # bytes
 _KEYS = ("v", "type", "seq", "design", "leg", "ask")
-_MOST = 2**53 - 1  # what JavaScript counts to
+_MOST = 2**53 - 1  # largest exact integer in JavaScript
 _DTYPES = {"f": ("f8", "<f8"), "i": ("i4", "<i4"), "u": ("i4", "<i4"), "b": ("i4", "<i4")}
 
 

@@ -1,4 +1,4 @@
-"""A motion as the page and a replay show it: samples, events, cells and margins in its units."""
+"""A motion for the page and for replays: samples, events, cells and margins in display units."""
 
 import math
 from collections.abc import Callable, Iterable
@@ -65,7 +65,7 @@ def _angles(chain: Chain, travel: Floats) -> Floats:
 
 
 def landscape(chain: Chain) -> dict[str, np.ndarray[Any, Any]]:
-    """(m, N) travels and energies of every cell by itself; NaN for curves that fold back."""
+    """Travels and energies of every single cell (m, N); NaN for curves that fold back."""
     low, high = zip(*((cell.low, cell.high) for cell in chain.cells), strict=True)
     travel = np.linspace(low, high, _LANDSCAPE)
     energy = np.full_like(travel, np.nan)
@@ -174,7 +174,7 @@ def _samples_at(events: Iterable[Event], path: Path) -> list[int]:
 
 
 def margins_of(limits: Margin | None) -> dict[str, Any]:
-    """How far every anchor and every stiffness is from another sequence, and the nearest one."""
+    """Margins of every anchor and every stiffness, and the smallest one."""
     if limits is None:
         return {"margins": [], "margin": None, "method": "search"}
     known = [change for change in limits.changes if np.isfinite(change.distance)]
@@ -195,7 +195,7 @@ def _change(change: Change) -> dict[str, Any]:
 
 
 def program_header(program: Program) -> dict[str, Any]:
-    """What a program does, its drives in the unit of `units_of`."""
+    """The result of a program, with drives in the unit of `units_of`."""
     drive = display_unit(program.chain.drive_unit)[1]
     return {
         "start": program.start,
@@ -219,7 +219,7 @@ def motion_of(
     known: Margin | None = None,
     progress: Callable[[float, float], None] | None = None,
 ) -> View:
-    """The full cycle of a chain with its margins, if not `known`, or a program with its windows."""
+    """The full cycle of a chain with its margins, or a program with its tolerance intervals."""
     if isinstance(result, Program):
         path, view_header = result.path, {**margins_of(None), "program": program_header(result)}
     else:

@@ -1,4 +1,4 @@
-"""A robot in motion as the page shows it: its parts, its samples, and whole runs made small."""
+"""A robot for the page: parts, samples, and compressed runs."""
 
 import math
 import zlib
@@ -23,7 +23,7 @@ _SHAPES = {
 
 
 class Scene:
-    """A robot that can be simulated, drawn as parts that keep their shape on bodies that move."""
+    """A robot as rigid parts on moving bodies."""
 
     def __init__(self, robot: Robot, arena: Arena | None = None):
         self._robot = robot
@@ -39,11 +39,11 @@ class Scene:
 
     @property
     def start(self) -> Floats:
-        """(1, nq) joint positions of the robot that stands at the start with every cell at 0."""
+        """Joint positions (1, nq) in the start pose with every cell in state 0."""
         return np.asarray(self._model.key_qpos[:1])
 
     def header(self) -> dict[str, Any]:
-        """What of the robot and around it keeps its shape, and the names of legs and antennas."""
+        """Constant parts of the scene, and names of legs and antennas."""
         robot = self._robot
         antennas = [
             {
@@ -67,7 +67,7 @@ class Scene:
         return {"parts": self._parts(), "lines": self._lines()}
 
     def _parts(self) -> list[dict[str, Any]]:
-        """Boxes, balls and rods with their sizes, the place of each on its body, its colour."""
+        """Boxes, balls and rods with size, position on their body, and colour."""
         model = self._model
         return [
             {
@@ -84,7 +84,7 @@ class Scene:
         ]
 
     def _lines(self) -> list[dict[str, Any]]:
-        """Levers, links and bands: straight from a point of one body to a point of another."""
+        """Levers, links and bands: straight lines between points of two bodies."""
         model, lines = self._model, list[dict[str, Any]]()
         for i in range(model.ntendon):
             first = int(model.tendon_adr[i])
@@ -93,7 +93,7 @@ class Scene:
             if not straight or model.tendon_rgba[i][3] == 0:
                 continue
             sites = model.wrap_objid[wraps].tolist()
-            # Of several bands of a cell each has a number at the end of its name.
+            # If a cell has several bands, each name ends with a number.
             leg, cell = self._owners.get(model.tendon(i).name.rstrip("0123456789"), (None, None))
             lines.append(
                 {
@@ -107,7 +107,7 @@ class Scene:
         return lines
 
     def placed(self, positions: Floats) -> dict[str, Floats]:
-        """Where the bodies are for (n, nq) positions of the joints.
+        """Poses of the bodies for (n, nq) positions of the joints.
 
         `place` is (n, bodies, 3) in mm, `turn` (n, bodies, 4) quaternions w, x, y, z.
         """
@@ -133,7 +133,7 @@ def _colour(rgba: Any) -> dict[str, Any]:
 def samples_of(
     walk: Walk, scene: Scene, rows: slice | np.ndarray[Any, Any]
 ) -> dict[str, np.ndarray[Any, Any]]:
-    """Where a robot was, what its actuator and antennas did, and in which states its legs were."""
+    """Samples of a walk: positions, actuator, antennas, forces and states of the legs."""
     codes: list[list[int]] = []
     for k, leg in enumerate(walk.robot.legs):
         full = np.array(leg.chain.full_travels)
@@ -160,37 +160,37 @@ _EVERY = 0.2
 
 
 class Live:
-    """Sends the samples of a run to the page as they come."""
+    """Sends the samples of a run to the page during the simulation."""
 
     def __init__(self, robot: Robot, arena: Arena | None, ask: Ask):
         self._scene, self._ask = Scene(robot, arena), ask
         self._sent, self._last = 0, monotonic()
 
     def look(self, so_far: Callable[[], Walk]) -> None:
-        """Send what is new, not too often."""
+        """Send new samples, at most once per `_EVERY`."""
         if monotonic() - self._last >= _EVERY:
             self._ask.show(self.view(so_far()))
             self._last = monotonic()
 
     def view(self, walk: Walk, **header: Any) -> View:
-        """The samples that were not sent yet, with other entries of the header."""
+        """The samples since the last message, with further entries of the header."""
         first, self._sent = self._sent, len(walk.time)
         return View({"first": first, **header}, samples_of(walk, self._scene, slice(first, None)))
 
 
-# What a number is rounded to, in its unit; poses are looked at and not read.
+# Rounding of numbers in their units; poses need less precision.
 _STEPS = {"time": 1e-4, "place": 0.05, "turn": 1e-4, "state": 1.0}
 _STEP = 1e-3
-# Compressed bytes of a page below a megabyte; samples that a browser holds with ease.
+# Limits: compressed bytes for a page below a megabyte, and samples for a browser.
 _MOST_BYTES, _MOST_SAMPLES = 600_000, 30_000
 
 
 def walked(result: Walk | Maze) -> View:
-    """All that is to be seen of a run, from the start of its first cycle on.
+    """A run for the replay, from the start of its first cycle.
 
-    Every block holds, of each of its columns in turn, the differences from the sample before in
-    whole `steps`: those of a gait come again and again, and compress to a hundredth. A run that
-    was over before its first sample is refused.
+    Every block contains, column by column, the differences between samples in
+    whole `steps`: those of a gait repeat and compress to 1 %. A run that
+    ended before its first sample is refused.
     """
     walk = result.walk if isinstance(result, Maze) else result
     if not len(walk.time):
@@ -199,7 +199,7 @@ def walked(result: Walk | Maze) -> View:
     settled = min(int(np.searchsorted(walk.time, 0.0)), len(walk.time) - 1)
     every = 1 + (len(walk.time) - settled) // _MOST_SAMPLES
     blocks = samples_of(walk, scene, slice(settled, None, every))
-    # Obstacles end what comes again; then fewer samples have to do.
+    # With obstacles the motion does not repeat; then fewer samples are kept.
     while _size(differences := _differences(blocks)) > _MOST_BYTES and len(blocks["time"]) > 2:
         blocks = {name: block[::2] for name, block in blocks.items()}
     header = {
@@ -228,7 +228,7 @@ def _size(blocks: dict[str, np.ndarray[Any, Any]]) -> int:
     return sum(len(zlib.compress(block.tobytes(), 9)) for block in blocks.values())
 
 
-# A robot has many parts; it is at its pace in its second cycle.
+# A robot has many parts; its gait is steady in the second cycle.
 _POSES, _CYCLES = 30, 2.0
 
 

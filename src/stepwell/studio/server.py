@@ -1,4 +1,4 @@
-"""The studio's server: the page's files and one socket, on this machine alone."""
+"""The server of the studio: files of the page and one socket, on this machine only."""
 
 import asyncio
 import os
@@ -21,7 +21,7 @@ from stepwell.studio.session import Session, warm
 from stepwell.studio.stores import end_studies
 
 HOST = "127.0.0.1"
-# A browser keeps what a page stores by its port: the same one each time keeps the last design.
+# Browser storage depends on the port: with a fixed port the page finds the last design.
 USUAL_PORT = 7473
 _TYPES = {
     "html": "text/html; charset=utf-8",
@@ -31,7 +31,7 @@ _TYPES = {
     "png": "image/png",
     "woff2": "font/woff2",
 }
-# How long its users wait for its end at most [s].
+# Time limit of the shutdown [s].
 _PATIENCE = 1
 
 
@@ -46,9 +46,9 @@ def serve(
 
     Args:
         design: tables of the design that the page shows first; the gallery by default.
-        port: of 127.0.0.1, 0 for any free one; by default 7473, or any where that is taken.
-        studies: the folder in which it keeps studies; by default one of this user's data.
-        opened: called with the page's address once it can be had.
+        port: of 127.0.0.1, 0 for any free one; by default 7473, or any if that is in use.
+        studies: the folder of studies; by default a folder of this user.
+        opened: called with the page's address as soon as the server answers.
 
     Raises:
         ExtraError: the packages of the extra `studio` are not installed.
@@ -119,7 +119,7 @@ def application(
 
         return routing.Route(path, page)
 
-    # The files are read now and by their own names: no path of a request is ever opened.
+    # The files are read at the start: no path of a request is ever opened.
     held = page_files()
     routes = [route(f"/{name}", name) for name in held]
     routes += [route("/", "index.html")] if "index.html" in held else []
@@ -140,7 +140,7 @@ def page_files() -> dict[str, bytes]:
 
 
 async def _talked(websocket: Any, session: Session) -> None:
-    """Hear and answer until the page leaves."""
+    """Receive and answer messages until the page closes."""
     gone = _needed("starlette.websockets").WebSocketDisconnect
     answering = asyncio.create_task(session.answer())
     try:
@@ -160,7 +160,7 @@ async def _talked(websocket: Any, session: Session) -> None:
                 await websocket.close(1009)
                 break
             await session.hear(text)
-    except (gone, OSError, RuntimeError):  # the page left while it was being answered
+    except (gone, OSError, RuntimeError):  # the page was closed during the answer
         pass
     finally:
         answering.cancel()
@@ -168,6 +168,6 @@ async def _talked(websocket: Any, session: Session) -> None:
 
 
 def _needed(name: str) -> Any:
-    """A module of the extra, or one line that says how to get it."""
+    """A module of the extra, or an error with the command that installs it."""
     need("studio")
     return import_module(name)

@@ -1,4 +1,4 @@
-"""One open page: of each kind of question the latest is answered, one at a time."""
+"""The session of one page: for each type of request the latest is answered, one at a time."""
 
 import asyncio
 from collections.abc import Awaitable, Callable
@@ -19,24 +19,24 @@ Send = Callable[[bytes], Awaitable[None]]  # of the socket
 
 
 class Waiting:
-    """Messages that wait: of each type the newest, the type that waits longest first."""
+    """Queue of messages: the newest of each type, in order of waiting time."""
 
     def __init__(self) -> None:
         self._of: dict[str, Message] = {}
         self._some = asyncio.Event()
 
     def put(self, message: Message) -> None:
-        """Let a message wait, in place of the one of its type that does."""
+        """Queue a message in place of an older one of its type."""
         self._of[message.type] = message
         self._some.set()
 
     async def take(self) -> Message:
-        """The next message, as soon as there is one."""
+        """Wait for the next message and return it."""
         await self._some.wait()
         return self._pop(next(iter(self._of)))
 
     def drop(self, seq: int) -> Message | None:
-        """Forget the message of that number, if it waits."""
+        """Remove the message with this number from the queue."""
         kind = next((kind for kind, message in self._of.items() if message.seq == seq), None)
         return None if kind is None else self._pop(kind)
 
@@ -48,10 +48,10 @@ class Waiting:
 
 
 class Session:
-    """What goes on for one socket.
+    """The work for one socket.
 
-    Quick questions are answered in `threads`, so that the socket keeps hearing; `start` has the
-    tables of the design that the command was started with.
+    Fast requests are answered in `threads`, so that the socket keeps receiving; `start` has the
+    tables of the design given to the command.
     """
 
     def __init__(
@@ -64,12 +64,12 @@ class Session:
         self._send, self._threads = send, threads
         self._start, self._studies = start, studies
         self._quick = Waiting()
-        # Of each long type by itself: a wish of minutes must not delay a yield.
+        # One process per slow type: an inverse design of minutes must not delay a yield.
         self._long = {kind: LongWork(send) for kind in LONG}
         self._types = (*types(), START, CANCEL)
 
     async def hear(self, text: str) -> None:
-        """Take a message of the page; it is answered when its turn comes."""
+        """Queue a message of the page."""
         try:
             message = message_of(text, self._types)._replace(studies=self._studies)
         except WireError as error:
@@ -85,7 +85,7 @@ class Session:
             (self._quick if lane is None else lane.waiting).put(message)
 
     async def answer(self) -> None:
-        """Answer what waits, until this is cancelled."""
+        """Answer queued messages until cancelled."""
         try:
             lanes = [lane.answer() for lane in self._long.values()]
             await asyncio.gather(self._answer_quick(), *lanes)
@@ -98,7 +98,7 @@ class Session:
         while True:
             message = await self._quick.take()
             await self._send(await loop.run_in_executor(self._threads, answered, message))
-            # Loading machine code takes longer than the first answer without it.
+            # Loading compiled code takes longer than the first answer without it.
             await loop.run_in_executor(self._threads, hasten)
 
     async def _cancel(self, seq: int) -> None:
@@ -111,7 +111,7 @@ class Session:
 
 
 class LongWork:
-    """Long work of one type, in a process of its own."""
+    """Slow requests of one type, in a separate process."""
 
     def __init__(self, send: Send):
         self.waiting, self.aside = Waiting(), WorkerProcess()
@@ -121,12 +121,12 @@ class LongWork:
 
     def _tell(self, data: bytes) -> None:
         telling = asyncio.ensure_future(self._send(data))
-        # A page that leaves meanwhile is noticed where it is heard; the exception may stay unread.
+        # A closed page is detected when receiving; this exception can be ignored.
         telling.add_done_callback(lambda done: done.cancelled() or done.exception())
         self._told.append(telling)
 
     async def answer(self) -> None:
-        """Answer what waits, until this is cancelled."""
+        """Answer queued messages until cancelled."""
         while True:
             message = self.running = await self.waiting.take()
             self._told.clear()
@@ -137,13 +137,13 @@ class LongWork:
 
 
 def warm() -> None:
-    """Answer what a page asks first, so that what it needs is imported."""
+    """Answer typical first requests in advance, to import their packages."""
     answered(Message("evaluate", 0, tables_in(preset_text("paper-forward"))))
 
 
 @cache
 def hasten() -> None:
-    """Go over to machine code, so that the first drag meets it, and prepare for long work."""
+    """Load compiled code before the first drag, and prepare the process for slow work."""
     try:
         prepare()
         stay()

@@ -1,4 +1,4 @@
-"""A motion as one HTML file that plays anywhere, without a server."""
+"""An animation as one self-contained HTML file."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     from stepwell.simulation import Maze, Walk
 
 
-# By which name a frame plays by itself, and how large one is: taller where it is narrow.
+# The name of a frame that plays automatically, and the size of a frame: taller if narrow.
 _PLAYS = "plays"
 _SIZE = "display:block;width:100%;height:clamp(30rem,47rem - 20vw,40rem);border:0"
-# What would end or change a script that stands in HTML, wherever it is in a text of it.
+# Character sequences that would end or change a script inside HTML.
 _MARKS = re.compile(r"<(?=!--|/?script)", re.IGNORECASE)
 
 
@@ -40,21 +40,21 @@ def replay(
     margin: Margin | None = None,
     progress: Callable[[float, float], None] | None = None,
 ) -> str:
-    """A motion as one HTML page that plays anywhere: no server, and nothing loaded from elsewhere.
+    """An animation as one self-contained HTML page, without a server or a network.
 
-    It has a slider and the assumptions of its numbers; of a chain the mechanism, force, travel and
-    energy; of a robot itself from above and from the side, its way and its legs. Long runs are
+    It has a slider and the assumptions; for a chain the mechanism, force, travel and
+    energy; for a robot top view, side view, path and legs. Long runs are
     thinned, so that the page stays below a megabyte.
 
     Args:
-        result: a chain or its full cycle, a program, or a robot's walk or way through an arena.
-        title: the chain's or the robot's own by default.
-        margin: that of the chain, where it has been found already.
+        result: a chain or its full cycle, a program, or a robot's walk or run through an arena.
+        title: by default that of the chain or robot.
+        margin: that of the chain, if it is known already.
         progress: called with (done, total) while margins of a chain are searched.
 
     Raises:
-        ValueError: none of these, or a run that was over before its first sample.
-        StaticsError: the engine could not go on; its text says what to do.
+        ValueError: another type, or a run that ended before its first sample.
+        StaticsError: the simulation failed; see its message.
     """
     if isinstance(result, Chain | Cycle | Program):
         motion = motion_of(result, margin, progress)
@@ -80,21 +80,21 @@ def filled(title: str, version: str, data: str) -> str:
 
 
 def embedded(page: str, title: str, *, plays: bool = False) -> str:
-    """A page that is complete in itself as part of another one, kept apart from it.
+    """A self-contained page as an isolated part of another page.
 
-    In a frame a replay is compact: no bar of its own, and all in view at once. A page around it
-    that has a policy of its own must allow its inline script and styles, for frames inherit it.
+    In a frame a replay is compact: no title bar and no scrolling. A page around it
+    with its own policy must allow inline scripts and styles, for frames inherit it.
 
     Args:
         page: HTML text, as of `replay`.
-        title: what it shows, for screen readers.
-        plays: whether it plays by itself while it is in view; never with reduced motion.
+        title: a description for screen readers.
+        plays: whether it plays automatically while visible; never with reduced motion.
 
     Returns:
-        An `iframe` element as wide as its surroundings: its scripts run, but reach neither them
-        nor any address.
+        An `iframe` element with the width of its parent: its scripts run, but without access to
+        the parent or the network.
     """
-    # A frame knows its own name, and nothing else of its surroundings.
+    # A frame can read its own name, and nothing else of its parent.
     name = f' name="{_PLAYS}"' if plays else ""
     return (
         f'<iframe class="replay" title="{_plain(title)}" sandbox="allow-scripts" loading="lazy"'
@@ -103,12 +103,12 @@ def embedded(page: str, title: str, *, plays: bool = False) -> str:
 
 
 def _plain(text: str) -> str:
-    """Text as a value of an attribute, the same in a page of any encoding."""
+    """Text as the value of an attribute, in ASCII."""
     return escape(text).encode("ascii", "xmlcharrefreplace").decode()
 
 
 def _run_of(result: Walk | Maze) -> View:
-    """Without MuJoCo there is no run, and this is none."""
+    """The view of a run; an error for another type or without MuJoCo."""
     with suppress(ExtraError):
         from stepwell.simulation import Maze, Walk
 

@@ -1,4 +1,4 @@
-"""The studies in the server's own folder, and those that this server computes."""
+"""Studies in the folder of the server, and their computation."""
 
 import json
 import os
@@ -14,12 +14,12 @@ from stepwell.base import InputError, need
 from stepwell.studies import Study, opened
 from stepwell.studio.ask import Ask
 
-# Names that are listed, bytes of a store's description that are read, letters of a name.
+# Limits: listed names, bytes of a store's description, letters of a name.
 _MOST, _LONGEST, _NAME = 500, 1 << 23, 200
 
 
 def home(ask: Ask) -> Path:
-    """The folder in which studies are kept; refused if this server keeps none."""
+    """The folder of studies; an error if this server has none."""
     need("studies")
     if ask.studies is None:
         raise InputError("studies: this server keeps none; start it by `stepwell studio`.")
@@ -27,7 +27,7 @@ def home(ask: Ask) -> Path:
 
 
 def stores(folder: Path) -> dict[str, Path]:
-    """What is in the folder and looks like a store, the newest first."""
+    """The stores in the folder, newest first."""
     try:
         inside = [one for one in folder.iterdir() if not one.name.startswith(".")]
         held = [one for one in inside if (one / "zarr.json").is_file() and one.name.isprintable()]
@@ -38,7 +38,7 @@ def stores(folder: Path) -> dict[str, Path]:
 
 
 def store_named(ask: Ask, name: str) -> Path:
-    """The store of that name, which must be one of those that are listed."""
+    """The store with this name, which must be listed."""
     store = stores(home(ask)).get(name)
     if store is None:
         raise InputError(f"ask.name = {name[:60]!r}: there is no such study.")
@@ -46,12 +46,12 @@ def store_named(ask: Ask, name: str) -> Path:
 
 
 def study_of(ask: Ask) -> Study:
-    """The study whose name is asked for."""
+    """The study with the requested name."""
     return opened(store_named(ask, ask.text("name", _NAME)))
 
 
 def described(place: Path) -> dict[str, Any]:
-    """What a store says of itself, read without Zarr; empty where it says nothing."""
+    """The description in a store, read without Zarr; empty if there is none."""
     try:
         with (place / "zarr.json").open("rb") as file:
             held = json.loads(file.read(_LONGEST))
@@ -63,15 +63,15 @@ def described(place: Path) -> dict[str, Any]:
         return {}
 
 
-_LONGEST_WORDS = 4000  # bytes of what a command said last
+_LONGEST_WORDS = 4000  # bytes of the last output of a command
 
 
 class _Run:
     def __init__(self, store: Path):
         self._log: IO[bytes] | None = TemporaryFile()  # noqa: SIM115  until the command has ended
         self._stopped, self._said = False, ""
-        # The same command that a terminal would be given. Its session is its own, so that all of
-        # its processes can be ended together, and a Ctrl-C is the server's alone.
+        # The command of a terminal, in its own process session, so that all of
+        # its processes can be ended together, and a Ctrl-C reaches the server only.
         words = [sys.executable, "-P", "-m", "stepwell", "sweep", "resume", str(store)]
         none = subprocess.DEVNULL
         self.process = subprocess.Popen(
@@ -79,11 +79,13 @@ class _Run:
         )
         if hasattr(os, "setpriority"):
             with suppress(OSError):  # it has ended already
-                os.setpriority(os.PRIO_PROCESS, self.process.pid, 5)  # the pointer goes first
+                os.setpriority(
+                    os.PRIO_PROCESS, self.process.pid, 5
+                )  # answers to a drag have priority
 
     @property
     def going(self) -> bool:
-        """Whether it is at work."""
+        """Whether the run is active."""
         if self.process.poll() is None:
             return True
         if self._log is not None:
@@ -94,11 +96,11 @@ class _Run:
 
     @property
     def said(self) -> str:
-        """What it ended with; "" where it goes on, is done, or was stopped."""
+        """The error at its end; "" if it is active, finished or was stopped."""
         return "" if self.going else self._said
 
     def end(self) -> None:
-        """End all of it now; the store loses what was not written yet and nothing else."""
+        """End all processes now; only unwritten chunks are lost."""
         if not self.going:
             return
         self._stopped = True
@@ -118,22 +120,22 @@ def _last(log: IO[bytes]) -> str:
     return "".join(filter(str.isprintable, last)) or "It ended before it was done."
 
 
-# By its store what was begun last.
+# The last run of each store.
 _RUNS: dict[Path, _Run] = {}
 
 
 def begin(store: Path) -> None:
-    """Compute what is missing in a store, if that is not going on already."""
+    """Compute the missing designs of a store, unless this is already running."""
     for other in [one for one, run in _RUNS.items() if run.going]:
         if other == store:
             return
-        # Two at once would take each other's cores.
+        # Two runs would compete for the cores.
         raise InputError(f"{other.name} is being computed: stop it first, or wait for it.")
     _RUNS[store] = _Run(store)
 
 
 def stop(store: Path) -> bool:
-    """End what this server has begun on a store; whether there was anything."""
+    """Stop the run of this server on a store; returns whether there was one."""
     run = _RUNS.get(store)
     if run is None or not run.going:
         return False
@@ -142,12 +144,12 @@ def stop(store: Path) -> bool:
 
 
 def how(store: Path) -> tuple[bool, str]:
-    """Whether this server computes it, and if it failed, why."""
+    """Whether this server computes the store, and the reason of a failure."""
     run = _RUNS.get(store)
     return (False, "") if run is None else (run.going, run.said)
 
 
 def end_studies() -> None:
-    """End all that this server has begun."""
+    """Stop all runs of this server."""
     for run in _RUNS.values():
         run.end()

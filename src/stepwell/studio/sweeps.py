@@ -1,4 +1,4 @@
-"""The study that the page asks for, and the line for a terminal that begins the same."""
+"""The study of a request, and the command that starts the same study."""
 
 import hashlib
 import json
@@ -21,12 +21,12 @@ OF_ROBOTS = ("walk", "maze")
 BUILT = "built"
 
 _MOST, _MOST_AXES, _FARTHEST = 10_000_000, 12, 1e9
-_STEM = 24  # letters of a store's name that are of the title
+_STEM = 24  # letters of the title in the name of a store
 _LAYOUTS, _CYCLES, _LIMIT = 1000, 1000, 3600.0
 
 
 def asked_study(design: PageDesign, ask: Ask, folder: Path) -> Study:
-    """The study of a request; it lies in the folder by a name that the server makes."""
+    """The study of a request, with a name in the folder chosen by the server."""
     what = ask.text("what", 20)
     if what not in (*OF_CHAINS, *OF_ROBOTS):
         known = ", ".join((*OF_CHAINS, *OF_ROBOTS))
@@ -36,7 +36,7 @@ def asked_study(design: PageDesign, ask: Ask, folder: Path) -> Study:
     ask.close()
     study = asked(subject, what, designs, folder, given=given)
     digest = hashlib.sha256(json.dumps(study.asked(), sort_keys=True).encode()).hexdigest()
-    # The first words of the title, of letters that no file system minds.
+    # The first words of the title, in letters that are valid in every file system.
     words = re.findall(r"[a-z0-9]+", subject.title.lower().partition(":")[0])
     stem = "-".join(words)[:_STEM].strip("-") or "design"
     return replace(study, folder=folder / f"{stem}-{what}-{digest[:8]}.zarr")

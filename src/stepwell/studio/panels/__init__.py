@@ -1,1 +1,1 @@
-"""What the page can ask: a function `answer_<type>(design, ask)` each; `answering` lists them."""
+"""Answers to the page: a function `answer_<type>(design, ask)` each; `answering` lists them."""

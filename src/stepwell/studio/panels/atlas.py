@@ -14,7 +14,7 @@ from stepwell.studio.stores import store_named
 # As fractions of the picture's width: radii of the rarest and the most frequent machine, the gap
 # between two, and the picture's height.
 _LEAST, _LARGEST, _ROOM, _TALL = 0.019, 0.05, 0.012, 0.64
-# More are laid out by springs, which cost less.
+# Larger graphs use a spring layout, which is faster.
 _MANY, _PUSHES = 120, 400
 
 

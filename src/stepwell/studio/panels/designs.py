@@ -1,4 +1,4 @@
-"""Designs as wholes: the gallery and its pictures, files opened, texts, figures, replays."""
+"""Panels of whole designs: gallery, thumbnails, files, texts, figures, replays."""
 
 from __future__ import annotations
 
@@ -59,13 +59,13 @@ def _preset(name: str, title: str) -> dict[str, Any]:
     return {"name": name, "title": title, "kind": kind, "group": group, "cells": len(cells)}
 
 
-# Samples of a motion that look smooth in a small picture, next to the ends of its branches.
+# Samples of a motion in a small picture, in addition to the ends of its branches.
 _SAMPLES = 60
 _BLOCKS = ("drive", "travel", "angle", "segment", "direction")
 
 
 def answer_thumbnails(_design: PageDesign, ask: Ask) -> View:
-    """One motion after another in the order of the gallery, and at last how many they were."""
+    """The motions in the order of the gallery, and finally their number."""
     ask.close()
     for one in _designs():
         ask.show(_moving(one["name"]))
@@ -81,7 +81,7 @@ def _moving(name: str) -> View:
     try:
         return _robot(name, design)
     except ExtraError:
-        # It takes MuJoCo to walk; a leg moves without.
+        # A walk needs MuJoCo; the chain of a leg does not.
         return _chain(name, design.legs[0].chain, None, [])
 
 
@@ -103,7 +103,7 @@ def _chain(
 
 
 def _few(path: statics.Path) -> Ints:
-    """The samples of a small picture: the ends of all branches, and between them steps alike."""
+    """Indices of samples for a small picture: ends of branches, and equal steps between them."""
     step = np.abs(np.diff(path.travel, axis=0) / path.chain.full_travels).max(axis=1)
     step[path.branch[1:] != path.branch[:-1]] = 0.0
     along = np.concatenate([[0.0], np.cumsum(step)])
@@ -126,7 +126,7 @@ def _robot(name: str, robot: Robot) -> View:
 
 
 def answer_open(_design: PageDesign, ask: Ask) -> View:
-    """The tables of the design and its title; a name of a file in the text is never opened."""
+    """The tables of the design and its title; file names in the text are never opened."""
     if ask.has("preset") == ask.has("toml"):
         raise InputError("ask: must have preset, a name of the gallery, or toml, a file's text.")
     if ask.has("preset"):
@@ -142,9 +142,9 @@ _LONGEST = 88
 
 
 def script(design: Chain | Robot, toml: str) -> str:
-    """Python that makes the design, equal to the last bit, and prints what it does.
+    """Python code that creates exactly this design and prints its result.
 
-    Robots, and chains with elements, are read from their design file, not spelled out.
+    Robots, and chains with elements, are read from the text of their design file.
     """
     kind, does = ("robot", "predict") if isinstance(design, Robot) else ("chain", "cycle")
     if isinstance(design, Robot) or design.elements:
@@ -188,7 +188,7 @@ def _call(start: str, parts: list[str], end: str, depth: int) -> str:
 
 
 def answer_text(design: PageDesign, ask: Ask) -> View:
-    """TOML that reads as this design, and Python that makes it."""
+    """The design as TOML and as Python code."""
     ask.close()
     subject, program = design.read.subject, design.read.program
     toml = files.dumps(subject, program=program)
@@ -201,7 +201,7 @@ _DPI, _KINDS = 600, ("svg", "png", "pdf")
 def answer_export(design: PageDesign, ask: Ask) -> View:
     """The bytes of a file: `what` is a figure in the `kind` svg, png or pdf, or the samples in csv.
 
-    Both are of the full cycle, the samples with all columns that `stepwell run --out` writes.
+    Both show the full cycle; the samples have all columns of `stepwell run --out`.
     """
     what, kind = ask.text("what", 20), ask.text("kind", 3)
     ask.close()
@@ -233,10 +233,10 @@ def _drawn(what: str, cycle: Cycle) -> Figure:
 
 
 def answer_replay(design: PageDesign, ask: Ask) -> View:
-    """The file: of a run where `cycles` or `limit_s` are asked for, else of a chain.
+    """The file of a replay: of a run if the request has `cycles` or `limit_s`, else of a chain.
 
-    A run is as in panels `walk` and `maze`. A chain is shown as its `turning_points_mm` have it,
-    else as the design's own program, else in its full cycle.
+    A run is as in panels `walk` and `maze`. A chain follows its `turning_points_mm`,
+    else the program of the design, else its full cycle.
     """
     from stepwell.studio.standalone import replay
 

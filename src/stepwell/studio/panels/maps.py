@@ -51,9 +51,9 @@ class PlaneAxis:
 class Plane:
     """A chain and two parameters; designs that differ only in these parameters are equal."""
 
-    chain: Chain  # at some place of the plane
+    chain: Chain  # at any position of the plane
     axes: tuple[PlaneAxis, PlaneAxis]  # of x and of y
-    # Where the design is, in SI: while it moves, all else that is known of the plane stays.
+    # Position of the design in SI; other results do not depend on it.
     here: tuple[float, float] = field(compare=False)
 
     @classmethod
@@ -61,7 +61,9 @@ class Plane:
         """The plane of the keys x, y, x_range and y_range."""
         axes = _axis(chain, ask, "x"), _axis(chain, ask, "y")
         x, y = (float(axis.parameter.value(chain)) for axis in axes)  # type: ignore[arg-type]
-        with suppress(ValueError):  # no design can be there; then this one has to stand for all
+        with suppress(
+            ValueError
+        ):  # no valid design there; then the chain itself represents the plane
             for axis in axes:
                 chain = axis.parameter.changed(chain, axis.low)
         return cls(chain, axes, (x, y))

@@ -1,4 +1,4 @@
-"""What the page asks of a chain's motion: its cycle, margins, numbers, graph and programs."""
+"""Panels of the motion of a chain: cycle, margins, parameters, graph, programs."""
 
 import tomllib
 from collections.abc import Mapping
@@ -17,9 +17,9 @@ from stepwell.studio.ask import Ask, PageDesign, View
 
 
 def answer_evaluate(design: PageDesign, ask: Ask) -> View:
-    """The cycle, and how far the design is from another where that is known in closed form.
+    """The cycle, and the margins that are known in closed form.
 
-    Numbers of a chain of volumes or of angles stand under the same names; `units` has theirs.
+    Keys have the same names for chains of volumes or angles; `units` has their units.
     """
     ask.close()
     chain = design.chain
@@ -28,7 +28,7 @@ def answer_evaluate(design: PageDesign, ask: Ask) -> View:
     header = {
         **motion.path_header(cycle.path, path),
         **motion.cycle_header(cycle),
-        # A search takes a hundred times as long as all else here: panel `margin` does it aside.
+        # A search takes 100 times as long as the rest: panel `margin` runs it separately.
         **motion.margins_of(proved_margin(chain)),
         "names": list(chain.names),
         "full_stroke_mm": chain.full_stroke * display_unit(chain.measure.travel_unit)[1],
@@ -48,7 +48,7 @@ _POINTS = 121
 def answer_cells(design: PageDesign, ask: Ask) -> View:
     """The keys of the shown chain and of every cell, what can be added, and samples of curves.
 
-    A design that is refused, so that it can be corrected, has no curves, and `units` is null.
+    An invalid design has no curves, and `units` is null, so that it can be corrected.
     """
     ask.close()
     tables = _tables(design)
@@ -62,7 +62,7 @@ def answer_cells(design: PageDesign, ask: Ask) -> View:
     try:
         made = design.chain
     except StepwellError:
-        # Where there are no cells, there is nothing to be typed either.
+        # Without cells there are no fields to edit.
         if not cells:
             raise
         return View({**header, "units": None})
@@ -100,7 +100,7 @@ def _table(value: Any) -> Mapping[str, Any]:
     return value if isinstance(value, Mapping) else {}
 
 
-# More states than these cells have cannot be seen, and are counted by `stepwell graph`.
+# Limit for a readable graph; `stepwell graph` handles more cells.
 _MOST_CELLS = 8
 
 
@@ -109,8 +109,8 @@ def answer_graph(design: PageDesign, ask: Ask) -> View:
     ask.close()
     chain = design.chain
     if len(chain) > _MOST_CELLS:
-        most = f"at most {_MOST_CELLS} cells are drawn; `stepwell graph` counts them"
-        raise InputError(f"the graph of {len(chain)} cells has too many states to be seen: {most}.")
+        most = f"the limit of the page is {_MOST_CELLS} cells; use `stepwell graph`"
+        raise InputError(f"the graph of {len(chain)} cells has too many states to display: {most}.")
     graph = chain.graph()
     drive, reached = display_unit(chain.drive_unit)[1], graph.reachable()
     nodes = [
@@ -158,7 +158,7 @@ def answer_program(design: PageDesign, ask: Ask) -> View:
 
 
 def program_of(chain: Chain, ask: Ask) -> Program:
-    """The program that is asked for."""
+    """The requested program."""
     start = _state(chain, ask, "start", chain.first_state)
     if ask.has("turning_points_mm"):
         drive = display_unit(chain.drive_unit)[1]
@@ -176,7 +176,7 @@ def _state(chain: Chain, ask: Ask, key: str, default: str | None = None) -> str:
 
 
 def _written(program: Program) -> dict[str, Any]:
-    """The table [program] of a design file; of one that was planned with tidy numbers."""
+    """The table [program] of a design file; with rounded numbers for a planned program."""
     given = WrittenProgram(program.start, program.turning_points, program.target)
     kept = given if program.method is ProgramMethod.GIVEN else WrittenProgram.of(program)
     return tomllib.loads(kept.text(program.chain))["program"]

@@ -18,11 +18,11 @@ from stepwell.studio.message import LONGEST_MESSAGE
 
 MM = display_unit("m")[1]
 _MOST_FILES = 32
-# Of one file and of all of them, unpacked: a recording of an hour at 50 Hz has 6 MB.
+# Limit of all unpacked files together: a recording of an hour at 50 Hz has 6 MB.
 _MOST_BYTES = 16 << 20
-# A picture shows no more samples than these of one way.
+# Most samples of one run in a picture.
 _DRAWN = 1500
-# Steps of time or of stroke, in usual ones, over which no line is drawn.
+# Gaps in time and in stroke, in median steps, at which a line is interrupted.
 _GAP = 3.0, 20.0
 
 
@@ -79,7 +79,7 @@ def _read(files: Iterable[Ask]) -> tuple[list[lab.Recording], list[str]]:
 
 
 def _unpacked(packed: str, most: int) -> bytes:
-    """What was packed by gzip and base64, and no more than so many bytes of it."""
+    """Data unpacked from gzip and base64, limited to `most` bytes."""
     unpacking = zlib.decompressobj(wbits=31)
     try:
         content = unpacking.decompress(base64.b64decode(packed, validate=True), most + 1)
@@ -122,7 +122,7 @@ def _file(record: dict[str, Any]) -> dict[str, Any]:
 
 
 def _series_record(series: lab.Series, comparison: lab.Comparison | None) -> dict[str, Any]:
-    """A series with its verdict, and its snaps next to those of the model."""
+    """A series with its verdict, and its snaps paired with those of the model."""
     tests = comparison.tests if comparison else ()
     test = next((one for one in tests if one.series.name == series.name), None)
     events = series.path.events
@@ -152,7 +152,7 @@ def _measured(series: lab.Series, run: lab.Recording) -> tuple[float, ...]:
 
 
 def _snap_rows(predicted: Sequence[float], measured: Sequence[float]) -> list[dict[str, Any]]:
-    """Strokes of snaps that a run and the model share, the nearest two together; None: missing."""
+    """Strokes of snaps of a run and of the model, paired by distance; None if missing."""
     return [
         {
             "predicted_mm": plain(a, MM),
@@ -191,7 +191,7 @@ def _curves(name: str, series: lab.Series) -> dict[str, np.ndarray[Any, Any]]:
 
 
 def _segments(run: lab.Recording) -> Ints:
-    """(n,) numbers of the pieces without a gap in time or stroke."""
+    """Indices (n,) of the pieces without a gap in time or stroke."""
     gap = np.zeros(len(run), dtype=bool)
     for values, most in zip((run.time, run.stroke), _GAP, strict=True):
         steps = np.abs(np.diff(values))

@@ -1,4 +1,4 @@
-"""What the page asks of robots: where they stand, what they will do, and what they do."""
+"""Panels of robots: scene, prediction, simulation."""
 
 from functools import partial
 from typing import TYPE_CHECKING
@@ -16,12 +16,12 @@ _LONGEST = 3600.0  # s
 
 
 def arena_of(ask: Ask) -> Arena | None:
-    """The arena that is asked with, or None for a bare floor."""
+    """The arena of a request, or None for a bare floor."""
     return files.loads_arena_tables(ask.table("arena")) if ask.has("arena") else None
 
 
 def asked_run(design: PageDesign, ask: Ask, *, in_maze: bool) -> "partial[Walk | Maze]":
-    """The simulation that is asked for: a walk of `cycles`, or a maze in a time of `limit_s`."""
+    """The requested simulation: a walk of `cycles`, or a maze with a time limit `limit_s`."""
     arena = arena_of(ask)
     if in_maze:
         how: dict[str, float] = {"limit": ask.number("limit_s", 1.0, _LONGEST, 600.0)}
@@ -31,7 +31,7 @@ def asked_run(design: PageDesign, ask: Ask, *, in_maze: bool) -> "partial[Walk |
     if in_maze and arena is None:
         raise base.InputError("ask.arena: is missing; a maze needs one, if only the open floor.")
     robot = design.robot
-    # Numbers of a robot can be wrong, and said so, where it cannot be simulated.
+    # Imported late: errors in a robot's parameters are reported without a simulator too.
     from stepwell.simulation import maze, walk
 
     return partial(maze if in_maze else walk, robot, arena=arena, progress=ask.tell, **how)
@@ -60,11 +60,11 @@ def answer_arena(_design: PageDesign, ask: Ask) -> View:
 
 
 def answer_robot(design: PageDesign, ask: Ask) -> View:
-    """Parts and lines of the robot, their places, and what its antennas do."""
+    """Parts and lines of the robot, their poses, and the effect of its antennas."""
     arena = arena_of(ask)
     ask.close()
     robot = design.robot
-    # Numbers of a robot can be wrong, and said so, where it cannot be simulated.
+    # Imported late: errors in a robot's parameters are reported without a simulator too.
     from stepwell.studio.scene import Scene
 
     scene = Scene(robot, arena)
@@ -72,19 +72,19 @@ def answer_robot(design: PageDesign, ask: Ask) -> View:
 
 
 def answer_predict(design: PageDesign, ask: Ask) -> View:
-    """The record that `stepwell robot show --json` prints, and the prediction in words."""
+    """The record of `stepwell robot show --json`, and the predicted motion in words."""
     ask.close()
     prediction = design.robot.predict()
     return View({"motion": prediction.motion.value, "record": accounts.account(prediction).record})
 
 
 def answer_walk(design: PageDesign, ask: Ask) -> View:
-    """The record that `stepwell walk --json` prints, and every sample."""
+    """The record of `stepwell walk --json`, and every sample."""
     return _answer(asked_run(design, ask, in_maze=False), ask)
 
 
 def answer_maze(design: PageDesign, ask: Ask) -> View:
-    """The record that `stepwell maze --json` prints, and every sample."""
+    """The record of `stepwell maze --json`, and every sample."""
     return _answer(asked_run(design, ask, in_maze=True), ask)
 
 
@@ -104,7 +104,7 @@ _SHARES = 0.8, 1.2
 
 
 def answer_robot_numbers(design: PageDesign, ask: Ask) -> View:
-    """Every number that is not 0, by its key, with its unit and a fifth to either side of it."""
+    """All nonzero parameters with key, unit and a range of ±20 %."""
     ask.close()
     numbers = [
         {

@@ -37,8 +37,8 @@ _POINTS, _WORDS = 4000, 12
 def answer_study(_design: PageDesign, ask: Ask) -> View:
     """The record of `stepwell sweep status --json`, its pace, and columns in units of the page.
 
-    `rows` are numbers of designs that are done, evenly over all; a column of words has their
-    places in its list, the last of which is any other.
+    `rows` are numbers of finished designs, evenly spaced; a column of words has indices into
+    its list, whose last entry stands for any other word.
     """
     study = study_of(ask)
     ask.close()
