@@ -261,7 +261,7 @@ def test_the_rows_of_a_load_are_edited(page: Page, tmp_path: Path):
     page.get_by_role("button", name="Add a row to load of outer").click()
     settled(page)
     expect(spin(page, "load of outer, row 3, in mm")).to_have_value("40")
-    page.get_by_role("button", name="Leave out load of outer in mm").click()
+    page.get_by_role("button", name="Use the default of load of outer in mm").click()
     settled(page)
     same(page, tables("paper-forward"))
     expect(spin(page, "load of outer in N")).to_have_value("0")

@@ -93,7 +93,7 @@ def test_designs_stand_in_groups_with_their_cells_and_sequences(gallery: Page):
     headings = gallery.locator(".gallery h2")
     expect(headings).to_have_count(4)
     for heading, first in (
-        ("The paper's", "paper-backward"),
+        ("Designs of the paper", "paper-backward"),
         ("Further chains", "antenna-leg"),
         ("Other elements", "balloon"),
         ("Robots", "robot-15"),

@@ -182,7 +182,7 @@ def wish(page: Page, *states: str) -> None:
 
 
 def test_a_cycle_is_wished_by_clicks_and_taken_as_is_an_earlier_answer(page: Page):
-    opened_tab(page, "TargetOrders")
+    opened_tab(page, "Target")
     wish(page, "00", "01", "11", "10", "00")
     expect(output(page, "resulting sequence")).to_have_text(WHOLE)
     result = sw.design(WHOLE)
@@ -206,13 +206,13 @@ def test_a_cycle_is_wished_by_clicks_and_taken_as_is_an_earlier_answer(page: Pag
     assert number(page, "resulting yield") == float(f"{second.yield_.share * 100:.6g}")
     force = first.chain.cycle().peak_force
     assert number(page, "peak force of result 1") == shown_as(force)
-    page.get_by_role("button", name="Take answer 1").click()
+    page.get_by_role("button", name="Use result 1").click()
     settled(page)
     assert number(page, "peak force") == shown_as(force)
 
 
 def test_a_set_of_states_is_wished_and_reached(page: Page):
-    opened_tab(page, "TargetOrders")
+    opened_tab(page, "Target")
     page.get_by_role("button", name="A set of states").click()
     page.get_by_role("button", name="2 cells").click()
     wish(page, "10", "11")
@@ -228,7 +228,7 @@ def test_a_set_of_states_is_wished_and_reached(page: Page):
 
 
 def test_what_cannot_be_had_is_told_with_its_proof(page: Page):
-    opened_tab(page, "TargetOrders")
+    opened_tab(page, "Target")
     page.get_by_role("spinbutton", name="Maximum force in N").fill("0.01")
     page.get_by_role("spinbutton", name="Maximum force in N").press("Enter")
     wish(page)
@@ -239,7 +239,7 @@ def test_what_cannot_be_had_is_told_with_its_proof(page: Page):
 
 
 def test_a_wish_of_five_cells_is_typed(page: Page):
-    opened_tab(page, "TargetOrders")
+    opened_tab(page, "Target")
     text = page.get_by_role("textbox", name="Cycle")
     text.fill("00000>10000>11000")
     text.press("Enter")
@@ -277,7 +277,7 @@ def test_the_yield_is_pythons_and_follows_the_design(counted: Page):
     expect(output(page, "most failures")).to_have_text(next(iter(expected.outcomes)))
     assert expected.critical is not None
     first, second = expected.critical.names
-    expect(output(page, "goes wrong first")).to_have_text(
+    expect(output(page, "fails first")).to_have_text(
         f"{first} before {second} while {expected.critical.way}"
     )
     tolerance.fill("0.3")

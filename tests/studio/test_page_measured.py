@@ -69,7 +69,7 @@ def test_verdict_snaps_and_fit_are_the_labs_and_the_fit_is_taken(page: Page, run
     # It is taken in one step that can be undone.
     before = anchors(page, "inner")
     peak = number(page, "peak force")
-    page.get_by_role("button", name="Take the fit").click()
+    page.get_by_role("button", name="Use the fit").click()
     settled(page)
     assert number(page, "peak force") > 1.2 * peak
     assert anchors(page, "inner") == before

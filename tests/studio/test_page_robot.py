@@ -152,7 +152,7 @@ def test_a_robot_of_the_gallery_shows_its_legs_and_walks_as_python_says(
     button(page, "Close").click()
     # A phone needs no sideways scrolling.
     page.set_viewport_size({"width": 390, "height": 844})
-    page.get_by_text("Numbers of the arena").click()
+    page.get_by_text("Dimensions of the arena").click()
     page.wait_for_timeout(200)
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
 
@@ -259,7 +259,7 @@ def test_an_arena_that_cannot_be_is_told_and_can_be_mended(robot_page: Page):
     page = robot_page
     page.get_by_role("combobox", name="Arena", exact=True).select_option("open")
     expect(button(page, "Through the arena")).to_be_enabled()
-    page.get_by_text("Numbers of the arena").click()
+    page.get_by_text("Dimensions of the arena").click()
     button(page, "Add a cylinder").click()
     typed(page, "cylinder 1, x in mm", "0")
     expect(page.get_by_role("alert")).to_contain_text("inside an obstacle")

@@ -104,7 +104,7 @@ def test_a_design_that_is_pointed_at_is_taken_and_undone(page: Page, study: Stud
 @pytest.mark.slow
 def test_a_study_is_begun_in_the_page_and_ends_there(page: Page, home: Path):
     page.get_by_role("tab", name="Study").click()
-    group = page.get_by_role("group", name="What varies")
+    group = page.get_by_role("group", name="Parameters to vary")
     expect(group).to_be_visible(timeout=SLOW)
     for name, value in (("from", "4"), ("to", "16")):
         page.get_by_role("spinbutton", name=f"x of q of outer, {name}, in mm").fill(value)
