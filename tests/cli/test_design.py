@@ -7,7 +7,7 @@ import typer
 
 import stepwell as sw
 from cli.folders import written
-from stepwell.cli.design import between, elements_of, stock, stocks, target_of
+from stepwell.cli.design import between, elements_of, band_of, bands_of, target_of
 from stepwell.cli.ranges import Range, span
 from stepwell.design import BandType, Tolerances, yields
 
@@ -109,21 +109,21 @@ def test_a_target_is_a_cycle_a_list_of_states_or_all_of_them():
 
 
 def test_a_band_is_named_or_measured():
-    assert stock("paper") == BandType(28.5, 0.010, name="paper")
-    assert stock("30:12") == BandType(30.0, 0.012)
-    assert stock("30:12:7") == BandType(30.0, 0.012, 0.07)
+    assert band_of("paper") == BandType(28.5, 0.010, name="paper")
+    assert band_of("30:12") == BandType(30.0, 0.012)
+    assert band_of("30:12:7") == BandType(30.0, 0.012, 0.07)
 
 
 def test_the_bands_of_a_design_file_can_be_had_measured_ones_too(tmp_path):
-    assert stocks("paper") == [stock("paper")]
-    assert stocks("preset:paper-forward") == [BandType(28.5, 0.010)]
+    assert bands_of("paper") == [band_of("paper")]
+    assert bands_of("preset:paper-forward") == [BandType(28.5, 0.010)]
     file = tmp_path / "rubber.toml"
     file.write_text(
         "[chain]\nband = { rest_length_mm = 10, table_mm_N = [[0, 0], [10, 0.2], [40, 1.1]] }\n"
         "[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n"
         "[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [20, 0]\n"
     )
-    (rubber,) = stocks(str(file))
+    (rubber,) = bands_of(str(file))
     assert isinstance(rubber.law, sw.Table)
     assert rubber.stiffness * rubber.law.shape[-1] == pytest.approx(1.1)
 

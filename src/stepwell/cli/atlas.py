@@ -28,7 +28,7 @@ from stepwell.cli.sweep import Effort, going_on, read_axes
 
 commands = subcommands("Compute and search the transition graphs of a space of designs.")
 
-_There = Annotated[
+_Store = Annotated[
     Path | None,
     typer.Argument(
         metavar="STORE",
@@ -120,7 +120,7 @@ def build(
 
 
 @command(commands)
-def show(store: _There = None, *, within: parts.BandTolerances, output: Output) -> None:
+def show(store: _Store = None, *, within: parts.BandTolerances, output: Output) -> None:
     """List the transition graphs of a store, with fractions, yields and proofs.
 
     Example: stepwell atlas show
@@ -137,7 +137,7 @@ def find(
         "00>10>11>01>00.",
         "QUERY",
     ),
-    store: _There = None,
+    store: _Store = None,
     least: str = option("Minimum guaranteed yield [%].", "--yield PERCENT", default="0"),
     out: Path | None = option(
         "Write this file (.toml): the first result as a design file.",

@@ -126,7 +126,7 @@ class Parts(Group):
             "force_scale": (self.force_scale.start, self.force_scale.stop),
             "travel_scale": (self.travel_scale.start, self.travel_scale.stop),
             "holes": None if self.holes is None else from_unit(self.holes, "mm"),
-            "bands": [one for text in self.bands or ["paper"] for one in stocks(text)],
+            "bands": [one for text in self.bands or ["paper"] for one in bands_of(text)],
             "lever": levers,
             "equal_levers": not self.mixed_levers,
             "unusual": self.unusual,
@@ -307,18 +307,18 @@ def elements_of(text: str) -> "tuple[sw.Element, ...]":
     return chain.elements
 
 
-def stocks(text: str) -> "list[BandType]":
-    """The band that `stock` reads, or the bands of a design file."""
+def bands_of(text: str) -> "list[BandType]":
+    """The band that `band_of` reads, or the bands of a design file."""
     from stepwell.design import BandType
 
     if not text.endswith(".toml") and not (by_name(text) or "").startswith("preset:"):
-        return [stock(text)]
+        return [band_of(text)]
     _, chain = read_chain(text)
     cells = [cell for cell in chain.cells if isinstance(cell, sw.Cell)]
     return list(dict.fromkeys(BandType.of(band) for cell in cells for band in cell.bands))
 
 
-def stock(text: str) -> "BandType":
+def band_of(text: str) -> "BandType":
     """NAME, or K:LENGTH[:PERCENT] with K in N/m."""
     from stepwell.design import BandType
 

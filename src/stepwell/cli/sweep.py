@@ -24,7 +24,7 @@ commands = screen.subcommands("Compute a parameter study in parallel; it can be 
 _Partial = Annotated[
     bool, typer.Option("--partial", help="Skip missing designs instead of failing.")
 ]
-_There = Annotated[
+_Store = Annotated[
     Path, typer.Argument(metavar="STORE", help="Path of the study: the value given to --out.")
 ]
 
@@ -218,7 +218,7 @@ for _what, _doc in {
 
 
 @opts.command(commands)
-def resume(store: _There, effort: Effort, as_json: Json = False) -> None:
+def resume(store: _Store, effort: Effort, as_json: Json = False) -> None:
     """Compute the missing designs of a store.
 
     Example: stepwell sweep resume store
@@ -229,7 +229,7 @@ def resume(store: _There, effort: Effort, as_json: Json = False) -> None:
 @opts.command(commands)
 def extend(
     *,
-    store: _There,
+    store: _Store,
     count: int = opts.option("Total number of designs.", "N", default=..., min=1),
     effort: Effort,
     as_json: Json = False,
@@ -244,7 +244,7 @@ def extend(
 
 
 @opts.command(commands)
-def cancel(store: _There) -> None:
+def cancel(store: _Store) -> None:
     """Stop all workers of a study after their current chunk; finished chunks are kept.
 
     Example: stepwell sweep cancel store
@@ -256,7 +256,7 @@ def cancel(store: _There) -> None:
 
 
 @opts.command(commands)
-def status(store: _There, as_json: Json = False) -> None:
+def status(store: _Store, as_json: Json = False) -> None:
     """List the progress of a study and its preliminary results.
 
     Example: stepwell sweep status store
@@ -270,7 +270,7 @@ def status(store: _There, as_json: Json = False) -> None:
 @opts.command(commands)
 def export(
     *,
-    store: _There,
+    store: _Store,
     out: Path = opts.option(
         "Write this file (.csv or .parquet).",
         "--out -o FILE",
@@ -314,7 +314,7 @@ def export(
 
 
 @opts.command(commands)
-def report(store: _There, partial: _Partial = False, *, output: Folder) -> None:
+def report(store: _Store, partial: _Partial = False, *, output: Folder) -> None:
     """Plot the results of a study as an HTML report, and compute the most influential parameter.
 
     Example: stepwell sweep report store --out report

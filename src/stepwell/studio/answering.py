@@ -60,11 +60,11 @@ def answered(message: Message, ask: Ask | None = None) -> bytes:
         return refused(message.type, message.seq, problems_of(error))
     except Exception as error:  # a bug must not end the session
         asked = {"type": message.type, "ask": dict(message.ask), "design": message.design}
-        tell(error, json.dumps(asked, default=str))
+        report_error(error, json.dumps(asked, default=str))
         return refused(message.type, message.seq, [Refusal("", _BROKEN)])
 
 
-def tell(error: Exception, asked: str = "") -> None:
+def report_error(error: Exception, asked: str = "") -> None:
     """Write one line about an unexpected error, and a report with the request."""
     if sys.stderr is not None:
         sys.stderr.write(f"{reported(error, ['studio'], asked)}\n")

@@ -9,7 +9,7 @@ from typing import Any
 
 from stepwell.files import preset_text, tables_in
 from stepwell.kernels import stay
-from stepwell.studio.answering import LONG, answered, tell, types
+from stepwell.studio.answering import LONG, answered, report_error, types
 from stepwell.studio.aside import WorkerProcess, prepare
 from stepwell.studio.ask import View
 from stepwell.studio.message import Message, Refusal, WireError, failed, message_of, packed, refused
@@ -149,7 +149,7 @@ def hasten() -> None:
         stay()
         warm()
     except Exception as error:  # the page is answered without it
-        tell(error)
+        report_error(error)
 
 
 def _ended(message: Message) -> bytes:
