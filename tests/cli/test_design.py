@@ -7,7 +7,7 @@ import typer
 
 import stepwell as sw
 from cli.folders import written
-from stepwell.cli.design import between, elements_of, band_of, bands_of, target_of
+from stepwell.cli.design import band_of, bands_of, between, elements_of, target_of
 from stepwell.cli.ranges import Range, span
 from stepwell.design import BandType, Tolerances, yields
 
