@@ -49,7 +49,7 @@ def test_a_stiffness_is_typed_shown_as_default_and_taken_out_again(page: Page):
     more(page, "inner")
     name = "stiffness of the band of inner in N/m"
     assert spin(page, name).input_value() == "28.5"
-    out = page.get_by_role("button", name=f"Leave out {name}")
+    out = page.get_by_role("button", name=f"Use the default of {name}")
     expect(out).to_have_count(0)
     typed(page, name, 40)
     design = tables("paper-forward")
