@@ -162,8 +162,10 @@ def test_rising_forces_and_the_rig_of_the_machine_are_reported():
 def test_a_calibration_has_its_errors_notes_and_correlated_parameters():
     found = of_recordings()["Calibration"]
     record = account(found).record
-    assert record["told"] == list(found.notes) != []
-    assert [list(one.values()) for one in record["not_told_apart"]] == [list(t) for t in found.tied]
+    assert record["notes"] == list(found.notes) != []
+    assert [list(one.values()) for one in record["strongly_correlated"]] == [
+        list(t) for t in found.tied
+    ]
     assert record["errors"][0]["d_mm"] == [x * 1e3 for x in found.samples[0].geometry]
     assert record["snap_errors_mm"] == {"plain": None, "fitted": None, "left_out": None}
     for line in record["summary"]:

@@ -94,7 +94,7 @@ def test_forces_tell_a_stiffness_better_than_strokes_alone():
     assert weighed.wrong == ()
     for before, after in zip(blind.known, weighed.known, strict=True):
         if before.parameter.part == "stiffness":
-            assert after.told
+            assert after.identified
             assert after.doubt < 0.5 * before.doubt
             assert abs(after.value - of(after.parameter, truth)) < 3 * after.doubt
 

@@ -150,7 +150,7 @@ def test_with_one_curve_the_law_is_chosen_by_what_it_explains_and_it_is_told():
     choice = lab.choose_law(test)
     assert choice.chosen.law.name == "cubic"
     assert choice.folds == "nothing"
-    says(choice.told, "Chosen: cubic", "Schwarz", "independent readings")
+    says(choice.reason, "Chosen: cubic", "Schwarz", "independent readings")
     says(lab.band_table(lab.fit_bands(test, choice)), "cubic", "no other curve")
     assert min(law.above_best for law in choice.candidates) == 0
 
@@ -159,7 +159,7 @@ def test_with_one_curve_the_law_is_chosen_by_what_it_explains_and_it_is_told():
 def test_the_rest_length_is_said_to_be_unknown_unless_the_gauge_is_given():
     test, unknown = softened(), chosen()
     assert unknown.rest_length is None
-    assert "cannot be identified" in unknown.rest_length_told()
+    assert "cannot be identified" in unknown.rest_length_reason()
     text = lab.band_table(lab.fit_bands(test, unknown))
     assert "rest_length_mm =" not in text
     says(text, "rest_length_mm", "10 mm")
@@ -217,8 +217,8 @@ def test_what_is_used_and_what_is_dropped_is_told():
     runs = [tension(s, c, line(28.5), noise=noise(rng)) for s in (1, 2) for c in (4, 5, 6)]
     test = lab.band_test(runs, drop=(2,))
     assert test.samples == (1,)
-    says(test.told, "sample 1", "5, 6", "4")
-    says(test.told, "Samp2_45mm_5.txt: ", "sample 2")
+    says(test.notes, "sample 1", "5, 6", "4")
+    says(test.notes, "Samp2_45mm_5.txt: ", "sample 2")
 
 
 def test_files_that_only_count_are_told_apart_by_cycles_per_sample():
@@ -233,7 +233,7 @@ def test_files_that_only_count_are_told_apart_by_cycles_per_sample():
     assert lab.stiffness(test).each == pytest.approx({1: 47.0, 2: 40.0})
     mixed = lab.band_test([run(1, 40.0), run(2, 40.0), run(3, 47.0)], cycles=(1, 3))
     assert mixed.samples == (1,)
-    assert any(line.endswith("another sample?") for line in mixed.told)
+    assert any(line.endswith("another sample?") for line in mixed.notes)
 
 
 def test_one_recording_may_hold_several_cycles():

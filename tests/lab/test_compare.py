@@ -96,7 +96,7 @@ def test_friction_of_the_rig_is_subtracted_and_without_a_baseline_said_to_be_the
     data = units("MB", MB, friction=0.08) + frictions(friction=0.08)
     with_it, without = lab.compare(data).cells[0], lab.compare(data, baseline=()).cells[0]
     assert with_it.rmse < 0.01 < 0.1 < without.rmse
-    says(without.series.told, "baseline: none", "friction", "not subtracted")
+    says(without.series.notes, "baseline: none", "friction", "not subtracted")
 
 
 def test_the_baseline_of_the_same_folder_direction_and_stroke_is_taken():
@@ -109,7 +109,7 @@ def test_the_baseline_of_the_same_folder_direction_and_stroke_is_taken():
     assert test.rmse < 0.01
     # None in its own folder: one of another folder will do, and is named.
     (test,) = lab.compare(units("MB", MB, friction=0.02) + far).cells
-    says(test.series.told, "baseline: ", "friction_0, friction_1, friction_2")
+    says(test.series.notes, "baseline: ", "friction_0, friction_1, friction_2")
 
 
 def test_how_many_bands_were_on_is_judged_from_the_force():
@@ -117,8 +117,8 @@ def test_how_many_bands_were_on_is_judged_from_the_force():
     one, two = lab.compare(data + frictions()).cells
     assert [one.series.bands, two.series.bands] == [1, 2]
     assert [r.name for r in two.series.recordings] == ["1unit_MB_5", "1unit_MB_6", "1unit_MB_7"]
-    says(two.series.told, "4", "missing")
-    says(two.series.told, "2 bands", "2.")
+    says(two.series.notes, "4", "missing")
+    says(two.series.notes, "2 bands", "2.")
     assert two.series.scale == pytest.approx(2 * one.series.scale)
 
 
@@ -159,7 +159,7 @@ def test_runs_that_their_name_marks_bad_are_dropped_and_told():
     data = units("MB", MB) + units("MB_bad", MT) + frictions()
     comparison = lab.compare(data)
     assert len(comparison.cells) == 1
-    assert sum("MB_bad" in line and "'bad'" in line for line in comparison.told) == 3
+    assert sum("MB_bad" in line and "'bad'" in line for line in comparison.notes) == 3
 
 
 def test_tension_tests_and_unknown_letters_are_told_and_stop_nothing():
@@ -167,7 +167,7 @@ def test_tension_tests_and_unknown_letters_are_told_and_stop_nothing():
     others = [recording(f"b/1unit_bands_{k}.txt", up, up) for k in (1, 2)]
     others.append(recording("c/1unit_XYZ_1.txt", up, up))
     others.append(recording("d/pull_1.txt", up, up))
-    told = lab.compare(units("MB", MB) + frictions() + others).told
+    told = lab.compare(units("MB", MB) + frictions() + others).notes
     says(told, "2", "tension tests", "stepwell lab band")
     says(told, "1unit_XYZ_1", "left out", "letters")
     assert any("give a design" in line for line in told)
@@ -239,7 +239,7 @@ def test_a_name_whose_anchors_make_no_sense_is_asked_about():
         with refuses(lab.LabError, "q at", "(10, -15) mm", "N", "--as-designed"):
             lab.compare(runs)
     others = pairs("MMB", COUNTER)
-    told = lab.compare([*data, *others]).told
+    told = lab.compare([*data, *others]).notes
     assert sum("TMTBM" in line and "--as-designed" in line for line in told) == 3
     (test,) = lab.compare(data, [COUNTER], as_designed=True).pairs
     assert test.series.chain == COUNTER
@@ -299,7 +299,7 @@ def test_loading_and_unloading_in_one_recording_are_two_series():
     assert [test.series.unloading for test in tests] == [False, True]
     # What was left out as it was read is told of both.
     for test in tests:
-        assert "1unit_MB_1: row 9" in test.series.told
+        assert "1unit_MB_1: row 9" in test.series.notes
 
 
 def test_repeats_are_averaged_where_all_of_them_reach():

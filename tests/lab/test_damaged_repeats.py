@@ -41,7 +41,7 @@ def test_a_damaged_repeat_is_left_out_of_the_mean_and_named(damage):
     (cell,) = lab.compare([GOOD[0], bad, GOOD[2]]).cells
     assert cell.agrees and cell.rmse < 0.01
     assert len(cell.series.curve.runs) == 2
-    (told,) = [line for line in cell.series.told if "not in the mean" in line]
+    (told,) = [line for line in cell.series.notes if "not in the mean" in line]
     assert re.match(r"1unit_MT_2: .* [\d.]+ N .*median .* [\d.]+ N", told)
 
 

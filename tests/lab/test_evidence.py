@@ -70,7 +70,7 @@ def test_a_clean_curve_that_bends_is_no_line_and_its_rest_length_is_not_that_of_
     assert choice.chosen.law.name == "cubic"
     assert choice.rest_length == pytest.approx(REST, abs=3e-4)
     assert abs(GAUGE + line.fitted.onset - REST) > 3e-4
-    assert "independent readings" in choice.told and "linear leaves" in choice.told
+    assert "independent readings" in choice.reason and "linear leaves" in choice.reason
     told = this_band(test, choice)
     assert told is not None
     _, onset = told

@@ -61,7 +61,7 @@ def test_swapped_columns_text_in_a_cell_empty_lines_and_nan_give_a_band_or_a_lin
         left = banded(SEVEN.replace("91.5", cell))
         assert "band = {" in left, left
         found = lab.band_test([lab.read_bytes(SEVEN.replace("91.5", cell).encode(), "pull.csv")])
-        assert any("1 row" in line and "left out" in line for line in found.told), cell
+        assert any("1 row" in line and "left out" in line for line in found.notes), cell
 
 
 @pytest.mark.slow

@@ -50,7 +50,7 @@ def test_one_of_another_kind_is_left_out_and_warned_of_with_file_factor_and_what
     if odd > 0:
         factor = odd / 28.5 if odd > 28.5 else 28.5 / odd
         assert f"{factor:.3g} times as {'stiff' if odd > 28.5 else 'soft'}" in warning
-    says(test.told, "sample 3", "5 not used", "another kind")
+    says(test.notes, "sample 3", "5 not used", "another kind")
     dropped = lab.band_test(samples(28.0, 29.0, odd, 28.5), drop=(3,))
     assert dropped.warnings == ()
     assert lab.stiffness(dropped).value == pytest.approx(28.5)

@@ -90,9 +90,9 @@ def test_a_force_of_the_machine_goes_before_a_weight_and_a_displacement_before_a
 
 
 def test_what_was_made_of_lengths_and_weights_is_said():
-    told = lab.band_test([pulled(SEVEN)]).told
-    says(told, "pull.csv: ", "length", "62 mm")
-    says(told, "kg", "9.80665 N", "positive pulls")
+    notes = lab.band_test([pulled(SEVEN)]).notes
+    says(notes, "pull.csv: ", "length", "62 mm")
+    says(notes, "kg", "9.80665 N", "positive pulls")
 
 
 @pytest.mark.parametrize(
@@ -118,7 +118,7 @@ def test_decimal_commas_are_read_as_points():
 @given(st.permutations(SEVEN.splitlines()[1:]))
 def test_rows_in_any_order_are_the_same_band(rows):
     test = lab.band_test([pulled("\n".join(["length (mm),weight (g)", *rows]))])
-    if any("rows are sorted" in line for line in test.told) or rows == sorted(rows):
+    if any("rows are sorted" in line for line in test.notes) or rows == sorted(rows):
         (loop,) = test.used
         assert loop.force == pytest.approx(np.array(PULLS) * 1e-3 * GRAVITY)
         assert lab.stiffness(test).value == pytest.approx(31.18, abs=0.01)
@@ -143,8 +143,8 @@ def test_one_table_is_one_cycle_whatever_number_its_name_ends_in(name):
     test = lab.band_test([pulled(SEVEN, name)])
     assert [loop.cycle for loop in test.loops] == [1]
     assert test.cycles == (1, 1)
-    assert test.told[0].startswith("cycle 1 is fitted")
-    assert not any("is missing" in line for line in test.told)
+    assert test.notes[0].startswith("cycle 1 is fitted")
+    assert not any("is missing" in line for line in test.notes)
 
 
 def test_numbers_are_cycles_only_where_those_of_a_batch_can_be():
@@ -161,7 +161,7 @@ def test_numbers_are_cycles_only_where_those_of_a_batch_can_be():
 def test_the_window_is_all_that_is_taut_where_the_usual_one_is_not_measured_and_it_is_told():
     test = lab.band_test([pulled(SEVEN)])
     assert test.window == pytest.approx((0.0, 0.0345))
-    says(test.told[1], "0 to 34.5", "mm", "5 to 35 mm")
+    says(test.notes[1], "0 to 34.5", "mm", "5 to 35 mm")
     limp = SEVEN.replace("62,0\n", "50,0\n56,0\n62,0\n")
     assert lab.band_test([pulled(limp)]).window == pytest.approx((0.012, 0.0465))
     with refuses(
@@ -178,7 +178,7 @@ def test_all_but_the_first_of_a_few_cycles_are_used():
     test = lab.band_test([lab.Recording("long.txt", np.arange(1200) / 20, stroke, 30 * stroke)])
     assert test.cycles == (2, 3)
     assert test.window == (0.005, 0.035)
-    says(test.told[0], "2 to 3", "5 to 9")
+    says(test.notes[0], "2 to 3", "5 to 9")
 
 
 def test_the_rest_length_follows_from_lengths_and_a_gauge_beside_them_is_refused():
@@ -256,7 +256,7 @@ def test_seven_readings_of_rubber_are_no_neo_hookean_where_a_cubic_leaves_little
     choice = lab.choose_law(lab.band_test([pulled(SEVEN)]))
     assert choice.chosen.law.name == "cubic"
     assert choice.named("neo-Hookean").fitted.rmse > 10 * choice.chosen.fitted.rmse
-    says(choice.told, "Schwarz's criterion", "7 independent readings")
+    says(choice.reason, "Schwarz's criterion", "7 independent readings")
 
 
 @pytest.mark.parametrize("readings", [2, 3, 4])

@@ -86,7 +86,7 @@ def test_one_odd_file_gets_a_line_and_stops_no_other(damage, unloading):
     damaged, word = DAMAGES[damage]
     first, *others = runs("MMT", unloading)
     found = lab.compare([damaged(first), *others])
-    assert [line for line in found.told if first.source in line and word in line], found.told
+    assert [line for line in found.notes if first.source in line and word in line], found.notes
     (test,) = found.pairs
     assert len(test.series.recordings) == 2
     assert test.right_order and test.right_snaps
@@ -157,17 +157,17 @@ def test_one_spike_hides_no_snap_and_turns_no_order():
     (test,) = lab.compare([*odd, base]).pairs
     assert test.snaps == truth.snaps
     assert test.ratio == pytest.approx(truth.ratio, rel=0.05)
-    (told,) = [line for line in test.series.told if "spikes" in line]
+    (told,) = [line for line in test.series.notes if "spikes" in line]
     says(told, "2unit_MMB_1, 2unit_MMB_2, 2unit_MMB_3", "1 sample", "-13.", "mm")
 
 
 def test_a_force_of_the_other_sign_is_said_to_be_one():
     *whole, base = runs("MMT", False)
     (test,) = lab.compare([*(replace(r, force=-r.force) for r in whole), base]).pairs
-    says(test.series.told, "pushes", "pulls", "sign", "force")
+    says(test.series.notes, "pushes", "pulls", "sign", "force")
     # One of three does not change what the others say.
     (test,) = lab.compare([*whole[:2], replace(whole[2], force=-whole[2].force), base]).pairs
-    says(test.series.told, "1 band", "1.0")
+    says(test.series.notes, "1 band", "1.0")
     assert test.right_order and test.right_snaps
 
 

@@ -32,6 +32,6 @@ def of_recordings() -> dict[str, Any]:
         compared,
         compared.cells[0],
         compared.pairs[0],
-        lab.calibrate(lab.prepare(sorted_.series, notes=sorted_.told), "linear"),
+        lab.calibrate(lab.prepare(sorted_.series, notes=sorted_.notes), "linear"),
     )
     return {type(value).__name__: value for value in values}

@@ -25,7 +25,7 @@ FILES = {
         "graph/2 implicit_graph/2",
     ),
     "lab.as_built": ("AsBuilt", "lab.as_built/2"),
-    "lab.band": ("BandFit BandTest", "lab.band/1"),
+    "lab.band": ("BandFit BandTest", "lab.band/2"),
     "lab.calibrate": ("Calibration", "lab.calibrate/2"),
     "lab.compare": ("CellTest Comparison PairTest", "lab.compare/2"),
     "lab.read": ("Batch Recording", "lab.read/1"),

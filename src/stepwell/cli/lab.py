@@ -245,7 +245,7 @@ def calibrate(
     output.check_output_folder("lab calibrate")
     given = recordings_in([data])
     batch = sw.lab.sort_series(given, baseline=friction.read())
-    prepared = sw.lab.prepare(batch.series, sw.lab.tension_tables(given), batch.told)
+    prepared = sw.lab.prepare(batch.series, sw.lab.tension_tables(given), batch.notes)
     with progress("fits") as tell:
         calibration = sw.lab.calibrate(prepared, law, progress=tell)
     output.report(calibration, source=data.name, data_sha256=sw.lab.hashes(given))

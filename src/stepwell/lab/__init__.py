@@ -14,8 +14,8 @@ from stepwell.lab.first_build import (
     WRONG_HOLE,
     AnchorMove,
     AsBuilt,
-    Known,
     Move,
+    ParameterEstimate,
     as_built,
 )
 from stepwell.lab.fit_model import SnapPrediction
@@ -49,7 +49,6 @@ __all__ = [
     "FittedParameter",
     "ForceLaw",
     "Hysteresis",
-    "Known",
     "LAWS",
     "LabError",
     "MeasuredCurve",
@@ -59,6 +58,7 @@ __all__ = [
     "Observed",
     "PAPER_RIG",
     "PairTest",
+    "ParameterEstimate",
     "Prepared",
     "Pull",
     "RISE",

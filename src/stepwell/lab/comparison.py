@@ -26,13 +26,13 @@ class Comparison(base.ByValue, base.Drawn):
 
     Attributes:
         cells, pairs: unit cells, and two-cell mechanisms.
-        told: what became of recordings that are in no series.
+        notes: what became of recordings that are in no series.
         rig: on which was measured.
     """
 
     cells: tuple[CellTest, ...]
     pairs: tuple[PairTest, ...]
-    told: tuple[str, ...]
+    notes: tuple[str, ...]
     rig: Rig
 
     @property
@@ -117,7 +117,7 @@ def compare(
         )
     cells = tuple(cell_test(one, rig) for one in found.series if len(one.chain) == 1)
     pairs = tuple(pair_tests([one for one in found.series if len(one.chain) == 2], rig))
-    return Comparison(cells, pairs, found.told, rig)
+    return Comparison(cells, pairs, found.notes, rig)
 
 
 def _rows(test: CellTest | PairTest) -> tuple[Any, Any, Any, Any]:
@@ -166,7 +166,7 @@ _REFIT: base.Schema = (
     base.Quantity("rms_before", "N", read="before"),
     base.Quantity("rms_after", "N", read="after"),
     base.Quantity("correlation"),
-    base.Quantity("not_told_apart", read="tied"),
+    base.Quantity("strongly_correlated", read="tied"),
 )
 
 

@@ -194,7 +194,7 @@ _PARTS = ("q.x", "q.y", "stiffness", "force_scale", "travel_scale", "friction")
 
 
 @dataclass(frozen=True, eq=False)
-class Known(ByValue):
+class ParameterEstimate(ByValue):
     """One number of a build.
 
     Attributes:
@@ -210,13 +210,13 @@ class Known(ByValue):
     before: float
 
     @property
-    def told(self) -> bool:
+    def identified(self) -> bool:
         """Whether what was seen says anything of it: it is surer now, or far from the drawing."""
         return self.doubt < _TOLD * self.before or abs(self.value - self.drawn) > self.before
 
     def __repr__(self):
         return (
-            f"Known({self.parameter.name}: {self.value:.4g} ± {self.doubt:.2g} "
+            f"ParameterEstimate({self.parameter.name}: {self.value:.4g} ± {self.doubt:.2g} "
             f"{self.parameter.unit}, drawn {self.drawn:.4g})"
         )
 
@@ -252,7 +252,7 @@ class AsBuilt(ByValue):
     samples: int
     seed: int
     agreeing: float
-    known: tuple[Known, ...] = field(repr=False)
+    known: tuple[ParameterEstimate, ...] = field(repr=False)
     chain: Chain = field(repr=False)
     share: float
     moves: tuple[Move, ...]
@@ -396,8 +396,8 @@ def _wrong(
     return tuple(sorted(wrong, key=lambda one: -one.share))
 
 
-def _known(drawing: Chain, builds: builds.Population) -> tuple[Known, ...]:
-    found: list[Known] = []
+def _known(drawing: Chain, builds: builds.Population) -> tuple[ParameterEstimate, ...]:
+    found: list[ParameterEstimate] = []
     for one in (parameter for parameter in parameters(drawing) if parameter.part in _PARTS):
         before, after = (
             np.array([_value(one, chain, drawing) for chain in chains])
@@ -407,7 +407,8 @@ def _known(drawing: Chain, builds: builds.Population) -> tuple[Known, ...]:
         spread = math.sqrt(float(builds.weights @ (before - middle) ** 2))
         if spread > 0.0:
             drawn = _value(one, drawing, drawing)
-            found.append(Known(one, drawn, float(np.mean(after)), float(np.std(after)), spread))
+            mean, doubt = float(np.mean(after)), float(np.std(after))
+            found.append(ParameterEstimate(one, drawn, mean, doubt, spread))
     return tuple(found)
 
 

@@ -113,12 +113,12 @@ def prepare(
 
     In pairs the baseline of the cell that moves is subtracted, in the order that the forces show,
     and nothing from the first snap on is used, so that no snap has a part in a fit. `tables` are
-    laws of bands to try, `notes` on recordings that are in no series, as `Sorted.told`.
+    laws of bands to try, `notes` on recordings that are in no series, as `Sorted.notes`.
     """
     cells = [_of_cell(one) for one in series if len(one.chain) == 1]
     pairs = pair_tests([one for one in series if len(one.chain) > 1])
     in_pairs = (sample for test in pairs for sample in _of_pair(test))
-    used = (f"{one.name}: {line}" for one in series for line in one.told)
+    used = (f"{one.name}: {line}" for one in series for line in one.notes)
     return Prepared((*cells, *in_pairs), tuple(pairs), tables or {}, (*used, *notes))
 
 

@@ -51,7 +51,7 @@ class Series(ByValue):
         bands: how many bands each cell carried, where names leave it open; 1 for a design as it is.
         unloading: whether the stroke falls.
         baseline: runs of the same rig without a band; empty where there is none.
-        told: what was used, dropped or odd.
+        notes: what was used, dropped or odd.
     """
 
     name: str
@@ -61,7 +61,7 @@ class Series(ByValue):
     unloading: bool
     recordings: tuple[Recording, ...] = field(repr=False)
     baseline: tuple[Recording, ...] = field(repr=False)
-    told: tuple[str, ...] = field(repr=False)
+    notes: tuple[str, ...] = field(repr=False)
 
     @cached_property
     def curve(self) -> Curve:
@@ -143,7 +143,7 @@ class Sorted(ByValue):
     """All series of a batch in the order of their files, and a line for whatever is in none."""
 
     series: tuple[Series, ...]
-    told: tuple[str, ...]
+    notes: tuple[str, ...]
 
 
 def geometry_of(cell: Cell) -> Geometry:
@@ -199,17 +199,17 @@ def sort_series(
     used = {recording.source for recording in own}
     gaps = missing(recordings)
     tests = [r for r in recordings if not (r.source in used or recorded.is_baseline(r.name))]
-    groups, told = _grouped(tests, designs, as_designed)
+    groups, notes = _grouped(tests, designs, as_designed)
     series: list[Series] = []
     for (_, stem, unloading), runs in groups.items():
         setup = None if as_designed else recorded.setup_of(stem + "_1")
-        found, lines = _series(_Group(stem, setup, unloading, runs, own, gaps), designs)
-        series += found
-        told += lines
+        sorted_series, lines = _series(_Group(stem, setup, unloading, runs, own, gaps), designs)
+        series += sorted_series
+        notes += lines
     if not series:
-        why = "; ".join(told[:3]) or "no recording in it"
+        why = "; ".join(notes[:3]) or "no recording in it"
         raise LabError("data", f"no series to compare: {why}.")
-    return Sorted(tuple(series), (*told, *_baseline_lines(series, own, gaps)))
+    return Sorted(tuple(series), (*notes, *_baseline_lines(series, own, gaps)))
 
 
 def _grouped(
@@ -217,7 +217,7 @@ def _grouped(
 ) -> tuple[dict[tuple[str, str, bool], list[Recording]], list[str]]:
     """The halves of recordings by folder, stem and direction, and why others are left out."""
     groups: dict[tuple[str, str, bool], list[Recording]] = defaultdict(list)
-    told: list[str] = []
+    notes: list[str] = []
     tension: dict[str, int] = defaultdict(int)
     for recording in recordings:
         setup = None if as_designed else recorded.setup_of(recording.name)
@@ -225,20 +225,20 @@ def _grouped(
         if nameless and TENSION_TEST.search(recording.name):
             tension[recording.group] += 1
         elif nameless and _NAMED_CELLS.match(recording.name):
-            told.append(f"{recording.source}: left out, the letters of its name are not known")
+            notes.append(f"{recording.source}: left out, the letters of its name are not known")
         elif nameless and not designs:
             why = "its name tells no configuration: give a design"
-            told.append(f"{recording.source}: left out, {why}")
+            notes.append(f"{recording.source}: left out, {why}")
         elif setup is not None and setup.marked:
-            told.append(f"{recording.source}: left out, its name marks it {setup.marked!r}")
+            notes.append(f"{recording.source}: left out, its name marks it {setup.marked!r}")
         elif why := unusable(recording):
-            told.append(f"{recording.source}: left out, {why}")
+            notes.append(f"{recording.source}: left out, {why}")
         else:
             for part in _parts(recording):
                 way = part.direction == "unloading"
                 groups[recording.group, recorded.stem_of(recording.name), way].append(part)
     read = "tension tests left out; `stepwell lab band` reads them"
-    return groups, told + [f"{group}: {count} {read}" for group, count in tension.items()]
+    return groups, notes + [f"{group}: {count} {read}" for group, count in tension.items()]
 
 
 def _baseline_lines(
@@ -287,10 +287,10 @@ class _Group(NamedTuple):
         bands: int,
         mine: list[Recording],
         base: list[Recording],
-        told: Sequence[str] = (),
+        notes: Sequence[str] = (),
     ) -> Series:
         names = ", ".join(run.name for run in base) or "none found, so friction is not subtracted"
-        found = Series(
+        series = Series(
             f"{name}, {'unloading' if self.unloading else 'loading'}",
             self.stem if self.setup is None else self.setup.code,
             chain,
@@ -306,10 +306,10 @@ class _Group(NamedTuple):
             *_odd_lines(mine, self.gaps),
             *(
                 f"{PurePath(source).stem}: not in the mean, its force is {why}"
-                for source, why in found.damaged.items()
+                for source, why in series.damaged.items()
             ),
         ]
-        return replace(found, told=(*lines, *told))
+        return replace(series, notes=(*lines, *notes))
 
 
 def _series(group: _Group, designs: Sequence[Chain]) -> tuple[list[Series], list[str]]:
@@ -325,8 +325,8 @@ def _series(group: _Group, designs: Sequence[Chain]) -> tuple[list[Series], list
     whole, left_out = _over_stroke(group.runs, designs[0])
     if not whole:
         return [], left_out
-    told, base = ["configuration: as the design says"], group.base(whole[0])
-    return [group.series(group.stem, designs[0], 1, whole, base, told)], left_out
+    notes, base = ["configuration: as the design says"], group.base(whole[0])
+    return [group.series(group.stem, designs[0], 1, whole, base, notes)], left_out
 
 
 def _series_of_names(
@@ -351,26 +351,26 @@ def _series_of_names(
         return [], left_out
     base = group.base(runs[0])
     single = group.series("", Chain(cells), 1, runs, base)
-    found: list[Series] = []
+    series: list[Series] = []
     for bands, mine, ratio in _by_bands([(_ratio(single, run), run) for run in runs]):
         chain = Chain([_with_bands(cell, bands) for cell in cells])
-        name, told = f"{setup.code}, {counted(bands, 'band')}", _band_lines(bands, ratio)
-        found.append(group.series(name, chain, bands, mine, base, told))
-    return found, left_out
+        name, lines = f"{setup.code}, {counted(bands, 'band')}", _band_lines(bands, ratio)
+        series.append(group.series(name, chain, bands, mine, base, lines))
+    return series, left_out
 
 
 def _band_lines(bands: int, ratio: float) -> list[str]:
     """How many bands were judged to be on, by the force over that of one, and what is doubtful."""
-    told = [f"{counted(bands, 'band')}, judged from the force: {ratio:.2f} times that of one"]
+    lines = [f"{counted(bands, 'band')}, judged from the force: {ratio:.2f} times that of one"]
     if ratio < 0:
-        told.append("it pushes where the model pulls: check the sign of the force")
+        lines.append("it pushes where the model pulls: check the sign of the force")
     for other, most in ((bands - 1, bands - 1), (bands + 1, bands)):
         # Near where one more or one less would be taken.
         if other and abs(ratio / (_STRONG * most) - 1.0) < _NEAR_BOTH:
-            told.append(f"{counted(other, 'band')} may be too: check how many were on")
+            lines.append(f"{counted(other, 'band')} may be too: check how many were on")
     if 0 <= ratio < _WEAK:
-        told.append("that is weak for a band: check which one was on")
-    return told
+        lines.append("that is weak for a band: check which one was on")
+    return lines
 
 
 def _rather(cells: list[Cell], odd: int, unloading: bool, runs: list[Recording]) -> str:
@@ -389,9 +389,9 @@ def _rather(cells: list[Cell], odd: int, unloading: bool, runs: list[Recording])
         tried = [cell.with_anchors(p, q) if k == odd else cell for k, cell in enumerate(cells)]
         model = predicted_force(Chain(tried), unloading, curve.stroke[use])
         columns = np.stack([model, np.ones(len(model))], axis=1)
-        found = np.linalg.lstsq(columns, curve.force[use], rcond=None)[0]
-        if found[0] > 0:
-            errors.append((rms(columns @ found - curve.force[use]), q))
+        scale_and_offset = np.linalg.lstsq(columns, curve.force[use], rcond=None)[0]
+        if scale_and_offset[0] > 0:
+            errors.append((rms(columns @ scale_and_offset - curve.force[use]), q))
     if len(errors) < 2:
         return ""
     (best, at), (next_best, beside) = sorted(errors)[:2]
@@ -409,7 +409,7 @@ def _over_stroke(runs: list[Recording], chain: Chain) -> tuple[list[Recording], 
     """The runs that go over about the stroke of a chain, and a line for each of the others."""
     full = chain.full_stroke
     kept: list[tuple[Recording, float]] = []
-    told: list[str] = []
+    notes: list[str] = []
     for run in runs:
         stroke = from_zero(run, full)
         low, high = float(np.min(stroke)), float(np.max(stroke))
@@ -417,20 +417,20 @@ def _over_stroke(runs: list[Recording], chain: Chain) -> tuple[list[Recording], 
         if covered >= _LEAST * full and high - low <= _MOST * full:
             kept.append((run, covered))
         else:
-            told.append(
+            notes.append(
                 f"{run.source}: left out, its stroke goes from {to_unit(low, 'mm'):.4g} to "
                 f"{to_unit(high, 'mm'):.4g} mm and that of the design from 0 to "
                 f"{to_unit(full, 'mm'):.4g} mm: check the unit in the header, and that this design "
                 "was tested"
             )
     longest = max((covered for _, covered in kept), default=0.0)
-    told += [
+    notes += [
         f"{run.source}: left out, it covers {to_unit(covered, 'mm'):.4g} mm where another repeat "
         f"has {to_unit(longest, 'mm'):.4g} mm"
         for run, covered in kept
         if covered < _REPEAT * longest
     ]
-    return [run for run, covered in kept if covered >= _REPEAT * longest], told
+    return [run for run, covered in kept if covered >= _REPEAT * longest], notes
 
 
 def _ratio(series: Series, run: Recording) -> float:
@@ -483,9 +483,9 @@ def _parts(recording: Recording) -> list[Recording]:
 def _odd_lines(repeats: Sequence[Recording], gaps: dict[str, str]) -> list[str]:
     """What is odd about repeats, a line for each thing with the names it is true of."""
     beside = grouped([*gaps.items(), *unlike(repeats)])
-    told = grouped(
+    names_of = grouped(
         (line, run.name)
         for run in repeats
         for line in (*recording_warnings(run), *beside.get(run.source, ()))
     )
-    return [f"{', '.join(names)}: {line}" for line, names in told.items()]
+    return [f"{', '.join(names)}: {line}" for line, names in names_of.items()]

@@ -8,7 +8,7 @@ from stepwell.accounts.parts import CARD, PAGE, TERMINAL, Account, Fact, Notes, 
 from stepwell.accounts.words import cells_of
 from stepwell.accounts.yields import tolerance_words
 from stepwell.base import Quantity, Schema
-from stepwell.lab import AsBuilt, Known
+from stepwell.lab import AsBuilt, ParameterEstimate
 
 _PLACED: Schema = (
     Quantity("anchor", read="anchor.name"),
@@ -25,7 +25,7 @@ _WRONG: Schema = (Quantity("wrong", read=str), *_PLACED, Quantity("share", holds
 _PULL = keys(direction=int, stroke="mm", force="N")
 
 
-def _in_unit(name: str) -> Callable[[Known], float]:
+def _in_unit(name: str) -> Callable[[ParameterEstimate], float]:
     """A number of a parameter, in the unit in which this parameter is reported."""
     return lambda known: getattr(known, name) * base.display_unit(known.parameter.unit)[1]
 
@@ -39,7 +39,7 @@ _KNOWN: Schema = (
     Quantity(
         "unit", "", "unit", lambda one: Quantity("", base.display_unit(one.parameter.unit)[0]).sign
     ),
-    Quantity("told", head="identified", form=lambda known: "yes" if known else "no", holds=bool),
+    Quantity("identified", head="identified", form=lambda known: "yes" if known else "no", holds=bool),
 )
 
 

@@ -41,15 +41,15 @@ def _losses(fit: BandFit) -> list[Any]:
 BAND: Schema = (
     *keys(data_sha256={str: str}, warnings=([str], "test.warnings")),
     Quantity("window", "mm", holds=[float], read="test.window"),
-    *read_off(keys(cycles=[int], samples=[int], told=[str]), "test"),
+    *read_off(keys(cycles=[int], samples=[int], notes=[str]), "test"),
     Quantity("stiffness", "N/m", holds=_ESTIMATE),
     Quantity("this_band", holds=_ALONE, read="alone", missing=True),
     *keys(windows=[_WINDOW], loss=([_LOSS], _losses)),
     Quantity("loss_used", holds=_ESTIMATE, read="loss", missing=True),
     *keys(laws=([_LAW], "choice.candidates"), law_best=(str, "choice.best.law.name")),
     *keys(law_chosen=(str, "choice.chosen.law.name"), left_out=(str, "choice.folds")),
-    *keys(law_told=(str, "choice.told"), rest_length=("mm", "choice.rest_length")),
-    *keys(rest_length_told=(str, lambda fit: fit.choice.rest_length_told()), table=str),
+    *keys(law_reason=(str, "choice.reason"), rest_length=("mm", "choice.rest_length")),
+    *keys(rest_length_reason=(str, lambda fit: fit.choice.rest_length_reason()), table=str),
 )
 
 
@@ -91,16 +91,16 @@ def band_fit_account(fit: BandFit, about: About) -> Account:
             Picture("laws", "Force against stroke, and the laws"),
             RecordTable(_law_columns(fit), "laws", laws, most=None),
         ),
-        "Choice of the law": Notes([choice.told, choice.rest_length_told()]),
+        "Choice of the law": Notes([choice.reason, choice.rest_length_reason()]),
         "Stiffness [N/m] by window: from (down) and to (across) [mm]": _window_table(fit),
         "For a design file": parts.Verbatim(table.rstrip(), "Band table"),
-        "Used and dropped": Notes(fit.test.told),
+        "Used and dropped": Notes(fit.test.notes),
         "Assumptions": Text(scatter),
     }
     title, answer = "Stiffness of bands", f"Stiffness {number(mean.value)} N/m"
     warned = [parts.Warned("Check the recordings", "", fit.test.warnings)]
     given = {"data_sha256": about.data_sha256, "table": table}
-    return Account(fit, title, "lab.band/1", answer, facts, sections, warned, given=given)
+    return Account(fit, title, "lab.band/2", answer, facts, sections, warned, given=given)
 
 
 def band_test_account(test: BandTest, about: About) -> Account:
@@ -113,7 +113,7 @@ def band_test_account(test: BandTest, about: About) -> Account:
         *_window_facts(test),
     )
     warnings = [parts.Warned("Check the recordings", "", test.warnings)]
-    sections = {"Used and dropped": Notes(test.told[:3], CARD)}
+    sections = {"Used and dropped": Notes(test.notes[:3], CARD)}
     title = "Tension tests of bands"
     return Account(test, title, facts=facts, warnings=warnings, sections=sections)
 

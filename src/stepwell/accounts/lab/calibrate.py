@@ -111,7 +111,7 @@ CALIBRATE: Schema = (
     *keys(intervals_that_hold=(_INTERVALS, "coverage"), orders_right=([int], "orders")),
     *keys(errors=([_ERROR], _errors), mean_errors=([_MEAN], _means)),
     *keys(correlations=({str: {str: float}}, _correlations)),
-    *keys(not_told_apart=([_CORRELATED], "tied"), open=[str], told=([str], "notes"), table=str),
+    *keys(strongly_correlated=([_CORRELATED], "tied"), open=[str], notes=[str], table=str),
 )
 
 

@@ -35,7 +35,7 @@ _EACH: Schema = (
     Quantity("kind", read=lambda test: "cell" if isinstance(test, CellTest) else "pair"),
     *keys(runs=([str], lambda test: [one.source for one in test.series.recordings])),
     *keys(baseline=([str], lambda test: [one.source for one in test.series.baseline])),
-    *keys(told=([str], "series.told"), k_r=("N", "series.scale")),
+    *keys(notes=([str], "series.notes"), k_r=("N", "series.scale")),
     Quantity("rmse", "over_kr", "RMSE", form=".3f"),
     Quantity("rmse_bar_corrected", "over_kr", "bar corr.", "rmse_corrected", ".3f"),
     Quantity("max", "over_kr", "max", "worst", ".3f"),
@@ -105,7 +105,7 @@ pair_test_account = cell_test_account
 COMPARE: Schema = (
     *keys(data_sha256={str: str}, designs_sha256={str: str}, bar=("mm", "rig.bar"), rig=_RIG),
     Quantity("mean_rmse", "over_kr", holds=[keys(bands=int, rmse="over_kr")], read=_means),
-    *keys(series=([_SERIES], "tests"), told=[str], not_judged=(str, lambda _: NOT_JUDGED)),
+    *keys(series=([_SERIES], "tests"), notes=[str], not_judged=(str, lambda _: NOT_JUDGED)),
     Quantity("rise", "over_kr", read=lambda _: RISE),
 )
 
@@ -131,7 +131,7 @@ def comparison_account(compared: Comparison, about: About) -> Account:
         Fact("Mean RMSE of unit cells", "; ".join(means)),
         Fact("Force rises", "; ".join(rises) or no_rise, TERMINAL),
     )
-    odd = [f"{test.series.name}: {line}" for test in tests for line in test.series.told]
+    odd = [f"{test.series.name}: {line}" for test in tests for line in test.series.notes]
     level = TERMINAL if cells else CARD
     sections = {
         "Verdicts": (
@@ -147,7 +147,7 @@ def comparison_account(compared: Comparison, about: About) -> Account:
             _PAIR_COLUMNS, "series", "", (), None, "pairs", level, of_kind("pair")
         ),
         "Rig": Text(_rig_words(compared.rig) if pairs else ""),
-        "Used, dropped and odd": Notes([*odd, *compared.told]),
+        "Used, dropped and odd": Notes([*odd, *compared.notes]),
         "Assumptions": Text(NOT_JUDGED),
     }
     ordered = [pair for pair in pairs if not pair.tie]

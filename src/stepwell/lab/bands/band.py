@@ -28,7 +28,7 @@ class BandTest(ByValue, Drawn):
         loops: every cycle of every sample that is not left out.
         window: stroke between which bands are fitted [m].
         cycles: first and last cycle that is fitted.
-        told: which files were used, which dropped and why, and what is odd.
+        notes: which files were used, which dropped and why, and what is odd.
         gauge: mean length at stroke 0 [m], where the files hold that of the bands; else None.
         apart: sample and cycle of what is of another kind than most, and not used.
         warnings: what to know before anything else.
@@ -37,7 +37,7 @@ class BandTest(ByValue, Drawn):
     loops: tuple[halves.Hysteresis, ...] = field(repr=False)
     window: tuple[float, float]
     cycles: tuple[int, int]
-    told: tuple[str, ...] = field(repr=False)
+    notes: tuple[str, ...] = field(repr=False)
     gauge: float | None = field(default=None, repr=False)
     apart: frozenset[tuple[int, int]] = field(default=frozenset(), repr=False)
     warnings: tuple[str, ...] = field(default=(), repr=False)
@@ -124,14 +124,14 @@ def band_test(
         raise LabError("window", f"{_mm(window)} mm: must be two strokes that rise from 0 on.")
     if cycles is not None and not 1 <= cycles[0] <= cycles[1]:
         raise LabError("cycles", f"{cycles[0]} to {cycles[1]}: must rise from 1 on.")
-    loops, gauge, told = halves.loops_of(recordings, set(drop), cycles_per_sample)
+    loops, gauge, notes = halves.loops_of(recordings, set(drop), cycles_per_sample)
     other_cycles = other_window = ""
     if cycles is None:
         cycles, other_cycles = halves.usual_cycles(loops)
     if window is None:
         used = [loop for loop in loops if cycles[0] <= loop.cycle <= cycles[1]]
         window, other_window = halves.usual_window(used)
-    test = BandTest(loops, window, cycles, told, gauge)
+    test = BandTest(loops, window, cycles, notes, gauge)
     _check_reach(test)
     apart, warnings = _apart(test)
     test = replace(test, apart=apart, warnings=warnings)
@@ -143,7 +143,7 @@ def band_test(
                 f"stroke: pass another window, or drop it.",
             )
     adapted = filter(None, (other_cycles, other_window))
-    return replace(test, told=(*adapted, *_used_lines(test), *told))
+    return replace(test, notes=(*adapted, *_used_lines(test), *notes))
 
 
 def _apart(test: BandTest) -> tuple[frozenset[tuple[int, int]], tuple[str, ...]]:
@@ -304,13 +304,13 @@ def _used_lines(test: BandTest) -> list[str]:
         mine = [cycle for cycle in every if (sample, cycle) in used]
         apart = [cycle for cycle in every if (sample, cycle) in test.apart]
         rest = [cycle for cycle in every if cycle not in (*mine, *apart)]
-        told = f"cycles {_listed(mine)} used, {_listed(rest)} not"
+        text = f"cycles {_listed(mine)} used, {_listed(rest)} not"
         if not mine:
-            told = f"not used, it has cycles {_listed(rest)} only"
+            text = f"not used, it has cycles {_listed(rest)} only"
         if apart:
-            told = f"{told}; {_listed(apart)} not" if mine else f"cycles {_listed(apart)} not used"
-            told += ", of another kind"
-        lines.append(f"sample {sample}: {told}")
+            text = f"{text}; {_listed(apart)} not" if mine else f"cycles {_listed(apart)} not used"
+            text += ", of another kind"
+        lines.append(f"sample {sample}: {text}")
     return lines
 
 

@@ -177,7 +177,7 @@ class Choice(ByValue):
         """ℓ0 [m] of the chosen law; None where the recordings cannot tell it."""
         return None if self.gauge is None else self.gauge + self.chosen.fitted.onset
 
-    def rest_length_told(self, candidate: Candidate | None = None) -> str:
+    def rest_length_reason(self, candidate: Candidate | None = None) -> str:
         """What may be said of the rest length by a law, the chosen one by default."""
         onset = (candidate or self.chosen).fitted.onset
         if self.gauge is not None:
@@ -198,7 +198,7 @@ class Choice(ByValue):
         )
 
     @property
-    def told(self) -> str:
+    def reason(self) -> str:
         """How the law was chosen, in a sentence."""
         if self.folds == NOTHING:
             line, richest = self.candidates[0], min(self.candidates, key=lambda c: c.fitted.rmse)

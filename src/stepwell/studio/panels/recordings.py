@@ -101,7 +101,7 @@ def _series(
         batch = lab.sort_series(recordings, [chain], as_designed=True)
     except lab.LabError as error:
         return [], [error.problem]
-    return list(batch.series), list(batch.told)
+    return list(batch.series), list(batch.notes)
 
 
 def _compared(
@@ -135,7 +135,7 @@ def _series_record(series: lab.Series, comparison: lab.Comparison | None) -> dic
         "unloading": series.unloading,
         "runs": [run.source for run in series.recordings],
         "baseline": [run.source for run in series.baseline],
-        "notes": list(series.told),
+        "notes": list(series.notes),
         "verdict": test.verdict if test else "",
         "rms_N": test.rmse * series.scale if test else None,
         "snaps": [
