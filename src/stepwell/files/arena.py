@@ -77,21 +77,21 @@ def drawn(map_text: str, name: str) -> Arena:
     """The arena that a map shows; its origin is the map's lower left corner."""
     size, title, rest, skipped = _map_parts(map_text, name)
     text.refuse_any(name, _problems(rest, skipped))
-    found: defaultdict[str, list[Square]] = defaultdict(list)
+    squares: defaultdict[str, list[Square]] = defaultdict(list)
     for j, line in enumerate(reversed(rest)):
         for i, letter in enumerate(line):
-            found[letter].append((i, j))
-    (start,) = found.keys() & HEADINGS
+            squares[letter].append((i, j))
+    (start,) = squares.keys() & HEADINGS
     try:
-        walls, posts = _walls(set(found["#"]), size), found["o"]
+        walls, posts = _walls(set(squares["#"]), size), squares["o"]
         limits.require("obstacles", len(walls) + len(posts), "has")
         # A map says the size of a letter, within bounds of its own.
         made = Arena(
             walls=walls,
             cylinders=[Cylinder(_middle(square, size), CYLINDER_RADIUS) for square in posts],
-            start=_middle(found[start][0], size),
+            start=_middle(squares[start][0], size),
             heading=HEADINGS[start],
-            goal=next((Goal(_middle(square, size)) for square in found["G"]), None),
+            goal=next((Goal(_middle(square, size)) for square in squares["G"]), None),
             title=title,
             unusual=True,
         )
@@ -145,9 +145,9 @@ def _problems(rows: list[str], skipped: int) -> list[str]:
                 problems.append(f"{place}: {text.value_text(letter)}: must be one of {_LETTERS}.")
     if not places["start"]:
         problems.append("has no start: put S on the floor, or > < ^ v for where the robot faces.")
-    for what, found in places.items():
-        if len(found) > 1:
-            problems.append(f"{found[1]}: a second {what}: the first stands in {found[0]}.")
+    for what, marked in places.items():
+        if len(marked) > 1:
+            problems.append(f"{marked[1]}: a second {what}: the first stands in {marked[0]}.")
     return problems
 
 
@@ -339,8 +339,8 @@ def arena_toml(arena: Arena) -> str:
 @cache
 def _texts() -> dict[str, str]:
     folder = files("stepwell.files") / "arenas"
-    found = (file for file in folder.iterdir() if file.name.endswith(_SUFFIXES))
-    texts = {file.name.rpartition(".")[0]: file.read_text("utf-8") for file in found}
+    arena_files = (file for file in folder.iterdir() if file.name.endswith(_SUFFIXES))
+    texts = {file.name.rpartition(".")[0]: file.read_text("utf-8") for file in arena_files}
     # From the empty floor to the hardest.
     order = ("open", "wall", "cylinder", "pen", "three-walls", "corridor")
     return {name: texts[name] for name in order} | texts

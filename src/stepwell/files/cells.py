@@ -72,7 +72,7 @@ def _sheets(tables: tuple[element_schema.SheetKeys, ...]) -> tuple[mechanism.She
     measure = tables[0].measure
     if any(one.measure is not measure for one in tables):
         raise InputError("sheets: all must be of one kind of travel.")
-    found: list[mechanism.Sheet] = []
+    sheets: list[mechanism.Sheet] = []
     for k, one in enumerate(tables):
         joints = np.array(getattr(one, element_schema.JOINTS[measure]), float)
         rows = np.column_stack([joints[:-1], np.array(one.cubics_SI, float)])
@@ -81,8 +81,8 @@ def _sheets(tables: tuple[element_schema.SheetKeys, ...]) -> tuple[mechanism.She
         below, above = (None if n is None else n - 1 for n in (one.below, one.above))
         sheet = mechanism.Sheet(rows, float(joints[-1]), below, above)
         _refuse_turns(sheet, joints, f"sheets[{k}].cubics_SI")
-        found.append(sheet)
-    return tuple(found)
+        sheets.append(sheet)
+    return tuple(sheets)
 
 
 def _refuse_gaps(rows: Floats, joints: Floats, where: str) -> None:

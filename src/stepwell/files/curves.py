@@ -84,13 +84,13 @@ def with_curves(text: str, name: str) -> str:
     if not tables:
         return text
     named = list(_names((), tables))
-    found = [match for match in _NAMED.finditer(text) if match["key"]]
-    if [(path[-1], value) for path, value in named] != [_said(match) for match in found]:
+    matches = [match for match in _NAMED.finditer(text) if match["key"]]
+    if [(path[-1], value) for path, value in named] != [_said(match) for match in matches]:
         raise DesignError(name, [_ODD])
     curves, end = _Curves(Path(name).parent), 0
     problems: list[str] = []
     pieces: list[str] = []
-    for (path, value), match in zip(named, found, strict=True):
+    for (path, value), match in zip(named, matches, strict=True):
         try:
             key, numbers = curves.of(path, value)
             _put(tables, path, key, numbers)

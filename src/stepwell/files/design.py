@@ -230,8 +230,8 @@ def _neighbour(path: Path) -> str:
 @cache
 def _texts() -> dict[str, str]:
     folder = files("stepwell.files") / "presets"
-    found = (file for file in folder.iterdir() if file.name.endswith(".toml"))
-    texts = {file.name.removesuffix(".toml"): file.read_text("utf-8") for file in found}
+    preset_files = (file for file in folder.iterdir() if file.name.endswith(".toml"))
+    texts = {file.name.removesuffix(".toml"): file.read_text("utf-8") for file in preset_files}
     # The paper's first, as a reader of the paper looks for them; robots last.
     turn = {"paper": 0, "robot": 2}
     return dict(sorted(texts.items(), key=lambda one: (turn.get(one[0].split("-")[0], 1), one[0])))

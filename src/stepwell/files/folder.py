@@ -359,15 +359,21 @@ def _others(target: Path, new: Mapping[str, str | None]) -> list[str]:
 
 def _is_theirs(target: Path, name: str, content: str | None) -> bool:
     """Whether a file of others says what ours would: it stays theirs, and is never removed."""
-    found = _digest_of(target / name)
-    return found is not None and found == content and found not in _owned(target).get(name, ())
+    hash_there = _digest_of(target / name)
+    return (
+        hash_there is not None
+        and hash_there == content
+        and hash_there not in _owned(target).get(name, ())
+    )
 
 
 def _owned(target: Path) -> dict[str, tuple[str, ...]]:
     """The hashes that files in a folder may have which Stepwell wrote."""
     notes = [_note(target / name) for name in (MANIFEST, UNFINISHED)]
-    kept = [note.files for note in notes if note]
-    return {file: sum((one.get(file, ()) for one in kept), ()) for one in kept for file in one}
+    recorded = [note.files for note in notes if note]
+    return {
+        file: sum((one.get(file, ()) for one in recorded), ()) for one in recorded for file in one
+    }
 
 
 def _note(file: Path) -> _Note | None:
@@ -446,7 +452,9 @@ def _left(place: Path) -> list[Path]:
     """Drafts that are there; those of a process that is alive only while it holds the lock."""
     draft = re.compile(rf"\.{re.escape(place.name[:80])}\.[0-9a-f]{{12}}\.tmp")
     return [
-        found
-        for found in place.parent.iterdir()
-        if draft.fullmatch(found.name) and found.is_dir() and not found.is_symlink()
+        draft_folder
+        for draft_folder in place.parent.iterdir()
+        if draft.fullmatch(draft_folder.name)
+        and draft_folder.is_dir()
+        and not draft_folder.is_symlink()
     ]

@@ -64,13 +64,13 @@ def columns_of(cell: Any) -> tuple[str, str, str] | None:
 
 def new_cells() -> dict[str, dict[str, Any]]:
     """A table for every kind of cell that can be added to a chain, by what it is."""
-    found: dict[str, dict[str, Any]] = {"levers and a band": {"p_mm": [-10, 0], "q_mm": [10, 0]}}
-    found |= {form.replace("_", " "): {form: {}} for form in elements.LibraryKeys.model_fields}
+    tables: dict[str, dict[str, Any]] = {"levers and a band": {"p_mm": [-10, 0], "q_mm": [10, 0]}}
+    tables |= {form.replace("_", " "): {form: {}} for form in elements.LibraryKeys.model_fields}
     # A force that rises, falls and rises again, in round numbers of each unit.
     for measure, (x, y) in elements.COLUMNS.items():
         points = {x: [0, 4, 12, 16], y: [0, 1, -1, 0.5]}
-        found[f"curve of {measure.travel} and {measure.force}"] = {"points": points}
-    return found
+        tables[f"curve of {measure.travel} and {measure.force}"] = {"points": points}
+    return tables
 
 
 def _of_cell(cell: Table, path: Path, shared: Table, band: Table) -> Iterator[KnownKey]:
@@ -189,9 +189,9 @@ def _usual(form: str) -> Element:
     return LIBRARY[form.replace("_", "-")].make()
 
 
-def _table(found: Any) -> Table:
-    return found if isinstance(found, Mapping) else {}
+def _table(value: Any) -> Table:
+    return value if isinstance(value, Mapping) else {}
 
 
-def _list(found: Any) -> Sequence[Any]:
-    return found if isinstance(found, list) else []
+def _list(value: Any) -> Sequence[Any]:
+    return value if isinstance(value, list) else []

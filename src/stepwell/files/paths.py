@@ -61,10 +61,10 @@ def find(path: str, known: Iterable[Steps]) -> list[tuple[Steps, Steps]]:
     ValueError where it means none of them; the text says what was probably meant.
     """
     known, tokens = list(known), _tokens(path)
-    found = [(steps, rest) for steps in known if (rest := _below(tokens, steps)) is not None]
-    if not found:
+    matches = [(steps, rest) for steps in known if (rest := _below(tokens, steps)) is not None]
+    if not matches:
         raise InputError(_advice(tokens, known))
-    return found
+    return matches
 
 
 def _tokens(path: str) -> list[Token]:

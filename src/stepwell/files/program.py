@@ -132,20 +132,22 @@ def _out_of_reach(points: tuple[float, ...], start: str, chain: Chain) -> list[s
         sum(cell.high if cell.stopped[1] else math.inf for cell in chain.cells),
     ]
     unit, factor = display_unit(chain.measure.travel_unit)
-    found: list[str] = []
+    problems: list[str] = []
     for i, point in enumerate(points):
         place = f"program.{_key(chain)}[{i}] = {point * factor:.12g}"
         if i == 0 and not begins[0] - near <= point <= begins[1] + near:
             at, to = (f"{end * factor:.12g}" for end in begins)
             at = f"from {at} to {to} {unit}" if begins[0] < begins[1] else at
-            found.append(f"{place}: must be {at}, the {chain.measure.stroke} where {start} stands.")
+            problems.append(
+                f"{place}: must be {at}, the {chain.measure.stroke} where {start} stands."
+            )
         elif not ends[0] - near <= point <= ends[1] + near:
             meant = f" Did you mean {point:.12g}?" if 10 * full < point <= 1e3 * full else ""
-            found.append(
+            problems.append(
                 f"{place}: must be from {ends[0] * factor:.12g} to {ends[1] * factor:.12g}, the "
                 f"sum of all travels.{meant}"
             )
-    return found
+    return problems
 
 
 def _tidy(value: float, within: float, key: str) -> float:

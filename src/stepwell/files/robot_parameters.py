@@ -99,18 +99,18 @@ def key_unit(robot: Robot, path: str) -> str:
 
 
 def _assumed(robot: Robot, changed: list[Steps]) -> dict[str, str]:
-    said = dict(robot.sources)
+    labels = dict(robot.sources)
     of, _ = sources(robot, _lists(robot))
     for steps in changed:
         if of.get(steps, schema.ASSUMED) != schema.ASSUMED:
-            said = {path: one for path, one in said.items() if not _means_only(path, steps, of)}
-            said[spelled(steps)] = schema.ASSUMED
-    return said
+            labels = {path: one for path, one in labels.items() if not _means_only(path, steps, of)}
+            labels[spelled(steps)] = schema.ASSUMED
+    return labels
 
 
 def _means_only(path: str, steps: Steps, known: Mapping[Steps, str]) -> bool:
     try:
-        return [found for found, _ in find(path, known)] == [steps]
+        return [found_steps for found_steps, _ in find(path, known)] == [steps]
     except ValueError:
         return False
 
@@ -122,8 +122,8 @@ def _same(value: Any, before: Any) -> bool:
 
 
 def _lists(robot: Robot) -> dict[str, list[str]]:
-    said = robot.sources
-    return {label: [path for path in said if said[path] == label] for label in said.values()}
+    labels = robot.sources
+    return {label: [path for path in labels if labels[path] == label] for label in labels.values()}
 
 
 def _unit(steps: Steps) -> str:
@@ -169,39 +169,39 @@ def provenance(robot: Robot) -> tuple[RobotParameter, ...]:
 
     Coordinates stand together, and what legs and cells share stands once, with `*` in its path.
     """
-    found = _by_list(parameters(robot))
+    numbers = _by_list(parameters(robot))
     for several in _SEVERAL:
-        found = _shared(found, several)
-    return tuple(found)
+        numbers = _shared(numbers, several)
+    return tuple(numbers)
 
 
 def _by_list(numbers: Iterable[RobotParameter]) -> list[RobotParameter]:
     lists = grouped((re.sub(r"(?:\[\d+\])+$", "", one.path), one) for one in numbers)
-    found: list[RobotParameter] = []
+    together: list[RobotParameter] = []
     for path, items in lists.items():
         if len({(item.unit, item.source) for item in items}) == 1:
             values = tuple(item.values[0] for item in items)
-            found.append(replace(items[0], path=path, values=values))
+            together.append(replace(items[0], path=path, values=values))
         else:
-            found += items
-    return found
+            together += items
+    return together
 
 
 def _shared(numbers: list[RobotParameter], several: re.Pattern[str]) -> list[RobotParameter]:
     """Numbers that are alike in every leg or cell, once."""
     alike = grouped((several.sub(_any, one.path), one) for one in numbers)
     count = max((len(items) for path, items in alike.items() if "*" in path), default=0)
-    found: list[RobotParameter] = []
+    shared: list[RobotParameter] = []
     for number in numbers:
         path = several.sub(_any, number.path)
         items = alike[path]
         same = len({(item.values, item.unit, item.source) for item in items}) == 1
         if path == number.path or not same or len(items) < max(count, 2):
-            found.append(number)
+            shared.append(number)
         elif number is items[0]:
-            found.append(replace(number, path=path))
-    return found
+            shared.append(replace(number, path=path))
+    return shared
 
 
-def _any(found: re.Match[str]) -> str:
-    return "leg.*" if found[0].startswith("leg") else ".*"
+def _any(match: re.Match[str]) -> str:
+    return "leg.*" if match[0].startswith("leg") else ".*"

@@ -72,14 +72,14 @@ def sources(robot: Robot, lists: Mapping[str, Sequence[str]]) -> tuple[dict[Step
 
     Of several paths that mean a number, the one that means the fewest numbers counts.
     """
-    said, problems = _said_of(robot, lists)
+    named_by, problems = _said_of(robot, lists)
     of: dict[Steps, str] = {}
-    for steps, every in said.items():
+    for steps, every in named_by.items():
         narrowest = min((one.size for one in every), default=0)
-        found = [one for one in every if one.size == narrowest]
-        label = found[0].label if found else schema.ASSUMED
+        narrow = [one for one in every if one.size == narrowest]
+        label = narrow[0].label if narrow else schema.ASSUMED
         of[steps] = label
-        others = [one.where for one in found if one.label != label]
+        others = [one.where for one in narrow if one.label != label]
         problems += [f"{where}: {label} has that too; keep one of them." for where in others]
     return of, list(dict.fromkeys(problems))
 
@@ -88,7 +88,7 @@ def _said_of(
     robot: Robot, lists: Mapping[str, Sequence[str]]
 ) -> tuple[dict[Steps, list[_Said]], list[str]]:
     """Of every number of a robot the paths that mean it, and the paths that mean none."""
-    said: dict[Steps, list[_Said]] = {
+    named_by: dict[Steps, list[_Said]] = {
         steps: [] for steps, value in leaves(tree_of(robot)) if is_number(value)
     }
     problems: list[str] = []
@@ -99,13 +99,13 @@ def _said_of(
                 continue  # said of antennas that were taken off
             where = f"source.{table}[{i}] = {value_text(path)}"
             try:
-                found = find(path, said)
+                matches = find(path, named_by)
             except ValueError as error:
                 problems.append(f"{where}: {error}")
                 continue
-            for steps, _ in found:
-                said[steps].append(_Said(len(found), label, where))
-    return said, problems
+            for steps, _ in matches:
+                named_by[steps].append(_Said(len(matches), label, where))
+    return named_by, problems
 
 
 T = TypeVar("T")
@@ -123,9 +123,9 @@ def robot(keys: schema.RobotKeys, name: str) -> Robot:
         part_of(f"antenna[{i}]", Antenna, fields(one), problems)
         for i, one in enumerate(keys.antenna)
     ]
-    said = {path: label for label, paths in keys.source.lists().items() for path in paths}
+    source_labels = {path: label for label, paths in keys.source.lists().items() for path in paths}
     if not problems:
-        how = {"title": keys.title, "sources": said, "unusual": keys.unusual, **parts}
+        how = {"title": keys.title, "sources": source_labels, "unusual": keys.unusual, **parts}
         try:
             made = Robot(legs, antennas=antennas, **how)
         except ValueError as error:

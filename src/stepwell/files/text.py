@@ -85,9 +85,9 @@ def _cut(text: str, most: int = 60) -> str:
 def in_decimals(value: Any, name: str) -> Any:
     """A value as a file holds it, its numbers the decimals that Python shows; or a DesignError."""
     problems: list[str] = []
-    found = _in_decimals(value, problems, ())
+    decimals = _in_decimals(value, problems, ())
     refuse_any(name, problems)
-    return found
+    return decimals
 
 
 def _in_decimals(value: Any, problems: list[str], keys: Sequence[str | int]) -> Any:

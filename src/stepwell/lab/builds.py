@@ -36,11 +36,11 @@ class Holes:
 
     def shifts(self, even: base.Floats) -> base.Floats:
         """(cells, 2) by how much q of each cell is off [m], for numbers (cells,) from 0 to 1."""
-        found = np.zeros((len(even), 2))
+        shifts = np.zeros((len(even), 2))
         wrong = even < self._drawn
         way = (even[wrong] / self._drawn * len(WAYS)).astype(int)
-        found[wrong] = self.apart * np.array(WAYS)[np.minimum(way, len(WAYS) - 1)]
-        return found
+        shifts[wrong] = self.apart * np.array(WAYS)[np.minimum(way, len(WAYS) - 1)]
+        return shifts
 
     def price(self, even: base.Floats) -> float:
         """By how much less likely these holes are than they are drawn: minus the logarithm."""
@@ -167,12 +167,12 @@ class Observed(base.ByValue):
         if self.sequence is not None and str(cycle.sequence) != self.sequence:
             return math.inf
         gaps: list[base.Floats] = []
-        for direction, wanted in ((1, self.out), (-1, self.back)):
-            if wanted is not None:
-                found = sorted(e.drive for e in cycle.snaps if e.direction == direction)
-                if len(found) != len(wanted):
+        for direction, observed in ((1, self.out), (-1, self.back)):
+            if observed is not None:
+                snaps = sorted(e.drive for e in cycle.snaps if e.direction == direction)
+                if len(snaps) != len(observed):
                     return math.inf
-                gaps.append(np.subtract(found, sorted(wanted)) / self.ruler)
+                gaps.append(np.subtract(snaps, sorted(observed)) / self.ruler)
         if self.pulls:
             off = _forces(cycle, self.pulls) - [pull.force for pull in self.pulls]
             gaps.append(off / self.scale)
@@ -204,15 +204,15 @@ def pulls_of(recording: Recording, full: float) -> tuple[Pull, ...]:
             "design was tested.",
         )
     edges = np.linspace(0.0, full, _PLACES + 1)
-    found: list[Pull] = []
+    pulls: list[Pull] = []
     for half in recording.halves:
         direction = 1 if recording.direction_of(half) == "loading" else -1
         place = np.digitize(stroke[half], edges) - 1
         for k in np.intersect1d(place, np.arange(_PLACES)):
             here = place == k
             u, force = stroke[half][here], recording.force[half][here]
-            found.append(Pull(direction, float(np.mean(u)), float(np.mean(force))))
-    return tuple(found)
+            pulls.append(Pull(direction, float(np.mean(u)), float(np.mean(force))))
+    return tuple(pulls)
 
 
 # Steps after each generation, and how many generations at most.

@@ -96,10 +96,10 @@ class Calibration(ByValue, Drawn):
     notes: tuple[str, ...] = field(repr=False, default=())
 
     def __getitem__(self, name: str) -> FittedParameter:
-        found = {parameter.name: parameter for parameter in self.parameters}
-        if name not in found:
-            raise KeyError(f"{name!r}: must be one of {', '.join(found)}.")
-        return found[name]
+        by_name = {parameter.name: parameter for parameter in self.parameters}
+        if name not in by_name:
+            raise KeyError(f"{name!r}: must be one of {', '.join(by_name)}.")
+        return by_name[name]
 
     @property
     def values(self) -> dict[str, float]:
@@ -222,8 +222,8 @@ class Calibration(ByValue, Drawn):
         Each series is scaled by itself to the model that fits all; NaN for fewer than three.
         """
         forces = [(sample.force, self.force(sample)) for sample in self.samples]
-        found = [float(model @ force) / float(model @ model) for force, model in forces]
-        return float(np.std(found, ddof=1)) if len(found) >= _FEW else math.nan
+        scales = [float(model @ force) / float(model @ model) for force, model in forces]
+        return float(np.std(scales, ddof=1)) if len(scales) >= _FEW else math.nan
 
     @property
     def open(self) -> list[str]:
@@ -251,8 +251,8 @@ class Calibration(ByValue, Drawn):
     @property
     def coverage(self) -> tuple[int, int]:
         """Of how many series of pairs the 90 % interval holds what was seen, and how many."""
-        told = [one.covered for one in self.snaps if one.covered is not None]
-        return sum(told), len(told)
+        covered = [one.covered for one in self.snaps if one.covered is not None]
+        return sum(covered), len(covered)
 
     def to_xarray(self) -> "xr.Dataset":
         """Errors over "series" and correlations over "parameter" and "other"."""
@@ -328,11 +328,11 @@ def calibrate(
     given = float(np.median(each)) if each else math.nan
     laws, stiff = known if law is None else [law], given if each else 0.0
     weighing = weigh(data.pairs)
-    found = [_Fit(data, name, stiff, weighing, reference) for name in laws]
-    for done, (fit, fold) in enumerate(product(found, folds), 1):
+    fits = [_Fit(data, name, stiff, weighing, reference) for name in laws]
+    for done, (fit, fold) in enumerate(product(fits, folds), 1):
         fit.leave_out(fold)
         notify(progress, done, len(laws) * len(folds))
-    best = min(found, key=lambda one: float(np.mean(one.errors[1])))
+    best = min(fits, key=lambda one: float(np.mean(one.errors[1])))
     return Calibration(
         best.law,
         best.parameters(),
@@ -431,14 +431,14 @@ class _Fit:
 
         Read on the pair itself (`own`), or on other geometries of as many bands that go alike.
         """
-        found: list[list[float]] = [[] for _ in series.chain.cells]
+        gaps: list[list[float]] = [[] for _ in series.chain.cells]
         fold, kind = geometry_of(series.chain.levers[-1]), (True, series.bands, series.unloading)
         for sample in self.data.samples:
             alike = (sample.in_pair, sample.bands, sample.unloading) == kind
             if sample.series == series.name if own else alike and sample.fold != fold:
                 gap = sample.force - model.force(sample)
-                found[sample.place].append(float(np.mean(gap[-len(gap) // _LATE :])))
-        return [float(np.mean(one)) if one else 0.0 for one in found]
+                gaps[sample.place].append(float(np.mean(gap[-len(gap) // _LATE :])))
+        return [float(np.mean(one)) if one else 0.0 for one in gaps]
 
     def _fitted(self, samples: Sequence[Sample], start: Floats | None) -> tuple[Floats, Floats]:
         """Values of the numbers, and the Jacobian by their typical sizes."""
@@ -455,7 +455,7 @@ class _Fit:
             return np.concatenate([gaps, _HANDOVER * fit_model.late(model.values, data)])
 
         inside = np.clip(first if start is None else start, low + 1e-9 * size, high - 1e-9 * size)
-        found = least_squares(
+        solution = least_squares(
             residual, inside, bounds=(low, high), x_scale=size, xtol=1e-10, ftol=1e-10
         )
-        return found.x, found.jac * size
+        return solution.x, solution.jac * size

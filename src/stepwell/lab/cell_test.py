@@ -182,7 +182,7 @@ def _rises(stroke: Floats, force: Floats, least: float) -> tuple[Rise, ...]:
     """Where the force climbs by more than `least` above its lowest value so far."""
     force = np.convolve(force, np.ones(_SMOOTH) / _SMOOTH, mode="valid")
     stroke = stroke[_SMOOTH // 2 : -(_SMOOTH // 2)]
-    found: list[Rise] = []
+    rises: list[Rise] = []
     low = np.minimum.accumulate(force)
     over, start = force - low, 0
     while len(climbing := np.flatnonzero(over[start:] > least)):
@@ -191,6 +191,6 @@ def _rises(stroke: Floats, force: Floats, least: float) -> tuple[Rise, ...]:
         back = np.flatnonzero(force[at:] <= force[foot])
         end = at + int(back[0]) if len(back) else len(force) - 1
         top = foot + int(np.argmax(force[foot : end + 1]))
-        found.append(Rise(float(stroke[foot]), float(stroke[top]), float(force[top] - force[foot])))
+        rises.append(Rise(float(stroke[foot]), float(stroke[top]), float(force[top] - force[foot])))
         start = end + 1
-    return tuple(found)
+    return tuple(rises)

@@ -108,16 +108,16 @@ def compare(
     Raises:
         LabError: nothing to compare, or a chain of more than two cells.
     """
-    found = sort_series(recordings, designs, baseline=baseline, as_designed=as_designed)
-    longer = [one for one in found.series if len(one.chain) > 2]
+    sorted_series = sort_series(recordings, designs, baseline=baseline, as_designed=as_designed)
+    longer = [one for one in sorted_series.series if len(one.chain) > 2]
     if longer:
         raise LabError(
             longer[0].code,
             f"its design has {len(longer[0].chain)} cells: one or two can be compared.",
         )
-    cells = tuple(cell_test(one, rig) for one in found.series if len(one.chain) == 1)
-    pairs = tuple(pair_tests([one for one in found.series if len(one.chain) == 2], rig))
-    return Comparison(cells, pairs, found.notes, rig)
+    cells = tuple(cell_test(one, rig) for one in sorted_series.series if len(one.chain) == 1)
+    pairs = tuple(pair_tests([one for one in sorted_series.series if len(one.chain) == 2], rig))
+    return Comparison(cells, pairs, sorted_series.notes, rig)
 
 
 def _rows(test: CellTest | PairTest) -> tuple[Any, Any, Any, Any]:
@@ -200,17 +200,17 @@ def refit(comparison: Comparison) -> Refit:
         return np.concatenate([predicted_force(model, way, u) - force for way, u, force in points])
 
     start = np.array(next(iter(kinds)))
-    found = least_squares(
+    solution = least_squares(
         gap, np.clip(start, np.array(_LOW) + 1e-6, _HIGH), bounds=(_LOW, _HIGH), x_scale=_SIZE
     )
-    stiffness, rest_length = map(float, found.x)
+    stiffness, rest_length = map(float, solution.x)
     return Refit(
         _with_bands(chain, stiffness, rest_length),
         stiffness,
         rest_length,
         rms(gap(start)),
-        rms(found.fun),
-        float(correlations(found.jac * _SIZE)[0, 1]),
+        rms(solution.fun),
+        float(correlations(solution.jac * _SIZE)[0, 1]),
     )
 
 

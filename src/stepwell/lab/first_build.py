@@ -124,7 +124,7 @@ def best_moves(
     if share == 1.0:
         return ()
     near: list[Move] = []
-    found: list[Move] = []
+    chosen: list[Move] = []
     placed = [(one, builds.place_of(one, drawing)) for one in builds.outer_anchors(drawing)]
     for holes in range(1, MOST_HOLES + 1):
         far = holes * hole
@@ -134,16 +134,16 @@ def best_moves(
             for x, y in builds.WAYS
         ]
         near = near or moves
-        if found := better(moves, share):
+        if chosen := better(moves, share):
             break
-    most = found[0].share if found else share
+    most = chosen[0].share if chosen else share
     if most < _ENOUGH:
         single = sorted(near, key=lambda move: -move.share)[:_PAIRED]
         pairs = [
             judged((*a.steps, *b.steps)) for a, b in combinations(single, 2) if not _back(a, b)
         ]
-        found = [*better(pairs, most), *found][:_BEST]
-    return tuple(found)
+        chosen = [*better(pairs, most), *chosen][:_BEST]
+    return tuple(chosen)
 
 
 def moves_of(chain: Chain) -> int:
@@ -324,7 +324,7 @@ def as_built(
         checked_cycle(seen.sequence, last, "seen")
     done, total = 0, samples * (1 + 4 * builds.STEPS) + moves_of(drawing)
 
-    def tell() -> None:
+    def count() -> None:
         nonlocal done
         done += 1
         base.notify(progress, done, max(done, total))
@@ -333,26 +333,27 @@ def as_built(
     wider = 1.0
     while True:
         given = _wide(tolerances, wider, drawing)
-        found = builds.population(Draws(drawing, given, seed), holes, seen, samples, tell)
-        agrees = found and not found.few and np.mean(found.misfits) <= _AGREE * seen.numbers
+        matching = builds.population(Draws(drawing, given, seed), holes, seen, samples, count)
+        most = _AGREE * seen.numbers
+        agrees = matching and not matching.few and np.mean(matching.misfits) <= most
         if agrees or wider >= _MOST_WIDE:
             break
         wider *= 2.0
         total += samples * (1 + 4 * builds.STEPS)
-    if found is None:
+    if matching is None:
         raise LabError(
             "what was seen",
             f"none of {samples} builds with parts up to {wider:g} times as far off as "
             f"{tolerances!r} does this: check that this design was built, which cell is innermost, "
             f"and from where strokes were counted.",
         )
-    known = _known(drawing, found)
-    likely = found.built[int(np.argmin(found.misfits))]
+    known = _known(drawing, matching)
+    likely = matching.built[int(np.argmin(matching.misfits))]
     with suppress(StepwellError):  # The means together may be no chain, or do otherwise.
         means = reduce(lambda chain, one: one.parameter.changed(chain, one.value), known, drawing)
         likely = means if math.isfinite(seen.misfit(means.cycle())) else likely
-    share = sum(does(one, sequence) for one in found.built) / samples
-    moves = best_moves(drawing, found.built, sequence, hole, share, tell)
+    share = sum(does(one, sequence) for one in matching.built) / samples
+    moves = best_moves(drawing, matching.built, sequence, hole, share, count)
     return AsBuilt(
         drawing,
         seen,
@@ -361,55 +362,55 @@ def as_built(
         wider,
         samples,
         seed,
-        found.share,
+        matching.share,
         known,
         likely,
         share,
         moves,
         hole,
         wrong_hole,
-        _wrong(drawing, holes, found),
+        _wrong(drawing, holes, matching),
     )
 
 
 def _wide(given: Tolerances, wider: float, drawing: Chain) -> Tolerances:
     """Wider tolerances of anchors or holes and of friction; of elements, those of the scales."""
-    found = replace(given, anchor=wider * given.anchor, friction=wider * given.friction)
+    wide = replace(given, anchor=wider * given.anchor, friction=wider * given.friction)
     if len(drawing.elements) < len(drawing):
-        return found
+        return wide
     scales = {"stiffness": given.stiffness, "travel": given.travel}
-    return replace(found, **{name: min(wider * value, _WIDEST) for name, value in scales.items()})
+    return replace(wide, **{name: min(wider * value, _WIDEST) for name, value in scales.items()})
 
 
 def _wrong(
-    drawing: Chain, holes: builds.Holes, found: builds.Population
+    drawing: Chain, holes: builds.Holes, population: builds.Population
 ) -> tuple[builds.WrongHole, ...]:
     """Anchors in wrong holes among builds that agree, the likeliest first."""
     wrong: list[builds.WrongHole] = []
     for i, anchor in enumerate(holes.anchors):
         was = builds.place_of(anchor, drawing)
-        ways, counts = np.unique(found.shifts[:, i], axis=0, return_counts=True)
+        ways, counts = np.unique(population.shifts[:, i], axis=0, return_counts=True)
         for (dx, dy), count in zip(ways.tolist(), counts.tolist(), strict=True):
-            if (dx or dy) and count >= _RARE * len(found.shifts):
+            if (dx or dy) and count >= _RARE * len(population.shifts):
                 to = was[0] + dx, was[1] + dy
-                wrong.append(builds.WrongHole(anchor, was, to, count / len(found.shifts)))
+                wrong.append(builds.WrongHole(anchor, was, to, count / len(population.shifts)))
     return tuple(sorted(wrong, key=lambda one: -one.share))
 
 
-def _known(drawing: Chain, builds: builds.Population) -> tuple[ParameterEstimate, ...]:
-    found: list[ParameterEstimate] = []
+def _known(drawing: Chain, population: builds.Population) -> tuple[ParameterEstimate, ...]:
+    estimates: list[ParameterEstimate] = []
     for one in (parameter for parameter in parameters(drawing) if parameter.part in _PARTS):
         before, after = (
             np.array([_value(one, chain, drawing) for chain in chains])
-            for chains in (builds.before, builds.built)
+            for chains in (population.before, population.built)
         )
-        middle = float(builds.weights @ before)
-        spread = math.sqrt(float(builds.weights @ (before - middle) ** 2))
+        middle = float(population.weights @ before)
+        spread = math.sqrt(float(population.weights @ (before - middle) ** 2))
         if spread > 0.0:
             drawn = _value(one, drawing, drawing)
             mean, doubt = float(np.mean(after)), float(np.std(after))
-            found.append(ParameterEstimate(one, drawn, mean, doubt, spread))
-    return tuple(found)
+            estimates.append(ParameterEstimate(one, drawn, mean, doubt, spread))
+    return tuple(estimates)
 
 
 def _value(one: Parameter, chain: Chain, drawing: Chain) -> float:

@@ -63,8 +63,8 @@ def law_of(
     """The law of a band by its name and its fitted numbers."""
     if law in tables:
         return tables[law]
-    found = mechanism.Cubic(values.get("quadratic", 0.0), values.get("cubic", 0.0))
-    return found if found.a2 or found.a3 else mechanism.Linear()
+    cubic = mechanism.Cubic(values.get("quadratic", 0.0), values.get("cubic", 0.0))
+    return cubic if cubic.a2 or cubic.a3 else mechanism.Linear()
 
 
 @dataclass(frozen=True)
@@ -153,10 +153,10 @@ def force(values: Mapping[str, float], data: Rows, law: mechanism.Law) -> Floats
     longest = mechanism.geometry.band_length(
         np.sin(nearest), np.cos(nearest), data.dx, data.dy, data.lever
     )
-    kept = 1.0 - values["loss"] * (1.0 - np.exp(-(longest - length) / values["loss_length"]))
+    remaining = 1.0 - values["loss"] * (1.0 - np.exp(-(longest - length) / values["loss_length"]))
     k = sum(values[name] * one for name, one in data.rubber.items())
     band = mechanism.Band((0.0, 0.0), (1.0, 0.0), 1.0, values["rest_length"], law)
-    tension = data.bands * k * band.tension(length) * kept
+    tension = data.bands * k * band.tension(length) * remaining
     rubbing = values["friction"] + values.get("joints", 0.0) * tension
     return mechanism.geometry.band_force(tension, slope) + data.direction * rubbing
 
@@ -232,8 +232,8 @@ class Model:
             pairs = zip(chain.levers, map(mechanism.Load.constant, loads), strict=True)
             chain = replace(chain, cells=[replace(cell, load=load) for cell, load in pairs])
         path = path_of(chain, series.unloading)
-        found = snaps_of(path, self.rig)
-        return (found[0], fall_before(path)) if found else (math.nan, math.nan)
+        snaps = snaps_of(path, self.rig)
+        return (snaps[0], fall_before(path)) if snaps else (math.nan, math.nan)
 
     def order_of(self, series: Series) -> tuple[str, ...]:
         """Names of the cells of a pair in the order in which the model moves them."""

@@ -157,7 +157,7 @@ class Handover(NamedTuple):
 def handovers(test: PairTest) -> list[Handover]:
     """The handover of each run that shows one: a short stroke, for the rig alone gives way."""
     low, high = test.handover
-    found: list[Handover] = []
+    jumps: list[Handover] = []
     for run in test.series.recordings:
         stroke = test.series.placed(run)
         near = (low <= stroke) & (stroke <= high)
@@ -170,8 +170,8 @@ def handovers(test: PairTest) -> list[Handover]:
         jump = (share > _GIVING[0]) & (share < _GIVING[1])
         if np.count_nonzero(jump) > 1:
             given = float(np.ptp(u[jump]) / max(float(np.ptp(force[jump])), 1e-9))
-            found.append(Handover(float(np.mean(u[jump])), float(np.mean(force[jump])), given))
-    return found
+            jumps.append(Handover(float(np.mean(u[jump])), float(np.mean(force[jump])), given))
+    return jumps
 
 
 def _of_cell(series: Series) -> Sample:
@@ -188,7 +188,7 @@ def _of_pair(test: PairTest) -> list[Sample]:
     full = series.chain.full_stroke
     fold = geometry_of(series.chain.levers[-1])
     ways = full - test.stroke if series.unloading else test.stroke
-    found: list[Sample] = []
+    samples: list[Sample] = []
     before, seen = 0.0, handovers(test)
     begins = None
     if seen:
@@ -214,9 +214,9 @@ def _of_pair(test: PairTest) -> list[Sample]:
                 series.name,
                 i,
             )
-            found.append(sample)
+            samples.append(sample)
         before += cell.full_travel
-    return found
+    return samples
 
 
 def _strips(backwards: bool, *columns: Floats) -> list[Floats]:

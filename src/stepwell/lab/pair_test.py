@@ -114,15 +114,15 @@ class PairTest(ByValue, Drawn):
 
     def baseline_levels(self) -> list[tuple[float, float]]:
         """Force [N] of every baseline run while the inner cell is at mid-travel, and the outer."""
-        series, found = self.series, []
+        series, levels = self.series, []
         for run in series.baseline:
             curve = mean_curve([run], series.chain.full_stroke)
             inner, outer = (
                 np.mean(_baseline_force(series, self.first, i, _MIDDLE * cell.full_travel, curve))
                 for i, cell in enumerate(series.chain.levers)
             )
-            found.append((float(inner), float(outer)))
-        return found
+            levels.append((float(inner), float(outer)))
+        return levels
 
     @property
     def right_order(self) -> bool | None:
@@ -169,7 +169,7 @@ class PairTest(ByValue, Drawn):
         if any(not self.stroke[0] <= u <= self.stroke[-1] for u in self.snaps_predicted):
             return None
         runs = list(zip(self.series.recordings, self.snaps, self.missing, strict=True))
-        if any(len(snaps) < wanted and (gone or self._ends(run)) for run, snaps, gone in runs):
+        if any(len(snaps) < wanted and (holes or self._ends(run)) for run, snaps, holes in runs):
             return None
         if 2 * len(self.odd) >= len(runs):
             return False
@@ -194,9 +194,9 @@ class PairTest(ByValue, Drawn):
     @property
     def warning(self) -> str:
         """What makes the snaps doubtful: runs unlike the others; "" where nothing does."""
-        told: list[str] = []
+        warnings: list[str] = []
         if 0 < 2 * len(self.odd) < len(self.snaps):
-            told.append(f"unlike the others: {', '.join(self.odd)}")
+            warnings.append(f"unlike the others: {', '.join(self.odd)}")
         _, spread, count = self.snap_strokes
         sampled = max(_step(run) for run in self.series.recordings)
         if count > 1 and spread > max(_SCATTER, 10 * sampled):
@@ -207,8 +207,8 @@ class PairTest(ByValue, Drawn):
             }
             far = max(firsts.values()) - min(firsts.values())
             named = ", ".join(f"{name} {stroke:.2f}" for name, stroke in firsts.items())
-            told.append(f"repeats differ by {far:.2f} mm, more than samples do: {named} mm")
-        return "; ".join(told)
+            warnings.append(f"repeats differ by {far:.2f} mm, more than samples do: {named} mm")
+        return "; ".join(warnings)
 
     @property
     def verdict(self) -> str:
@@ -317,10 +317,10 @@ def _pair_test(series: Series, first: int, errors: Floats, rig: Rig) -> PairTest
         _ORDERS[0] if order[:1] == (0,) else _ORDERS[1],
         bool(path.degenerate),
         first,
-        tuple(tuple(one.stroke for one in found) for found in snaps),
+        tuple(tuple(one.stroke for one in run_snaps) for run_snaps in snaps),
         tuple(
-            tuple(one.stroke for one in every if one not in found)
-            for every, found in zip(jumps, snaps, strict=True)
+            tuple(one.stroke for one in every if one not in run_snaps)
+            for every, run_snaps in zip(jumps, snaps, strict=True)
         ),
         tuple(holes_of(run) for run in series.recordings),
         _doubt(series, snaps),
@@ -354,14 +354,14 @@ def _errors(series: Series) -> Floats:
 
 def past_snaps(series: Series) -> tuple[float, float]:
     """Strokes from the first snap on, of the model or of any run, in the direction of motion."""
-    found = [*snaps_of(series.path, Rig())]
+    strokes = [*snaps_of(series.path, Rig())]
     # In neither order may a handover be taken for a snap.
     ways = [_snaps_of_runs(series, _jumps(series, order)) for order in _ORDERS]
     for one, other in zip(*ways, strict=True):
-        found += {snap.stroke for snap in one} & {snap.stroke for snap in other}
+        strokes += {snap.stroke for snap in one} & {snap.stroke for snap in other}
     if series.unloading:
-        return -math.inf, max(found, default=-math.inf) + _NEAR
-    return min(found, default=math.inf) - _NEAR, math.inf
+        return -math.inf, max(strokes, default=-math.inf) + _NEAR
+    return min(strokes, default=math.inf) - _NEAR, math.inf
 
 
 def _one_by_one(series: Series, order: Order, stroke: Floats) -> list[tuple[int, Bools, Floats]]:
@@ -388,12 +388,12 @@ def _baseline_force(
 
 def _friction(series: Series, first: int, order: Order, stroke: Floats) -> Floats:
     """The baseline, each cell's share where that cell moves, less the weight in its model."""
-    found = np.zeros(len(stroke))
+    friction = np.zeros(len(stroke))
     for cell, mine, travel in _one_by_one(series, order, stroke):
-        found[mine] = _baseline_force(series, first, cell, travel)
+        friction[mine] = _baseline_force(series, first, cell, travel)
         if series.baseline_curve is not None:
-            found[mine] -= carried(series.chain.levers[cell], travel)
-    return found
+            friction[mine] -= carried(series.chain.levers[cell], travel)
+    return friction
 
 
 def _zones(series: Series, order: Order) -> list[tuple[float, float]]:
@@ -443,22 +443,22 @@ def _snaps_of_runs(series: Series, jumps: _Snaps) -> _Snaps:
     """
     predicted = _snap_events(series.path)
     if predicted:
-        return [tuple(filter(None, matched(found, predicted))) for found in jumps]
+        return [tuple(filter(None, matched(run, predicted))) for run in jumps]
     sign = -1.0 if series.unloading else 1.0
     least = SNAP_SHARE * series.scale
-    large = [tuple(one for one in found if sign * one.jump > least) for found in jumps]
+    large = [tuple(one for one in run if sign * one.jump > least) for run in jumps]
 
     def shared(one: MeasuredSnap) -> bool:
-        near = sum(any(abs(one.stroke - u.stroke) < _TOGETHER for u in found) for found in large)
+        near = sum(any(abs(one.stroke - u.stroke) < _TOGETHER for u in run) for run in large)
         return 2 * near > len(jumps)
 
-    return [tuple(filter(shared, found)) for found in large]
+    return [tuple(filter(shared, run)) for run in large]
 
 
 def _doubt(series: Series, snaps: _Snaps) -> float:
     """Standard deviation of a measured less the predicted stroke of the first snap [m]."""
     # How well the model fits does not count, or a bad one would agree with everything.
-    firsts = [found[0].stroke for found in snaps if found]
+    firsts = [run[0].stroke for run in snaps if run]
     if not firsts or not _snap_events(series.path):
         return math.nan
     scatter = float(np.std(firsts, ddof=1)) if len(firsts) > 1 else 0.0

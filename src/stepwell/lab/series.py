@@ -408,14 +408,14 @@ def _rather(cells: list[Cell], odd: int, unloading: bool, runs: list[Recording])
 def _over_stroke(runs: list[Recording], chain: Chain) -> tuple[list[Recording], list[str]]:
     """The runs that go over about the stroke of a chain, and a line for each of the others."""
     full = chain.full_stroke
-    kept: list[tuple[Recording, float]] = []
+    covering: list[tuple[Recording, float]] = []
     notes: list[str] = []
     for run in runs:
         stroke = from_zero(run, full)
         low, high = float(np.min(stroke)), float(np.max(stroke))
         covered = min(high, full) - max(low, 0.0)
         if covered >= _LEAST * full and high - low <= _MOST * full:
-            kept.append((run, covered))
+            covering.append((run, covered))
         else:
             notes.append(
                 f"{run.source}: left out, its stroke goes from {to_unit(low, 'mm'):.4g} to "
@@ -423,14 +423,14 @@ def _over_stroke(runs: list[Recording], chain: Chain) -> tuple[list[Recording], 
                 f"{to_unit(full, 'mm'):.4g} mm: check the unit in the header, and that this design "
                 "was tested"
             )
-    longest = max((covered for _, covered in kept), default=0.0)
+    longest = max((covered for _, covered in covering), default=0.0)
     notes += [
         f"{run.source}: left out, it covers {to_unit(covered, 'mm'):.4g} mm where another repeat "
         f"has {to_unit(longest, 'mm'):.4g} mm"
-        for run, covered in kept
+        for run, covered in covering
         if covered < _REPEAT * longest
     ]
-    return [run for run, covered in kept if covered >= _REPEAT * longest], notes
+    return [run for run, covered in covering if covered >= _REPEAT * longest], notes
 
 
 def _ratio(series: Series, run: Recording) -> float:

@@ -83,11 +83,11 @@ def find_snaps(
     whole = holes[at + reach] == holes[at - reach]
     over = judged(u, quiet) & (np.abs(jump) > least) & whole
     edges = np.flatnonzero(np.diff(over, prepend=False, append=False))
-    found: list[MeasuredSnap] = []
+    snaps: list[MeasuredSnap] = []
     for start, end in zip(edges[::2], edges[1::2], strict=True):
         peak = start + int(np.argmax(np.abs(jump[start:end])))
-        found.append(MeasuredSnap(float(u[peak]), float(jump[peak])))
-    return tuple(found)
+        snaps.append(MeasuredSnap(float(u[peak]), float(jump[peak])))
+    return tuple(snaps)
 
 
 def matched(
@@ -95,17 +95,17 @@ def matched(
 ) -> tuple[MeasuredSnap | None, ...]:
     """For every predicted snap the jump of its sign and size near it, no jump twice; or None."""
     left = list(jumps)
-    found: list[MeasuredSnap | None] = []
+    matches: list[MeasuredSnap | None] = []
     for event in predicted:
         size = event.force_after - event.force_before
 
-        def off(jump: MeasuredSnap, size: float = size, event: Event = event) -> float:
+        def deviation(jump: MeasuredSnap, size: float = size, event: Event = event) -> float:
             return abs(np.log(jump.jump / size)) + abs(jump.stroke - event.stroke) / _FAR
 
         fitting = [one for one in left if _SIZES[0] <= one.jump / size <= _SIZES[1]]
-        found.append(min(fitting, key=off, default=None))
-        left = [one for one in left if one is not found[-1]]
-    return tuple(found)
+        matches.append(min(fitting, key=deviation, default=None))
+        left = [one for one in left if one is not matches[-1]]
+    return tuple(matches)
 
 
 def samples_of_jump(time: Floats | None) -> float:

@@ -22,20 +22,20 @@ from stepwell.mechanism import Cubic, Table
 _ROWS = 13
 
 
-def band_table(found: BandFit, source: str = "") -> str:
+def band_table(band_fit: BandFit, source: str = "") -> str:
     """The `band` line of a design file, and above it in comments where it comes from.
 
     `source` is what the recordings are called. TOML to paste into [chain] or [[chain.cell]]; the
     rest length is left out where it is not known, and a comment says so.
     """
-    gauge, keys, comments = found.choice.gauge, _keys(found), _provenance(found, source)
+    gauge, keys, comments = band_fit.choice.gauge, _keys(band_fit), _provenance(band_fit, source)
     if gauge is None:
         comments += [
             "rest_length_mm is not here: the recordings do not tell it. A design without it takes",
             "10 mm; measure the length at which your band begins to pull, and write it in.",
         ]
     else:
-        keys = {"rest_length_mm": to_unit(gauge + found.written.fitted.onset, "mm")} | keys
+        keys = {"rest_length_mm": to_unit(gauge + band_fit.written.fitted.onset, "mm")} | keys
     return "".join(f"# {line}\n" for line in comments) + band_line(keys)
 
 
@@ -48,10 +48,10 @@ def _text(value: float | list[Any]) -> str:
     return f"[{', '.join(map(_text, value))}]" if isinstance(value, list) else f"{value:.5g}"
 
 
-def _keys(found: BandFit) -> dict[str, Any]:
-    fitted = found.written.fitted
+def _keys(band_fit: BandFit) -> dict[str, Any]:
+    fitted = band_fit.written.fitted
     if fitted.law.name == "linear":
-        return {"stiffness_N_per_m": found.stiffness.value}
+        return {"stiffness_N_per_m": band_fit.stiffness.value}
     if fitted.law.name == "cubic":
         k, *over_k = fitted.coefficients
         quadratic, cubic = (c / k for c in over_k)
@@ -60,14 +60,14 @@ def _keys(found: BandFit) -> dict[str, Any]:
             "quadratic_per_mm": to_unit(quadratic, "1/mm"),
             "cubic_per_mm2": to_unit(cubic, "1/mm²"),
         }
-    e = np.linspace(0.0, found.test.window[1] - fitted.onset, _ROWS)
+    e = np.linspace(0.0, band_fit.test.window[1] - fitted.onset, _ROWS)
     rows = np.stack([to_unit(e, "mm"), fitted.tension(fitted.onset + e)], axis=1)
     return {"table_mm_N": rows.tolist()}
 
 
-def _provenance(found: BandFit, source: str) -> list[str]:
-    test, choice, candidate = found.test, found.choice, found.written
-    estimate, alone = found.stiffness, found.alone
+def _provenance(band_fit: BandFit, source: str) -> list[str]:
+    test, choice, candidate = band_fit.test, band_fit.choice, band_fit.written
+    estimate, alone = band_fit.stiffness, band_fit.alone
     low, high = (to_unit(edge, "mm") for edge in test.window)
     if alone is None:
         between = f"{estimate.low:.4g} to {estimate.high:.4g}"
@@ -113,7 +113,7 @@ def calibrated_table(calibration: Calibration, source: str = "") -> str:
         f"{calibration.mean_error(n, pair):.3f} left out"
         for n, pair in calibration.kinds
     )
-    told = [
+    comments = [
         *([f"From {source}, by stepwell {__version__}."] if source else []),
         f"Fitted to {counted(len(calibration.samples), 'curve')} of cells, law: {calibration.law}. "
         f"Mean RMSE in k r, k = {calibration.reference:g} N/m a band, of a geometry: {errors}.",
@@ -127,9 +127,9 @@ def calibrated_table(calibration: Calibration, source: str = "") -> str:
     ]
     if calibration.tied:
         pairs = ", ".join(f"{a} and {b} ({c:+.2f})" for a, b, c in calibration.tied[:4])
-        told.append(f"These numbers are not told apart by the data: {pairs}.")
-    told += [f"Not told: {line}." for line in calibration.open]
-    text = "".join(f"# {line}\n" for one in told for line in wrap(one, 98))
+        comments.append(f"These numbers are not told apart by the data: {pairs}.")
+    comments += [f"Not told: {line}." for line in calibration.open]
+    text = "".join(f"# {line}\n" for one in comments for line in wrap(one, 98))
     for k, (bands, pair) in enumerate(calibration.kinds):
         value = calibration[rubber_name(bands, pair)]
         text += (
@@ -182,7 +182,7 @@ def tension_tables(recordings: Iterable[Recording]) -> dict[str, Table]:
     one kind: tension over the stiffness at the largest extension. What gives no band is left out.
     """
     tests = (r for r in recordings if setup_of(r.name) is None and TENSION_TEST.search(r.name))
-    found: dict[str, Table] = {}
+    tables: dict[str, Table] = {}
     for group, runs in grouped((one.group, one) for one in tests).items():
         name = group.replace("\\", "/").rpartition("/")[2].partition(".")[0]
         try:
@@ -191,10 +191,10 @@ def tension_tables(recordings: Iterable[Recording]) -> dict[str, Table]:
             # Bands of several kinds, or a run that cannot be used: each by itself.
             for run in runs:
                 with suppress(LabError):
-                    found[run.name] = _table([run])
+                    tables[run.name] = _table([run])
         else:
-            found[name] = table
-    return found
+            tables[name] = table
+    return tables
 
 
 def _table(runs: Sequence[Recording]) -> Table:

@@ -60,10 +60,10 @@ def _state(value: Any) -> str:
 
 
 def _drives(value: Any) -> tuple[Decimal, ...]:
-    found = keys.listed(
+    drives = keys.listed(
         "turns", value, 1, "must be a list of 1 or more numbers, as in [0, 45, 20]."
     )
-    return keys.lengths(found, None, "must be numbers from -1e6 to 1e6, as in [0, 45, 20].")
+    return keys.lengths(drives, None, "must be numbers from -1e6 to 1e6, as in [0, 45, 20].")
 
 
 Lever = Annotated[Decimal, keys.bounded("1e-3", "1e6", "from 0.001 to 1e6")]
@@ -251,11 +251,11 @@ class ProgramKeys(keys.Keys):
 
     @model_validator(mode="after")
     def _one_list(self) -> ProgramKeys:
-        found = self.given_points
-        if not found:
+        given = self.given_points
+        if not given:
             keys.refuse("is missing: strokes in mm, as in [0, 45, 20].", "turning_points_mm")
-        if len(found) > 1:
-            keys.refuse(f"cannot stand with {found[0]}: keep one of them.", found[1])
+        if len(given) > 1:
+            keys.refuse(f"cannot stand with {given[0]}: keep one of them.", given[1])
         return self
 
 

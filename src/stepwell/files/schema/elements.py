@@ -126,22 +126,22 @@ _PAIRS = " or ".join(f"{x} and {y}" for x, y in COLUMNS.values())
 
 
 def _numbers(value: Any, most: str = MOST, example: str = "[0, 1.5, 4]") -> tuple[Decimal, ...]:
-    found: list[Decimal] = []
+    numbers: list[Decimal] = []
     must = f"must be a list of numbers, as in {example}."
     for i, one in enumerate(keys.listed("rows", value, 1, must), 1):
         try:
-            found.append(keys.decimal_of(one, -Decimal(most), Decimal(most), ""))
+            numbers.append(keys.decimal_of(one, -Decimal(most), Decimal(most), ""))
         except ValueError:
             refuse(f"number {i} must be from -{most} to {most}, as in {example}.")
-    return tuple(found)
+    return tuple(numbers)
 
 
 def _cubics(value: Any) -> tuple[tuple[Decimal, ...], ...]:
     example = "[[0, 250, 0, 0, 0]]"
-    found = keys.listed(
+    listed = keys.listed(
         "rows", value, 1, f"must be one or more rows of five numbers, as in {example}."
     )
-    rows = tuple(_numbers(row, _MOST_SI, "[0, 250, 0, 0, 0]") for row in found)
+    rows = tuple(_numbers(row, _MOST_SI, "[0, 250, 0, 0, 0]") for row in listed)
     for i, row in enumerate(rows, 1):
         if len(row) != 5:
             refuse(f"row {i} must be five numbers, as in {example}.")

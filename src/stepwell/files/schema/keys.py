@@ -85,12 +85,12 @@ def above_zero(least: str, most: str) -> PlainValidator:
 def lengths(value: Any, count: int | None, problem: str) -> tuple[Decimal, ...]:
     """`count` numbers of a list, or all, as the file has them; `problem` says what it must be."""
     try:
-        found = tuple(decimal_of(v, *LENGTH, "") for v in value)
+        numbers = tuple(decimal_of(v, *LENGTH, "") for v in value)
     except (TypeError, ValueError):
         refuse(problem)
-    if count not in (None, len(found)):
+    if count not in (None, len(numbers)):
         refuse(problem)
-    return found
+    return numbers
 
 
 def _point(value: Any) -> tuple[Decimal, ...]:
@@ -137,11 +137,11 @@ Tables = Mapping[str, type[Keys]]
 @cache
 def tables_of(table: type[Keys], path: str = "") -> Tables:
     """A table and all tables in it, by their paths from the top of the file."""
-    found = {path: table}
+    tables = {path: table}
     for key, field in table.model_fields.items():
         for inner in _tables_in(field.annotation):
-            found |= tables_of(inner, f"{path}.{key}".lstrip("."))
-    return found
+            tables |= tables_of(inner, f"{path}.{key}".lstrip("."))
+    return tables
 
 
 def _tables_in(annotation: Any) -> Iterator[type[Keys]]:

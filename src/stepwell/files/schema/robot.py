@@ -22,8 +22,8 @@ def _centre(value: Any) -> tuple[Decimal, ...]:
 def _supports(value: Any) -> tuple[tuple[Decimal, ...], ...]:
     example = "[[-55, 0], [38, 45], [38, -45]]"
     problem = f"must be three points or more from -1e6 to 1e6, in mm, as in {example}."
-    found = keys.listed("supports", value, 3, problem)
-    return tuple(keys.lengths(point, 2, problem) for point in found)
+    points = keys.listed("supports", value, 3, problem)
+    return tuple(keys.lengths(point, 2, problem) for point in points)
 
 
 def _profile(value: Any) -> str:

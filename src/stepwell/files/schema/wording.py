@@ -33,10 +33,10 @@ def _refused(name: str, error: ValidationError, tables: Tables) -> DesignError:
     for loc in [loc for loc in unknown if loc[:-1] in short_of][:_ADVISED]:
         near = nearest_word(str(loc[-1]), _known(list(loc), tables))
         missing.discard((*loc[:-1], near or ""))
-    told = [p for p in problems if p["type"] != "missing" or p["loc"] in missing]
+    reported = [p for p in problems if p["type"] != "missing" or p["loc"] in missing]
     # Only what will be shown is put in words: there may be many more.
-    shown = [_line(problem, tables) for problem in told[:MOST_LINES]]
-    return DesignError(name, shown, more=len(told) - len(shown))
+    shown = [_line(problem, tables) for problem in reported[:MOST_LINES]]
+    return DesignError(name, shown, more=len(reported) - len(shown))
 
 
 def _line(problem: ErrorDetails, tables: Tables) -> str:

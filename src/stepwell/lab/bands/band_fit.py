@@ -77,8 +77,8 @@ def fit_bands(test: BandTest, choice: Choice, law: str | None = None) -> BandFit
 
 
 def _alone(test: BandTest, choice: Choice) -> OneBand | None:
-    if (found := this_band(test, choice)) is None:
+    if (band := this_band(test, choice)) is None:
         return None
-    (slope, onset), gauge = found, choice.gauge
+    (slope, onset), gauge = band, choice.gauge
     length = None if gauge is None else Interval(*(gauge + edge for edge in onset))
     return OneBand(len(test.samples_of(test.samples[0], test.window)[0]), slope, length)

@@ -86,18 +86,18 @@ def intervals(
     spare = len(u) - slopes.shape[1]
     # What neighbours leave alike still tells something, if little.
     free = min(max(math.floor(worth) - slopes.shape[1], 1), spare)
-    told = any(steps)
-    doubt = reading_doubt(fitted, u, steps) if told else np.ones(len(u))
+    has_steps = any(steps)
+    doubt = reading_doubt(fitted, u, steps) if has_steps else np.ones(len(u))
     scatter = float(np.sum((left / doubt) ** 2)) / spare
-    if told:
+    if has_steps:
         # Few readings can lie on the law by luck: what their digits tell counts as one more.
         scatter = (free * scatter + 1.0) / (free + 1)
     # As many readings as are independent, spread over the strokes as all of them are.
-    wide = student(free + told) * math.sqrt(scatter * len(u) / worth)
+    wide = student(free + has_steps) * math.sqrt(scatter * len(u) / worth)
     scale = np.linalg.norm(slopes, axis=0)
     to_onset = np.linalg.pinv(slopes / scale)[0] / scale[0]
     to_slope = x / float(x @ x)
-    at_pulls = reading_doubt(fitted, stroke[pulls], steps) if told else np.ones(len(x))
+    at_pulls = reading_doubt(fitted, stroke[pulls], steps) if has_steps else np.ones(len(x))
     k_error = wide * float(np.linalg.norm(to_slope * at_pulls))
     onset_error = wide * float(np.linalg.norm(to_onset * doubt))
     return _around(k, k_error), _around(fitted.onset, onset_error)
@@ -300,8 +300,8 @@ def _by_evidence(test: BandTest, laws: Sequence[ForceLaw], gauge: float | None) 
     # bend would be reason enough.
     line = candidates[0].fitted
     worth = max(independent(force - line.tension(stroke)), min(len(stroke), _DOZEN))
-    told = rms(reading_doubt(line, stroke, test.steps_of(sample)))
-    doubt = math.hypot(TRUE_TO * float(np.max(force)), told)
+    reading_error = rms(reading_doubt(line, stroke, test.steps_of(sample)))
+    doubt = math.hypot(TRUE_TO * float(np.max(force)), reading_error)
     scores = [
         criterion(force - one.fitted.tension(stroke), one.parameters, worth, doubt)
         for one in candidates

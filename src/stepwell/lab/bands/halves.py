@@ -114,43 +114,43 @@ def loops_of(
     `per_sample`; else all files of one stem are one sample. Cycles are numbered as the names do
     where those of a sample agree with the cycles in the files; else they are counted.
     """
-    told: list[str] = []
+    notes: list[str] = []
     by_sample: dict[int, list[Recording]] = defaultdict(list)
     numbers: dict[str, int | None] = {}
     odd = batch_warnings(recordings)
     for recording, sample, number in _sorted(recordings, per_sample):
         if recorded.is_baseline(recording.name):
-            told.append(f"{recording.source}: left out, its name says that no band was on")
+            notes.append(f"{recording.source}: left out, its name says that no band was on")
         elif sample in left_out:
-            told.append(f"{recording.source}: left out, sample {sample} as asked")
+            notes.append(f"{recording.source}: left out, sample {sample} as asked")
         else:
             by_sample[sample].append(recording)
             numbers[recording.source] = number
-    gauge = _gauge([recording.gauge for files in by_sample.values() for recording in files], told)
+    gauge = _gauge([recording.gauge for files in by_sample.values() for recording in files], notes)
     loops: list[Hysteresis] = []
     for sample, files in sorted(by_sample.items()):
         cycles = [list(_cycles(recording)) for recording in files]
-        named = _named([numbers[r.source] for r in files], [len(found) for found in cycles])
+        named = _named([numbers[r.source] for r in files], [len(halves) for halves in cycles])
         counted = accumulate(map(len, cycles), initial=1)
-        for recording, found, number, first in zip(files, cycles, named, counted, strict=False):
-            if not found:
-                told.append(f"{recording.source}: left out, it has no loading half")
+        for recording, halves, number, first in zip(files, cycles, named, counted, strict=False):
+            if not halves:
+                notes.append(f"{recording.source}: left out, it has no loading half")
             loops += [
                 Hysteresis(sample, cycle, recording.source, *parts, recording.steps)
-                for cycle, parts in enumerate(found, first if number is None else number)
+                for cycle, parts in enumerate(halves, first if number is None else number)
             ]
             lines = (*recording.remarks, *_order(recording), *odd.get(recording.source, ()))
-            told += [f"{recording.source}: {line}" for line in lines]
-    return tuple(loops), gauge, tuple(told)
+            notes += [f"{recording.source}: {line}" for line in lines]
+    return tuple(loops), gauge, tuple(notes)
 
 
-def _gauge(gauges: Sequence[float | None], told: list[str]) -> float | None:
+def _gauge(gauges: Sequence[float | None], notes: list[str]) -> float | None:
     """The mean length of the band [m], where all files hold one; a note where only some do."""
     known = [gauge for gauge in gauges if gauge is not None]
     if known and len(known) == len(gauges):
         return sum(known) / len(known)
     if known:
-        told.append("some files hold the length of the band and some do not: it is not used")
+        notes.append("some files hold the length of the band and some do not: it is not used")
     return None
 
 
@@ -174,9 +174,9 @@ def _sorted(
             yield recording, stems.setdefault(stem, len(stems) + 1), None if alone else run
 
 
-def _named(numbers: list[int | None], found: list[int]) -> list[int | None]:
+def _named(numbers: list[int | None], counts: list[int]) -> list[int | None]:
     """The numbers of the files of a sample where they can be cycles, else none of them."""
-    ends = [-1 if n is None else n + count for n, count in zip(numbers, found, strict=True)]
+    ends = [-1 if n is None else n + count for n, count in zip(numbers, counts, strict=True)]
     rises = all(n is not None and end <= n for end, n in zip(ends, numbers[1:], strict=False))
     return numbers if rises and None not in numbers and 0 not in numbers else [None] * len(numbers)
 
@@ -238,9 +238,9 @@ def usual_window(used: Sequence[Hysteresis]) -> tuple[tuple[float, float], str]:
         return WINDOW, ""
     usual = f"the usual {to_unit(low, 'mm'):g} to {to_unit(high, 'mm'):g} mm"
     why = f"{usual} hold few readings" if over else f"the stroke does not reach over {usual}"
-    found = max(map(_taut_from, used)), min(float(np.max(loop.stroke)) for loop in used)
-    shown = " to ".join(f"{to_unit(edge, 'mm'):.4g}" for edge in found)
-    return found, f"{shown} mm of stroke are fitted, from where it is taut on: {why}"
+    window = max(map(_taut_from, used)), min(float(np.max(loop.stroke)) for loop in used)
+    shown = " to ".join(f"{to_unit(edge, 'mm'):.4g}" for edge in window)
+    return window, f"{shown} mm of stroke are fitted, from where it is taut on: {why}"
 
 
 def taut(force: Floats, step: float) -> Bools:
@@ -291,11 +291,11 @@ def kinds(runs: Iterable[LoadingRun]) -> tuple[AlikeRuns, ...]:
     bands = [band for sample in by_sample.values() for band in _one_band_each(sample)]
     bands.sort(key=_typical)
     groups = _parted(bands, lambda one, next_: _ratio(_typical(one), _typical(next_)) > _APART)
-    found = [
+    alike = [
         AlikeRuns(tuple(chain.from_iterable(g)), float(np.median(list(map(_typical, g)))), len(g))
         for g in groups
     ]
-    return tuple(sorted(found, key=lambda kind: -kind.bands))
+    return tuple(sorted(alike, key=lambda kind: -kind.bands))
 
 
 def _parted(items: list[T], apart: Callable[[T, T], bool]) -> list[list[T]]:

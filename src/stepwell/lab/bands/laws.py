@@ -89,13 +89,13 @@ class Fitted(ByValue):
     @property
     def values(self) -> dict[str, float]:
         """Every fitted number by its name with its unit, SI."""
-        found = {"onset [m]": self.onset}
+        values = {"onset [m]": self.onset}
         if self.law.needs_length:
-            found["rest length [m]"] = self.length
+            values["rest length [m]"] = self.length
         if self.law.exponents is not None:
-            found["exponent [1]"] = self.exponent
+            values["exponent [1]"] = self.exponent
         names = (f"{name} [{unit}]" for name, unit in self.law.coefficients)
-        return found | dict(zip(names, self.coefficients.tolist(), strict=True))
+        return values | dict(zip(names, self.coefficients.tolist(), strict=True))
 
     def __repr__(self):
         numbers = ", ".join(f"{name} {value:.4g}" for name, value in self.values.items())
@@ -139,7 +139,7 @@ def fit(law: ForceLaw, stroke: Floats, force: Floats, gauge: float | None = None
     low, high = (np.array([row[k] for row in searched.values()]) for k in (0, 1))
     starts = product(*(row[2] for row in searched.values()))
 
-    def made(x: Floats) -> Fitted:
+    def fitted(x: Floats) -> Fitted:
         onset = float(x[0])
         exponent = np.nan if law.exponents is None else float(x[-1])
         length = np.nan
@@ -153,16 +153,16 @@ def fit(law: ForceLaw, stroke: Floats, force: Floats, gauge: float | None = None
         return Fitted(law, onset, length, exponent, coefficients, rmse)
 
     def residual(x: Floats) -> Floats:
-        return made(x).tension(stroke) - force
+        return fitted(x).tension(stroke) - force
 
     span = high - low
     tries = [
         least_squares(residual, low + span * start, bounds=(low, high), x_scale=span, xtol=1e-9)
         for start in starts
     ]
-    x = min(tries, key=lambda found: found.cost).x
+    x = min(tries, key=lambda solution: solution.cost).x
     edge = np.minimum(x - low, high - x) < _EDGE * span
-    return replace(made(x), at_bound=tuple(np.array(list(searched))[edge].tolist()))
+    return replace(fitted(x), at_bound=tuple(np.array(list(searched))[edge].tolist()))
 
 
 def _neo_hooke(e: Floats, length: float, _: float) -> Floats:

@@ -66,29 +66,29 @@ def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, F
         ValueError: a column that is needed is not named, or its unit is missing or unknown.
     """
     names, units = _named(header, delimiter, count, EXAMPLE)
-    found: dict[str, FoundColumn] = {}
+    by_role: dict[str, FoundColumn] = {}
 
     def look(role: str, words: tuple[str, ...], kind: str) -> None:
-        taken = {column.place for column in found.values()}
+        taken = {column.place for column in by_role.values()}
         for place, name in enumerate(names):
             if place not in taken and any(word in name.lower() for word in words):
-                found[role] = FoundColumn(place, _factor(kind, name, units[place]), units[place])
+                by_role[role] = FoundColumn(place, _factor(kind, name, units[place]), units[place])
                 return
 
     for role in _RECORDED:
         look(role, ROLES[role], role)
-    if "stroke" not in found:
+    if "stroke" not in by_role:
         look("length", _AT_HOME["length"], "stroke")
-    if "force" not in found:
+    if "force" not in by_role:
         look("force", _AT_HOME["force"], "force")
     for role, taken in (("stroke", {"stroke", "length"}), ("force", {"force"})):
-        if not found.keys() & taken:
+        if not by_role.keys() & taken:
             shown = ", ".join(name for name in names if name) or "none"
             raise InputError(
                 f"no column for the {role} (columns: {shown}): name the columns and their units, "
                 f"as in {EXAMPLE} or {_HOME_EXAMPLE}."
             )
-    return found
+    return by_role
 
 
 def pair(
@@ -115,12 +115,12 @@ def _only(roles: dict[str, Measure], names: list[str], units: list[str]) -> tupl
     """The one column that is in a unit of these roles; of several the one that is named so."""
     every = [(k, role) for k, unit in enumerate(units) for role in roles if unit in FACTORS[role]]
     named = [(k, role) for k, role in every if _is_called(names[k], role)]
-    found = every if len(every) < 2 else named or every
-    if len(found) == 1:
-        return found[0]
+    matches = every if len(every) < 2 else named or every
+    if len(matches) == 1:
+        return matches[0]
     words = " or ".join("travel" if role == "stroke" else role for role in roles)
-    if found:
-        both = ", ".join(repr(names[k][:40]) for k, _ in found)
+    if matches:
+        both = ", ".join(repr(names[k][:40]) for k, _ in matches)
         raise InputError(f"columns {both} may each be the {words}: leave one of them.")
     for (name, unit), role in product(zip(names, units, strict=True), roles):
         if _is_called(name, role):
@@ -165,8 +165,8 @@ def _fields(line: str, delimiter: str | None) -> list[str]:
 
 
 def _unit(field: str) -> str:
-    found = _UNIT.search(field)
-    return found[1] if found else ""
+    match = _UNIT.search(field)
+    return match[1] if match else ""
 
 
 def _is_unit(text: str) -> bool:

@@ -127,10 +127,10 @@ class MeasuredCurve(ByValue):
         x, y = self.travel, self.force
         if half is not None:
             parts = [slice(a, b + 1) for a, b in pairwise([0, *turns, len(x) - 1])]
-            found = [p for p in parts if (x[p][-1] < x[p][0]) == (half == "unloading")]
-            if not found:
+            matching = [p for p in parts if (x[p][-1] < x[p][0]) == (half == "unloading")]
+            if not matching:
                 raise LabError(self.source, f"half = {half!r}: there is no such half in the file.")
-            x, y = x[found[0]], y[found[0]]
+            x, y = x[matching[0]], y[matching[0]]
         rising, place = np.unique(x, return_inverse=True)
         count = np.bincount(place)
         return rising, np.bincount(place, y) / count

@@ -147,17 +147,17 @@ def read_all(
             depth. A file that is named is always tried.
         progress: called with (done, total) files.
     """
-    found: list[Recording] = []
+    recordings: list[Recording] = []
     refused: list[LabError] = []
     ignored: list[str] = []
     names = list(dict.fromkeys(name for f in files for name in _files(os.fspath(f), ignored)))
     for done, name in enumerate(names, 1):
         try:
-            found.append(read(name))
+            recordings.append(read(name))
         except LabError as error:
             refused.append(error)
         base.notify(progress, done, len(names))
-    return Batch(tuple(found), tuple(refused), tuple(ignored))
+    return Batch(tuple(recordings), tuple(refused), tuple(ignored))
 
 
 def natural(name: str) -> tuple[tuple[int, str], ...]:

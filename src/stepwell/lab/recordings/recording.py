@@ -41,8 +41,8 @@ def spikes(force: Floats) -> Bools:
 
 def without_spikes(force: Floats) -> Floats:
     """The force (n,) [N], the median of three in place of every spike."""
-    found = spikes(force)
-    return np.where(found, _of_three(force), force) if np.any(found) else force
+    is_spike = spikes(force)
+    return np.where(is_spike, _of_three(force), force) if np.any(is_spike) else force
 
 
 def _of_three(force: Floats) -> Floats:
@@ -202,14 +202,14 @@ class Setup:
 
 def stem_of(name: str) -> str:
     """A name without its run number."""
-    found = _RUN.match(name)
-    return found["stem"] if found else name
+    match = _RUN.match(name)
+    return match["stem"] if match else name
 
 
 def run_number(name: str) -> int | None:
     """The number at the end of a name, if there is one."""
-    found = _RUN.match(name)
-    return int(found["run"][:18]) if found else None
+    match = _RUN.match(name)
+    return int(match["run"][:18]) if match else None
 
 
 def is_baseline(name: str) -> bool:
@@ -219,8 +219,8 @@ def is_baseline(name: str) -> bool:
 
 def sample_number(name: str) -> int | None:
     """The sample in a name such as Samp2_45mm_7."""
-    found = _SAMPLE.match(name)
-    return int(found["sample"][:18]) if found else None
+    match = _SAMPLE.match(name)
+    return int(match["sample"][:18]) if match else None
 
 
 def setup_of(name: str) -> Setup | None:
@@ -233,17 +233,17 @@ def setup_of(name: str) -> Setup | None:
 
     Source: file names of the recordings published with Kamp et al. 2024.
     """
-    found = _UNIT.match(stem_of(name))
-    if found is None:
+    match = _UNIT.match(stem_of(name))
+    if match is None:
         return None
-    code = found["code"]
-    parts = [code] if found["cells"] == "1" else [code[:2], code[2:]]
-    if found["cells"] == "2" and not (len(parts[1]) > 1 and parts[1][0] in _P):
+    code = match["code"]
+    parts = [code] if match["cells"] == "1" else [code[:2], code[2:]]
+    if match["cells"] == "2" and not (len(parts[1]) > 1 and parts[1][0] in _P):
         parts[1] = code[0] + parts[1]
     anchors = tuple(pair for part in parts if (pair := _anchors(part)) is not None)
     if len(anchors) < len(parts):
         return None
-    return Setup(code + found["mark"], anchors, found["mark"].strip("_"))
+    return Setup(code + match["mark"], anchors, match["mark"].strip("_"))
 
 
 def _anchors(letters: str) -> tuple[Vec2, Vec2] | None:

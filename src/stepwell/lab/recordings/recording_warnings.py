@@ -20,8 +20,8 @@ LEAP = 0.15  # of the stroke, in one step
 
 def recording_warnings(recording: Recording) -> tuple[str, ...]:
     """What is odd in one recording, a line for each thing; empty where nothing is."""
-    found = (_start, _clock, _spikes, _ends)
-    return (*recording.remarks, *chain.from_iterable(look(recording) for look in found))
+    checks = (_start, _clock, _spikes, _ends)
+    return (*recording.remarks, *chain.from_iterable(look(recording) for look in checks))
 
 
 def unusable(recording: Recording) -> str:
@@ -53,23 +53,23 @@ def batch_warnings(recordings: Iterable[Recording]) -> dict[str, tuple[str, ...]
     recording that follows the gap. By source, without sources of which nothing is odd.
     """
     beside = ((*unlike(family), *_jumps(family)) for family in _families(recordings))
-    told = grouped((*missing(recordings).items(), *chain.from_iterable(beside)))
-    return {source: tuple(lines) for source, lines in told.items()}
+    warnings = grouped((*missing(recordings).items(), *chain.from_iterable(beside)))
+    return {source: tuple(lines) for source, lines in warnings.items()}
 
 
 def missing(recordings: Iterable[Recording]) -> dict[str, str]:
     """Gaps in the numbers of each folder and name, told of the recording that follows the gap."""
-    told: dict[str, str] = {}
+    warnings: dict[str, str] = {}
     for family in _families(recordings):
         if len(family) == 1:
             continue  # the 2 of a lone scale2.csv counts nothing
         expected = 1
         for number, recording in _numbered(family):
             if number > expected:
-                gone = f"{expected}" if number == expected + 1 else f"{expected} to {number - 1}"
-                told[recording.source] = f"number {gone} is missing before it"
+                numbers = f"{expected}" if number == expected + 1 else f"{expected} to {number - 1}"
+                warnings[recording.source] = f"number {numbers} is missing before it"
             expected = number + 1
-    return told
+    return warnings
 
 
 def unlike(repeats: Sequence[Recording]) -> Iterator[tuple[str, str]]:
@@ -126,9 +126,9 @@ def _spikes(recording: Recording) -> Iterator[str]:
     at = np.flatnonzero(spikes(recording.force))
     if len(at):
         first = f"{to_unit(recording.stroke[at[0]], 'mm'):.4g} mm"
-        many = f"{len(at)} samples, from {first}, are"
-        told = f"1 sample, at {first}, is" if len(at) == 1 else many
-        yield f"{told} far off those beside: spikes, which do not count"
+        several = f"{len(at)} samples, from {first}, are"
+        samples = f"1 sample, at {first}, is" if len(at) == 1 else several
+        yield f"{samples} far off those beside: spikes, which do not count"
 
 
 def _ends(recording: Recording) -> Iterator[str]:

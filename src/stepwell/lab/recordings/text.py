@@ -45,12 +45,12 @@ def parse(data: bytes) -> Export:
     """
     lines, words = _without_words(_lines(data))
     header, delimiter, count, body = _parts(lines, "time, displacement and force")
-    found = columns(header, delimiter, count)
+    columns_by_role = columns(header, delimiter, count)
     rows, bad = _rows(body, delimiter, count)
     remarks = (*words, *_remarks(bad, body[-1][0]))
     if len(rows) < 2:
         raise InputError(f"holds {len(rows)} row of numbers: a recording has 2 or more.")
-    values = {role: rows[:, one.place] * one.factor for role, one in found.items()}
+    values = {role: rows[:, one.place] * one.factor for role, one in columns_by_role.items()}
     time = values.get("time", np.full(len(rows), np.nan))
     if "time" not in values:
         remarks += ("no time column, so its rate is not known",)
@@ -61,10 +61,13 @@ def parse(data: bytes) -> Export:
         remarks += (
             f"its length is the band's own: stroke counts from {to_unit(gauge, 'mm'):.5g} mm",
         )
-    unit = found["force"].unit
+    unit = columns_by_role["force"].unit
     if unit in WEIGHTS:
         remarks += (f"{unit} are weights: each kg pulls with {GRAVITY} N, positive pulls",)
-    u, force = (_step(rows[:, one.place]) * one.factor for one in (found[way], found["force"]))
+    u, force = (
+        _step(rows[:, one.place]) * one.factor
+        for one in (columns_by_role[way], columns_by_role["force"])
+    )
     return Export(time, values["stroke"], values["force"], remarks, gauge, (u, force))
 
 
@@ -148,10 +151,10 @@ def _is_number(field: str) -> bool:
 
 def _parts(lines: list[str], example: str) -> tuple[list[str], str | None, int, _Lines]:
     """The lines above the numbers, how they are split, and those from the first numbers on."""
-    found = _row_of_numbers(lines)
-    if found is None:
+    first = _row_of_numbers(lines)
+    if first is None:
         raise InputError(f"holds no row of two or more numbers: a recording is rows of {example}.")
-    start, delimiter = found
+    start, delimiter = first
     body = [(n, line) for n, line in enumerate(lines[start:], start + 1) if line.strip()]
     header = [line for line in lines[:start] if line.strip()]
     return header, delimiter, len(split(lines[start], delimiter)), body
