@@ -22,9 +22,9 @@ MAKE = {
     "curve": mechanism.Element.from_curve,
 }
 # Forces at a joint of two cubics that differ by more than this share of the largest are no curve.
-_NEAR = 1e-9
+_JOINT_TOLERANCE = 1e-9
 # A turn as near to a joint as this share of the travel is the one that was cut there.
-_BESIDE = 1e-6
+_CUT_TOLERANCE = 1e-6
 
 
 def element_of(keys: element_schema.ElementKeys) -> mechanism.Element:
@@ -42,7 +42,7 @@ def element_of(keys: element_schema.ElementKeys) -> mechanism.Element:
         element = mechanism.LIBRARY[form.replace("_", "-")].make(**fields(given))
     elif form == "sheets":
         element = mechanism.Element(_sheets(given), stops, measure=given[0].measure)
-        _refuse_lost(element)
+        _refuse_wrong_neighbours(element)
     else:
         element = mechanism.Element.side_by_side([element_of(part) for part in given])
     return with_options(element, keys)
@@ -97,7 +97,7 @@ def _refuse_gaps(rows: Floats, joints: Floats, where: str) -> None:
     for ends, column, scale, what in ((force, 1, size, "force"), (energy, 5, work, "energy")):
         begins = rows[:, column]
         off = np.abs(ends[:-1] - begins[1:])
-        if not np.all(off <= _NEAR * scale):
+        if not np.all(off <= _JOINT_TOLERANCE * scale):
             k = int(np.argmax(off))
             raise InputError(
                 f"{where}: row {k + 2} begins with the {what} {begins[k + 1]:.9g}, where row "
@@ -111,13 +111,13 @@ def _refuse_turns(sheet: mechanism.Sheet, joints: Floats, where: str) -> None:
     # A cut may come out a little beside the joint where it was made.
     after = np.clip(np.searchsorted(joints, cut), 1, len(joints) - 1)
     off = np.minimum(np.abs(cut - joints[after - 1]), np.abs(cut - joints[after]))
-    beside = off > _BESIDE * (joints[-1] - joints[0])
+    beside = off > _CUT_TOLERANCE * (joints[-1] - joints[0])
     if beside.any():
         at = f"{where}: force or stiffness turn at {cut[beside][0]:.9g}, within a row"
         raise InputError(f"{at}: must begin a new row there.")
 
 
-def _refuse_lost(element: mechanism.Element) -> None:
+def _refuse_wrong_neighbours(element: mechanism.Element) -> None:
     """Raise ValueError where a sheet leads to one that does not hold its end, or not lower."""
     unit, factor = display_unit(element.measure.travel_unit)
     sheets = element.sheets

@@ -85,15 +85,15 @@ def with_curves(text: str, name: str) -> str:
         return text
     named = list(_names((), tables))
     matches = [match for match in _NAMED.finditer(text) if match["key"]]
-    if [(path[-1], value) for path, value in named] != [_said(match) for match in matches]:
-        raise DesignError(name, [_ODD])
+    if [(path[-1], value) for path, value in named] != [_key_and_name(match) for match in matches]:
+        raise DesignError(name, [_UNCLEAR_CSV])
     curves, end = _Curves(Path(name).parent), 0
     problems: list[str] = []
     pieces: list[str] = []
     for (path, value), match in zip(named, matches, strict=True):
         try:
             key, numbers = curves.of(path, value)
-            _put(tables, path, key, numbers)
+            _replace_key(tables, path, key, numbers)
         except ValueError as error:
             problems.append(f"{key_path(path)} = {value_text(value)}: {error}")
             continue
@@ -102,11 +102,11 @@ def with_curves(text: str, name: str) -> str:
     refuse_any(name, problems)
     changed = "".join([*pieces, text[end:]])
     if _tables(changed) != tables:
-        raise DesignError(name, [_ODD])
+        raise DesignError(name, [_UNCLEAR_CSV])
     return changed
 
 
-_ODD = (
+_UNCLEAR_CSV = (
     "names CSV files in a way that is not understood: write each such key in the table of its cell "
     'or band, as in table_csv = "dome.csv", once, and not inside other text.'
 )
@@ -191,11 +191,11 @@ def _names(path: _Path, value: Any) -> Iterator[tuple[_Path, str]]:
             yield from _names((*path, i), below)
 
 
-def _said(match: re.Match[str]) -> tuple[str, str]:
+def _key_and_name(match: re.Match[str]) -> tuple[str, str]:
     return match["key"], _tables(f"x = {match['name']}").get("x", "")
 
 
-def _put(tables: Any, path: _Path, key: str, numbers: str) -> None:
+def _replace_key(tables: Any, path: _Path, key: str, numbers: str) -> None:
     place = tables
     for step in path[:-1]:
         place = place[step]

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from stepwell.base import ByValue, Shown, content_of, nearest_word
 from stepwell.files.cells import Shared, cells_of, chain_of
 from stepwell.files.curves import with_curves
-from stepwell.files.folder import doubt
+from stepwell.files.folder import mixed_results
 from stepwell.files.program import WrittenProgram, program_of
 from stepwell.files.schema import chain as schema, wording
 from stepwell.files.text import (
@@ -141,13 +141,13 @@ def text_of(design: str | os.PathLike[str]) -> str:
         return preset_text(name.removeprefix(PRESET))
     try:
         text = content_of(Path(design), "design_bytes").decode("utf-8-sig")
-        if (unsure := doubt(Path(design))) is None:
+        if (mixed := mixed_results(Path(design))) is None:
             return with_curves(text, name)
-        problem = f"its folder {unsure}."
+        problem = f"its folder {mixed}."
     except DesignError:
         raise
     except FileNotFoundError:
-        problem = f"no such file.{_neighbour(Path(design))}"
+        problem = f"no such file.{_similar_file_hint(Path(design))}"
     except UnicodeDecodeError as error:
         line, byte = error.object[: error.start].count(b"\n") + 1, error.object[error.start]
         problem = f"line {line}: byte 0x{byte:02x} is not UTF-8: save the file as UTF-8 text."
@@ -217,7 +217,7 @@ def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | No
     return made, program
 
 
-def _neighbour(path: Path) -> str:
+def _similar_file_hint(path: Path) -> str:
     if str(path) in presets():
         return f" Did you mean {PRESET}{path}?"
     with suppress(OSError):

@@ -137,7 +137,7 @@ def manifest(folder: str | os.PathLike[str]) -> dict[str, Any]:
     return json.loads((place / MANIFEST).read_text("utf-8"))
 
 
-def doubt(file: Path) -> str | None:
+def mixed_results(file: Path) -> str | None:
     """Why a file must not be read, its folder holding parts of two results; None if it may."""
     whole, note = (_note(file.parent / name) for name in (MANIFEST, UNFINISHED))
     # A file that both results have in common may be read: so the run that was stopped can be
@@ -168,11 +168,11 @@ def check_folder(
             or the folder holds what another command wrote.
         OSError: `folder` is no folder, or cannot be made or written.
     """
-    asked = _ordered(folder, command, names, force)
+    request = _write_request(folder, command, names, force)
     hashes = {name: digest(text) for name, text in (texts or {}).items()}
-    _check(asked, dict.fromkeys(asked.known, "") | hashes)
-    with _made(asked.shown):
-        place = next(one for one in (asked.target, *asked.target.parents) if one.exists())
+    _check(request, dict.fromkeys(request.known, "") | hashes)
+    with _naming_folder_errors(request.shown):
+        place = next(one for one in (request.target, *request.target.parents) if one.exists())
         trial = base.draft_beside(place / "stepwell")
         trial.mkdir()
         with suppress(FileNotFoundError):  # a command that ends here removes all drafts
@@ -206,14 +206,14 @@ def staged_folder(
         BusyError: another process has been writing into the folder for too long.
         OSError: `folder` is no folder, or cannot be made or written.
     """
-    asked = _ordered(folder, command, names, force)
-    shown, target = asked.shown, asked.target
-    _check(asked, {})
-    with _made(shown):
+    request = _write_request(folder, command, names, force)
+    shown, target = request.shown, request.target
+    _check(request, {})
+    with _naming_folder_errors(shown):
         target.parent.mkdir(parents=True, exist_ok=True)
     with _only_writer(shown, target) as place:
         draft = base.draft_beside(place)
-        with _made(shown):
+        with _naming_folder_errors(shown):
             draft.mkdir()
         try:
             with base.naming(draft, target):
@@ -222,10 +222,10 @@ def staged_folder(
                     if place != _place(target):
                         # Another process made the folder meanwhile: others now write inside it.
                         also.enter_context(_only_writer(shown, target))
-                    _commit(asked, draft, record or {})
+                    _commit(request, draft, record or {})
         finally:
             shutil.rmtree(draft, ignore_errors=True)
-    _clear(target)
+    _remove_leftovers(target)
 
 
 @contextmanager
@@ -234,7 +234,7 @@ def _only_writer(shown: str, target: Path) -> Iterator[Path]:
     while True:
         place = _place(target)
         with ExitStack() as held:
-            with _made(shown):
+            with _naming_folder_errors(shown):
                 held.enter_context(only_writer(_lock(place), shown))
             if place == _place(target):
                 yield place
@@ -252,7 +252,7 @@ def _lock(place: Path) -> Path:
     return place.with_name(f".{place.name[:80]}.lock")
 
 
-class _Order(NamedTuple):
+class _WriteRequest(NamedTuple):
     shown: str
     target: Path
     command: str
@@ -260,25 +260,25 @@ class _Order(NamedTuple):
     force: bool
 
 
-def _ordered(
+def _write_request(
     folder: str | os.PathLike[str], command: str, names: Iterable[str] | None, force: bool
-) -> _Order:
+) -> _WriteRequest:
     base.refuse_address(folder)
     known = frozenset(OUTPUTS[command] if names is None else names)
     shown, target = base.printable(os.fspath(folder)), Path(os.path.realpath(folder))
-    return _Order(shown, target, command, known, force)
+    return _WriteRequest(shown, target, command, known, force)
 
 
-def _commit(asked: _Order, draft: Path, record: Mapping[str, Any]) -> None:
+def _commit(request: _WriteRequest, draft: Path, record: Mapping[str, Any]) -> None:
     """Put a draft in its place; `manifest` reports what a kill after any step leaves."""
-    shown, target, command, known, _ = asked
+    shown, target, command, known, _ = request
     if not draft.is_dir():
         raise OSError(f"{shown}: its draft was removed while results were written: run it again.")
     files = sorted(filter(Path.is_file, draft.rglob("*")))
-    new = {file.relative_to(draft).as_posix(): _kept(file) for file in files}
+    new = {file.relative_to(draft).as_posix(): _synced_digest(file) for file in files}
     if not new.keys() <= known:
         raise AssertionError(f"not in OUTPUTS[{command!r}]: {sorted(new.keys() - known)}")
-    _check(asked, new)
+    _check(request, new)
     about = {
         "schema": FOLDER_SCHEMA,
         "stepwell": base.__version__,
@@ -286,13 +286,13 @@ def _commit(asked: _Order, draft: Path, record: Mapping[str, Any]) -> None:
         "design_sha256": record.get("design_sha256"),
         "seed": record.get("seed"),
     }
-    mine = {name for name in new if not _is_theirs(target, name, new[name])}
+    mine = {name for name in new if not _was_there_unchanged(target, name, new[name])}
     _write(draft / MANIFEST, about, {name: new[name] for name in sorted(mine)})
     if not target.exists():
         os.rename(draft, target)
         base.sync_folder(target.parent)
         return
-    old = _owned(target)
+    old = _recorded_hashes(target)
     may_be = {
         name: {*old.get(name, ()), *([new[name]] if name in mine else [])}
         for name in old.keys() | mine
@@ -316,9 +316,9 @@ def _commit(asked: _Order, draft: Path, record: Mapping[str, Any]) -> None:
     (target / UNFINISHED).unlink()
 
 
-def _check(asked: _Order, new: Mapping[str, str | None]) -> None:
+def _check(request: _WriteRequest, new: Mapping[str, str | None]) -> None:
     """Refuse to write where others' work would be lost; `new` has a hash for each file, or ""."""
-    shown, target, command, _, force = asked
+    shown, target, command, _, force = request
     if target.exists() and not target.is_dir():
         raise NotADirectoryError(f"{shown} is a file: give a folder to write into.")
     for name in (*new, MANIFEST, UNFINISHED):
@@ -331,7 +331,7 @@ def _check(asked: _Order, new: Mapping[str, str | None]) -> None:
         holds = f"holds what `stepwell {notes[0].command}` wrote"
         way = "Name another folder, or replace them with --force (in Python force=True)."
         raise OverwriteError(f"{shown}: {holds}, and a folder is for one command's results. {way}")
-    if theirs := _others(target, new):
+    if theirs := _foreign_files(target, new):
         named = base.join_first(list(map(base.printable, theirs)), _MOST_NAMED)
         it = "it" if len(theirs) == 1 else "them"
         raise OverwriteError(
@@ -341,9 +341,9 @@ def _check(asked: _Order, new: Mapping[str, str | None]) -> None:
         )
 
 
-def _others(target: Path, new: Mapping[str, str | None]) -> list[str]:
+def _foreign_files(target: Path, new: Mapping[str, str | None]) -> list[str]:
     """The files in the way that Stepwell did not write, or that were changed since."""
-    owned = _owned(target)
+    owned = _recorded_hashes(target)
     changed = [
         name
         for name in new
@@ -357,17 +357,17 @@ def _others(target: Path, new: Mapping[str, str | None]) -> list[str]:
     ]
 
 
-def _is_theirs(target: Path, name: str, content: str | None) -> bool:
+def _was_there_unchanged(target: Path, name: str, content: str | None) -> bool:
     """Whether a file of others says what ours would: it stays theirs, and is never removed."""
     hash_there = _digest_of(target / name)
     return (
         hash_there is not None
         and hash_there == content
-        and hash_there not in _owned(target).get(name, ())
+        and hash_there not in _recorded_hashes(target).get(name, ())
     )
 
 
-def _owned(target: Path) -> dict[str, tuple[str, ...]]:
+def _recorded_hashes(target: Path) -> dict[str, tuple[str, ...]]:
     """The hashes that files in a folder may have which Stepwell wrote."""
     notes = [_note(target / name) for name in (MANIFEST, UNFINISHED)]
     recorded = [note.files for note in notes if note]
@@ -407,7 +407,7 @@ def _digest_of(file: Path) -> str | None:
         return hashlib.file_digest(handle, "sha256").hexdigest()
 
 
-def _kept(file: Path) -> str:
+def _synced_digest(file: Path) -> str:
     with open(file, "rb+") as handle:
         os.fsync(handle.fileno())
     return digest(file.read_bytes())
@@ -427,7 +427,7 @@ def _write(file: Path, about: Mapping[str, Any], hashes: Mapping[str, str | list
 
 
 @contextmanager
-def _made(shown: str) -> Iterator[None]:
+def _naming_folder_errors(shown: str) -> Iterator[None]:
     """Turn an OSError about a folder into advice on what is to be done."""
     try:
         yield
@@ -438,17 +438,17 @@ def _made(shown: str) -> Iterator[None]:
         raise type(error)(error.errno, why, shown) from None
 
 
-def _clear(target: Path) -> None:
+def _remove_leftovers(target: Path) -> None:
     """Remove what killed commands left of this folder: drafts and locks that no process holds."""
     for place in (target / _INSIDE, target):
         with suppress(OSError):
-            if _left(place) or _lock(place).exists():
+            if _leftover_drafts(place) or _lock(place).exists():
                 with only_writer(_lock(place), str(target), 0.0):
-                    for draft in _left(place):
+                    for draft in _leftover_drafts(place):
                         shutil.rmtree(draft, ignore_errors=True)
 
 
-def _left(place: Path) -> list[Path]:
+def _leftover_drafts(place: Path) -> list[Path]:
     """Drafts that are there; those of a process that is alive only while it holds the lock."""
     draft = re.compile(rf"\.{re.escape(place.name[:80])}\.[0-9a-f]{{12}}\.tmp")
     return [

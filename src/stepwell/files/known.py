@@ -93,11 +93,11 @@ def _of_cell(cell: Table, path: Path, shared: Table, band: Table) -> Iterator[Kn
     if form in elements.LibraryKeys.model_fields:
         arguments, stops = LIBRARY[form.replace("_", "-")].defaults, _usual(form).stops
         (table,) = get_args(elements.LibraryKeys.model_fields[form].annotation)[:1]
-        numbers = {key: _told(key, arguments[field_of(key)]) for key in table.model_fields}
+        numbers = {key: _file_value(key, arguments[field_of(key)]) for key in table.model_fields}
         yield from _keys((*path, form), table, numbers)
     friction = elements.key_in("friction", measure.force_unit)
     numbers = _defaults(Element, ("force_scale", "travel_scale", "mobility"))
-    numbers |= {"name": "", "stops": _told("stops", stops), friction: 0}
+    numbers |= {"name": "", "stops": _file_value("stops", stops), friction: 0}
     if form == "table":
         numbers[elements.key_in("noise", measure.force_unit)] = None
     yield from _keys(path, elements.ElementKeys, numbers)
@@ -156,10 +156,10 @@ def _band() -> Table:
 
 def _defaults(value: type, keys: Sequence[str]) -> dict[str, Any]:
     by_name = {field.name: field.default for field in dataclasses.fields(value)}
-    return {key: _told(key, by_name[field_of(key)]) for key in keys}
+    return {key: _file_value(key, by_name[field_of(key)]) for key in keys}
 
 
-def _told(key: str, value: Any) -> Any:
+def _file_value(key: str, value: Any) -> Any:
     return tomllib.loads(f"x = {written(key, value)}")["x"]
 
 

@@ -43,7 +43,7 @@ class RobotParameter(ByValue):
 
 def parameters(robot: Robot) -> tuple[RobotParameter, ...]:
     """Every number of a robot by itself, also those that its file leaves out, in its order."""
-    of, _ = sources(robot, _lists(robot))
+    of, _ = sources(robot, _paths_by_source(robot))
     return tuple(
         RobotParameter(spelled(steps), (float(value),), _unit(steps), of[steps])
         for steps, value in leaves(tree_of(robot))
@@ -75,7 +75,7 @@ def vary(robot: Robot | str, values: Mapping[str, Any]) -> Robot:
     for path, value in values.items():
         try:
             for steps, rest in find(path, before):
-                changed[steps] = _of_file(_part(value, rest, steps, sizes))
+                changed[steps] = _file_value(_part(value, rest, steps, sizes))
         except ValueError as error:
             problems.append(f"{path}: {error}")
     name = robot.title or "robot"
@@ -87,7 +87,7 @@ def vary(robot: Robot | str, values: Mapping[str, Any]) -> Robot:
     # What is said of sources may need paths of its own, and is checked as it stands.
     tree.pop("source", None)
     made = robot_of(wording.checked(schema.RobotKeys, tree, name), name)
-    return replace(made, sources=_assumed(robot, list(changed)))
+    return replace(made, sources=_changed_sources(robot, list(changed)))
 
 
 def key_unit(robot: Robot, path: str) -> str:
@@ -98,19 +98,20 @@ def key_unit(robot: Robot, path: str) -> str:
     return _unit(steps)
 
 
-def _assumed(robot: Robot, changed: list[Steps]) -> dict[str, str]:
+def _changed_sources(robot: Robot, changed: list[Steps]) -> dict[str, str]:
     labels = dict(robot.sources)
-    of, _ = sources(robot, _lists(robot))
+    of, _ = sources(robot, _paths_by_source(robot))
     for steps in changed:
         if of.get(steps, schema.ASSUMED) != schema.ASSUMED:
-            labels = {path: one for path, one in labels.items() if not _means_only(path, steps, of)}
+            narrow = [path for path in labels if _selects_only(path, steps, of)]
+            labels = {path: label for path, label in labels.items() if path not in narrow}
             labels[spelled(steps)] = schema.ASSUMED
     return labels
 
 
-def _means_only(path: str, steps: Steps, known: Mapping[Steps, str]) -> bool:
+def _selects_only(path: str, steps: Steps, known: Mapping[Steps, str]) -> bool:
     try:
-        return [found_steps for found_steps, _ in find(path, known)] == [steps]
+        return [meant for meant, _ in find(path, known)] == [steps]
     except ValueError:
         return False
 
@@ -121,7 +122,7 @@ def _same(value: Any, before: Any) -> bool:
     return type(value) is type(before) and value == before
 
 
-def _lists(robot: Robot) -> dict[str, list[str]]:
+def _paths_by_source(robot: Robot) -> dict[str, list[str]]:
     labels = robot.sources
     return {label: [path for path in labels if labels[path] == label] for label in labels.values()}
 
@@ -154,7 +155,7 @@ def _part(value: Any, rest: Steps, steps: Steps, sizes: Mapping[Steps, int]) -> 
     return value
 
 
-def _of_file(value: Any) -> Any:
+def _file_value(value: Any) -> Any:
     """A value as a file holds it: with its decimals, as it is written."""
     if isinstance(value, bool | str | int | Decimal):
         return value
@@ -169,13 +170,13 @@ def provenance(robot: Robot) -> tuple[RobotParameter, ...]:
 
     Coordinates stand together, and what legs and cells share stands once, with `*` in its path.
     """
-    numbers = _by_list(parameters(robot))
+    numbers = _merged_lists(parameters(robot))
     for several in _SEVERAL:
-        numbers = _shared(numbers, several)
+        numbers = _merged_alike(numbers, several)
     return tuple(numbers)
 
 
-def _by_list(numbers: Iterable[RobotParameter]) -> list[RobotParameter]:
+def _merged_lists(numbers: Iterable[RobotParameter]) -> list[RobotParameter]:
     lists = grouped((re.sub(r"(?:\[\d+\])+$", "", one.path), one) for one in numbers)
     together: list[RobotParameter] = []
     for path, items in lists.items():
@@ -187,13 +188,13 @@ def _by_list(numbers: Iterable[RobotParameter]) -> list[RobotParameter]:
     return together
 
 
-def _shared(numbers: list[RobotParameter], several: re.Pattern[str]) -> list[RobotParameter]:
+def _merged_alike(numbers: list[RobotParameter], several: re.Pattern[str]) -> list[RobotParameter]:
     """Numbers that are alike in every leg or cell, once."""
-    alike = grouped((several.sub(_any, one.path), one) for one in numbers)
+    alike = grouped((several.sub(_with_star, one.path), one) for one in numbers)
     count = max((len(items) for path, items in alike.items() if "*" in path), default=0)
     shared: list[RobotParameter] = []
     for number in numbers:
-        path = several.sub(_any, number.path)
+        path = several.sub(_with_star, number.path)
         items = alike[path]
         same = len({(item.values, item.unit, item.source) for item in items}) == 1
         if path == number.path or not same or len(items) < max(count, 2):
@@ -203,5 +204,5 @@ def _shared(numbers: list[RobotParameter], several: re.Pattern[str]) -> list[Rob
     return shared
 
 
-def _any(match: re.Match[str]) -> str:
+def _with_star(match: re.Match[str]) -> str:
     return "leg.*" if match[0].startswith("leg") else ".*"

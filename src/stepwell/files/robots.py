@@ -61,7 +61,7 @@ def _leaves(steps: Steps, value: Any) -> Iterator[tuple[Steps, Any]]:
         yield steps, value
 
 
-class _Said(NamedTuple):
+class _SourcePath(NamedTuple):
     size: int  # how many numbers the path means
     label: str
     where: str
@@ -72,7 +72,7 @@ def sources(robot: Robot, lists: Mapping[str, Sequence[str]]) -> tuple[dict[Step
 
     Of several paths that mean a number, the one that means the fewest numbers counts.
     """
-    named_by, problems = _said_of(robot, lists)
+    named_by, problems = _paths_by_number(robot, lists)
     of: dict[Steps, str] = {}
     for steps, every in named_by.items():
         narrowest = min((one.size for one in every), default=0)
@@ -84,11 +84,11 @@ def sources(robot: Robot, lists: Mapping[str, Sequence[str]]) -> tuple[dict[Step
     return of, list(dict.fromkeys(problems))
 
 
-def _said_of(
+def _paths_by_number(
     robot: Robot, lists: Mapping[str, Sequence[str]]
-) -> tuple[dict[Steps, list[_Said]], list[str]]:
+) -> tuple[dict[Steps, list[_SourcePath]], list[str]]:
     """Of every number of a robot the paths that mean it, and the paths that mean none."""
-    named_by: dict[Steps, list[_Said]] = {
+    named_by: dict[Steps, list[_SourcePath]] = {
         steps: [] for steps, value in leaves(tree_of(robot)) if is_number(value)
     }
     problems: list[str] = []
@@ -104,7 +104,7 @@ def _said_of(
                 problems.append(f"{where}: {error}")
                 continue
             for steps, _ in matches:
-                named_by[steps].append(_Said(len(matches), label, where))
+                named_by[steps].append(_SourcePath(len(matches), label, where))
     return named_by, problems
 
 

@@ -48,8 +48,8 @@ class Holes:
             return 0.0
         off = 2.0 * self.chance  # of two anchors either
         wrong = int(np.sum(even < self._drawn))
-        dear = wrong * math.log(self._drawn / off) if wrong else 0.0
-        return dear + (len(even) - wrong) * math.log((1.0 - self._drawn) / (1.0 - off))
+        penalty = wrong * math.log(self._drawn / off) if wrong else 0.0
+        return penalty + (len(even) - wrong) * math.log((1.0 - self._drawn) / (1.0 - off))
 
     def moved(self, chain: Chain, shifts: base.Floats) -> Chain:
         """A chain with its anchors in other holes."""
@@ -75,7 +75,7 @@ class WrongHole(base.ByValue):
     share: float
 
     def __str__(self):
-        return f"{named(self.anchor)} is {way_in_words(self.was, self.to, 1)}"
+        return f"{named(self.anchor)} is {move_in_words(self.was, self.to, 1)}"
 
     def __repr__(self):
         return f"WrongHole({self}: {base.percent(self.share)})"
@@ -98,7 +98,7 @@ def named(anchor: Parameter) -> str:
     return f"{part} of {cell}"
 
 
-def way_in_words(was: base.Vec2, to: base.Vec2, holes: int) -> str:
+def move_in_words(was: base.Vec2, to: base.Vec2, holes: int) -> str:
     """How far from one place to another, in holes; along x q goes outwards, away from its block."""
     dx, dy = to[0] - was[0], to[1] - was[1]
     if abs(dx) > abs(dy):
@@ -247,7 +247,7 @@ class Population:
 
 
 def population(
-    draws: Draws, holes: Holes, observed: Observed, n: int, tell: Callable[[], None]
+    draws: Draws, holes: Holes, observed: Observed, n: int, count: Callable[[], None]
 ) -> Population | None:
     """n builds given what was seen of one; None where of n none moves so.
 
@@ -258,29 +258,30 @@ def population(
     Source: Del Moral, Doucet and Jasra 2006.
     """
     none = np.zeros((0, draws.columns + len(holes.anchors)))
-    crowd = _Crowd(draws, holes, observed, tell, np.random.default_rng(draws.seed), none)
-    fits = crowd.begin(n)
+    sampler = _BuildSampler(draws, holes, observed, count, np.random.default_rng(draws.seed), none)
+    fits = sampler.begin(n)
     if not np.any(fits):
         return None
-    likely = np.exp([-one.price for one in crowd.made])
-    whole = np.array([one.chain is not None for one in crowd.made])
-    before = [one.chain for one in crowd.made if one.chain is not None]
+    likely = np.exp([-one.price for one in sampler.made])
+    whole = np.array([one.chain is not None for one in sampler.made])
+    before = [one.chain for one in sampler.made if one.chain is not None]
     share, fit = float(np.sum(likely[fits]) / np.sum(likely)), np.flatnonzero(fits)
-    crowd.take(fit[np.arange(n) % len(fit)])
+    sampler.take(fit[np.arange(n) % len(fit)])
     counts = 0.0
     steps = STEPS * (_MORE if len(fit) < _FAMILY * n else 1)
     for generation in range(_GENERATIONS):
-        worse = np.array([one.worse for one in crowd.made])
-        more = 1.0 - counts if generation == _GENERATIONS - 1 else _more(worse, 1.0 - counts)
+        cost = np.array([one.cost for one in sampler.made])
+        left = 1.0 - counts
+        more = left if generation == _GENERATIONS - 1 else _exponent_step(cost, left)
         counts += more
-        crowd.take(_chosen(np.exp(np.min(worse) - worse) ** more, crowd.random))
-        crowd.walk(counts, steps)
+        sampler.take(_resampled(np.exp(np.min(cost) - cost) ** more, sampler.random))
+        sampler.walk(counts, steps)
         if counts >= 1.0:
             break
     return Population(
-        [one.chain for one in crowd.made if one.chain is not None],
-        np.array([one.misfit for one in crowd.made]),
-        np.array([holes.shifts(row[draws.columns :]) for row in crowd.even]),
+        [one.chain for one in sampler.made if one.chain is not None],
+        np.array([one.misfit for one in sampler.made]),
+        np.array([holes.shifts(row[draws.columns :]) for row in sampler.even]),
         before,
         likely[whole] / np.sum(likely[whole]),
         share,
@@ -288,7 +289,7 @@ def population(
     )
 
 
-class _Tried(NamedTuple):
+class _TriedBuild(NamedTuple):
     """One build that was tried: None where it cannot be built."""
 
     chain: Chain | None
@@ -296,35 +297,35 @@ class _Tried(NamedTuple):
     price: float
 
     @property
-    def worse(self) -> float:
+    def cost(self) -> float:
         """Minus the logarithm of how likely it is, given what was seen."""
         return self.misfit + self.price
 
 
 @dataclass
-class _Crowd:
+class _BuildSampler:
     """Builds and the even numbers (n, columns) that they are made of, first draws, then holes."""
 
     draws: Draws
     holes: Holes
     observed: Observed
-    tell: Callable[[], None]
+    count: Callable[[], None]
     random: np.random.Generator
     even: base.Floats
-    made: list[_Tried] = field(default_factory=list)
+    made: list[_TriedBuild] = field(default_factory=list)
     far: float = 1.0  # of a step, over the spread of the builds
 
-    def tried(self, row: base.Floats) -> _Tried:
+    def tried(self, row: base.Floats) -> _TriedBuild:
         """The build of one row, and how badly it fits what was seen."""
-        self.tell()
+        self.count()
         parts, holes = np.split(row, [self.draws.columns])
         price = self.holes.price(holes)
         try:
             chain = self.draws.built(self.draws.shaped(parts[None].copy())[0])
             chain = self.holes.moved(chain, self.holes.shifts(holes))
-            return _Tried(chain, self.observed.misfit(chain.cycle()), price)
+            return _TriedBuild(chain, self.observed.misfit(chain.cycle()), price)
         except base.StepwellError:
-            return _Tried(None, math.inf, price)
+            return _TriedBuild(None, math.inf, price)
 
     def begin(self, n: int) -> base.Bools:
         """Draw until enough fit; which of all fit."""
@@ -350,9 +351,9 @@ class _Crowd:
         for _ in range(steps):
             there = self.neighbours(spread)
             taken = 0
-            for k, luck in enumerate(self.random.random(n)):
+            for k, draw in enumerate(self.random.random(n)):
                 one = self.tried(there[k])
-                if luck < math.exp(min(0.0, counts * (self.made[k].worse - one.worse))):
+                if draw < math.exp(min(0.0, counts * (self.made[k].cost - one.cost))):
                     self.made[k], self.even[k] = one, there[k]
                     taken += 1
             self.far = min(max(self.far * math.exp(taken / n - _TAKEN), 0.02), 2.0)
@@ -365,14 +366,14 @@ class _Crowd:
         there = np.mod(self.even + step, 2.0)
         there = np.minimum(there, 2.0 - there)
         if columns:
-            luck, other = self.random.random(n), self.random.random((n, columns))
+            draw, other = self.random.random(n), self.random.random((n, columns))
             one = np.arange(columns) == self.random.integers(columns, size=(n, 1))
-            new = (luck < 2 * _REHOOKED)[:, None] & (one | (luck < _REHOOKED)[:, None])
+            new = (draw < 2 * _REHOOKED)[:, None] & (one | (draw < _REHOOKED)[:, None])
             there[:, self.draws.columns :][new] = other[new]
         return there
 
 
-def _more(misfits: base.Floats, most: float) -> float:
+def _exponent_step(misfits: base.Floats, most: float) -> float:
     """By how much more what was seen may count for half of them to stay."""
 
     def kept(more: float) -> float:
@@ -384,7 +385,7 @@ def _more(misfits: base.Floats, most: float) -> float:
     return max(base.bisected(lambda more: kept(more) >= 0.5, 0.0, most, 40)[0], 1e-6)
 
 
-def _chosen(weights: base.Floats, random: np.random.Generator) -> base.Ints:
+def _resampled(weights: base.Floats, random: np.random.Generator) -> base.Ints:
     """As many of each as its weight says, by even steps from a random start."""
     n = len(weights)
     places = np.cumsum(weights) / np.sum(weights)

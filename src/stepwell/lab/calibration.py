@@ -194,8 +194,8 @@ class Calibration(ByValue, Drawn):
 
     @property
     def _model(self) -> fit_model.Model:
-        given = 0.0 if math.isnan(self.compliance) else self.compliance
-        return fit_model.Model(self.values, self.shape, self.weighing, given)
+        compliance = 0.0 if math.isnan(self.compliance) else self.compliance
+        return fit_model.Model(self.values, self.shape, self.weighing, compliance)
 
     def force(self, sample: Sample) -> Floats:
         """F of the model [N] along a sample."""
@@ -324,9 +324,9 @@ def calibrate(
             f"unit cells of {len(folds)} different q - p: calibration needs {_FEW} or more, "
             f"to predict each from the others.",
         )
-    each = [one.given for test in data.pairs for one in handovers(test)]
-    given = float(np.median(each)) if each else math.nan
-    laws, stiff = known if law is None else [law], given if each else 0.0
+    each = [one.compliance for test in data.pairs for one in handovers(test)]
+    compliance = float(np.median(each)) if each else math.nan
+    laws, stiff = known if law is None else [law], compliance if each else 0.0
     weighing = weigh(data.pairs)
     fits = [_Fit(data, name, stiff, weighing, reference) for name in laws]
     for done, (fit, fold) in enumerate(product(fits, folds), 1):
@@ -342,7 +342,7 @@ def calibrate(
         reference,
         best.model(best.whole).law,
         weighing,
-        given,
+        compliance,
         tuple(map(best.predict, data.pairs)),
         data.pairs,
         data.notes,
@@ -353,9 +353,9 @@ class _Fit:
     """The fit of one law to everything, and to everything but one geometry."""
 
     def __init__(
-        self, data: Prepared, law: str, given: float, weighing: Weighing | None, reference: float
+        self, data: Prepared, law: str, rig: float, weighing: Weighing | None, reference: float
     ):
-        self.data, self.law, self.given, self.weighing = data, law, given, weighing
+        self.data, self.law, self.compliance, self.weighing = data, law, rig, weighing
         self.reference = reference
         self.names = fit_model.numbers_of(data.samples, law)
         self.left: dict[Geometry, Floats] = {}
@@ -368,7 +368,7 @@ class _Fit:
     def model(self, numbers: Floats) -> fit_model.Model:
         values = dict(zip(self.names, numbers.tolist(), strict=True))
         law = fit_model.law_of(self.law, values, self.data.tables)
-        return fit_model.Model(values, law, self.weighing, self.given)
+        return fit_model.Model(values, law, self.weighing, self.compliance)
 
     @cached_property
     def errors(self) -> tuple[Floats, Floats]:
@@ -396,8 +396,8 @@ class _Fit:
         series = test.series
         fold = geometry_of(series.chain.levers[-1])
         whole, others = self.model(self.whole), self.model(self.left[fold])
-        fitted, _ = whole.snap_of(series, self._missed(series, whole, True))
-        left_out, steep = others.snap_of(series, self._missed(series, others, False))
+        fitted, _ = whole.snap_of(series, self._force_deficits(series, whole, True))
+        left_out, steep = others.snap_of(series, self._force_deficits(series, others, False))
         strokes = np.array([self.model(one).snap_of(series)[0] for one in self.left.values()])
         strokes = strokes[~np.isnan(strokes)]
         n = max(len(strokes), 1)
@@ -426,7 +426,7 @@ class _Fit:
             test.ratio,
         )
 
-    def _missed(self, series: Series, model: fit_model.Model, own: bool) -> list[float]:
+    def _force_deficits(self, series: Series, model: fit_model.Model, own: bool) -> list[float]:
         """How much larger than the model's the forces of each cell are, late in its travel [N].
 
         Read on the pair itself (`own`), or on other geometries of as many bands that go alike.
@@ -446,13 +446,13 @@ class _Fit:
 
         limits = np.array([fit_model.number(name)[1:] for name in self.names])
         first, low, high, size = limits.T
-        data = fit_model.rows(samples, self.given)
+        data = fit_model.rows(samples, self.compliance)
 
         def residual(x: Floats) -> Floats:
             # Per band, so that double bands do not count double.
             model = self.model(x)
             gaps = (fit_model.force(model.values, data, model.law) - data.force) / data.bands
-            return np.concatenate([gaps, _HANDOVER * fit_model.late(model.values, data)])
+            return np.concatenate([gaps, _HANDOVER * fit_model.handover_errors(model.values, data)])
 
         inside = np.clip(first if start is None else start, low + 1e-9 * size, high - 1e-9 * size)
         solution = least_squares(

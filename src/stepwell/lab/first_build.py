@@ -47,7 +47,7 @@ class AnchorMove(ByValue):
         dx, dy = (
             base.number(base.to_unit(b - a, "mm")) for a, b in zip(self.was, self.to, strict=True)
         )
-        words = builds.way_in_words(self.was, self.to, self.holes)
+        words = builds.move_in_words(self.was, self.to, self.holes)
         return f"{builds.named(self.anchor)} {words}, by ({dx}, {dy}) mm"
 
     def __repr__(self):
@@ -98,7 +98,7 @@ def best_moves(
     target: str,
     hole: float,
     share: float,
-    tried: Callable[[], None],
+    count_trial: Callable[[], None],
 ) -> tuple[Move, ...]:
     """The best moves first, if they are better than leaving the anchors, beyond what chance does.
 
@@ -113,13 +113,13 @@ def best_moves(
 
     def better(moves: list[Move], than: float) -> list[Move]:
         best = sorted(moves, key=lambda move: -move.share)[:_BEST]
-        again = [_judged(move.steps, built, target) for move in best]
+        again = [_with_share(move.steps, built, target) for move in best]
         held = [move for move in again if beyond(move.share, than)]
         return sorted(held, key=lambda move: -move.share)
 
     def judged(steps: tuple[AnchorMove, ...]) -> Move:
-        tried()
-        return _judged(steps, built[:_FIRST], target)
+        count_trial()
+        return _with_share(steps, built[:_FIRST], target)
 
     if share == 1.0:
         return ()
@@ -140,7 +140,7 @@ def best_moves(
     if most < _ENOUGH:
         single = sorted(near, key=lambda move: -move.share)[:_PAIRED]
         pairs = [
-            judged((*a.steps, *b.steps)) for a, b in combinations(single, 2) if not _back(a, b)
+            judged((*a.steps, *b.steps)) for a, b in combinations(single, 2) if not _reverses(a, b)
         ]
         chosen = [*better(pairs, most), *chosen][:_BEST]
     return tuple(chosen)
@@ -153,13 +153,13 @@ def moves_of(chain: Chain) -> int:
     return MOST_HOLES * steps + paired * (paired - 1) // 2
 
 
-def _back(a: Move, b: Move) -> bool:
+def _reverses(a: Move, b: Move) -> bool:
     """Whether the second move takes the first one back."""
     there = (a.to[0] - a.was[0] + b.to[0] - b.was[0], a.to[1] - a.was[1] + b.to[1] - b.was[1])
     return a.anchor == b.anchor and there == (0.0, 0.0)
 
 
-def _judged(steps: tuple[AnchorMove, ...], built: Sequence[Chain], target: str) -> Move:
+def _with_share(steps: tuple[AnchorMove, ...], built: Sequence[Chain], target: str) -> Move:
     move, count = Move(steps, 0.0), 0
     for one in built:
         with suppress(StepwellError):  # Hooked there it cannot be built.
@@ -188,7 +188,7 @@ WRONG_HOLE = 0.05
 _MOST_WRONG = 0.4  # for one anchor; one of the two of a cell is then likelier wrong than right
 _RARE = 0.05  # of the builds: wrong holes that fewer have are not told
 # A doubt that shrank by less than this was not told by what was seen, where the mean stayed near.
-_TOLD = 0.8
+_IDENTIFIED = 0.8
 # What is told of every cell. Of anchors a motion knows d = q - p alone, so p is as drawn.
 _PARTS = ("q.x", "q.y", "stiffness", "force_scale", "travel_scale", "friction")
 
@@ -212,7 +212,7 @@ class ParameterEstimate(ByValue):
     @property
     def identified(self) -> bool:
         """Whether what was seen says anything of it: it is surer now, or far from the drawing."""
-        return self.doubt < _TOLD * self.before or abs(self.value - self.drawn) > self.before
+        return self.doubt < _IDENTIFIED * self.before or abs(self.value - self.drawn) > self.before
 
     def __repr__(self):
         return (

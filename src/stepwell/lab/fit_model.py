@@ -85,7 +85,7 @@ class Rows:
     begins: Floats  # way at which the cell began to move after another one; NaN where not seen
 
 
-def rows(samples: Sequence[Sample], given: float = 0.0) -> Rows:
+def rows(samples: Sequence[Sample], compliance: float = 0.0) -> Rows:
     """Samples in a row, their rig giving way by so much [m/N]."""
 
     def column(value: Callable[[Sample], object]) -> Floats:
@@ -99,7 +99,7 @@ def rows(samples: Sequence[Sample], given: float = 0.0) -> Rows:
     begins = column(lambda s: s.begins[0] if s.begins else np.nan)
     names = {sample.rubber for sample in samples}
     return Rows(
-        column(lambda s: s.way) - given * direction * drive * in_pair,
+        column(lambda s: s.way) - compliance * direction * drive * in_pair,
         column(lambda s: s.before),
         column(lambda s: s.cell.lever),
         column(lambda s: s.cell.sin_limit),
@@ -113,7 +113,7 @@ def rows(samples: Sequence[Sample], given: float = 0.0) -> Rows:
             "start_loading": in_pair * (direction > 0),
             "start_unloading": in_pair * (direction < 0),
         },
-        begins=begins - given * direction * column(lambda s: s.begins[1] if s.begins else 0.0),
+        begins=begins - compliance * direction * column(lambda s: s.begins[1] if s.begins else 0.0),
     )
 
 
@@ -125,7 +125,7 @@ def way_of_cell(values: Mapping[str, float], data: Rows, way: Floats) -> Floats:
     return (way - start) / stretch - data.before
 
 
-def late(values: Mapping[str, float], data: Rows) -> Floats:
+def handover_errors(values: Mapping[str, float], data: Rows) -> Floats:
     """How far on each cell is [m] where it is seen to begin; none for those that are not seen."""
     return way_of_cell(values, data, data.begins)[~np.isnan(data.begins)]
 
@@ -166,12 +166,12 @@ _EARLY = 0.25  # of the stroke, where the first cell moves
 
 @dataclass(frozen=True)
 class Model:
-    """What a fit says of mechanisms and of a rig that gives way by `given` [m/N]."""
+    """What a fit says of mechanisms and of a rig that gives way by `compliance` [m/N]."""
 
     values: Mapping[str, float]
     law: mechanism.Law
     weighing: Weighing | None
-    given: float
+    compliance: float
 
     @property
     def rig(self) -> Rig:
@@ -182,7 +182,7 @@ class Model:
             self.values.get("travel", 1.0),
             self.values.get("start_loading", 0.0),
             self.values.get("start_unloading", 0.0),
-            self.given,
+            self.compliance,
             0.0 if math.isnan(friction) else friction,
         )
 
@@ -244,7 +244,7 @@ class Model:
 
     def force(self, sample: Sample) -> Floats:
         """F [N] along a sample."""
-        return force(self.values, rows([sample], self.given), self.law)
+        return force(self.values, rows([sample], self.compliance), self.law)
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from stepwell.mechanism import Cell, Table
 
 _POINTS = 60
 # Between these shares of the jump in force from one cell to the next the rig alone gives way.
-_GIVING = 0.25, 0.75
+_JUMP_PART = 0.25, 0.75
 _FEWEST = 10  # samples in which a jump can be seen
 
 
@@ -151,7 +151,7 @@ class Handover(NamedTuple):
 
     stroke: float
     force: float
-    given: float
+    compliance: float
 
 
 def handovers(test: PairTest) -> list[Handover]:
@@ -167,10 +167,10 @@ def handovers(test: PairTest) -> list[Handover]:
         edge = len(u) // 10 + 1
         first, last = float(np.median(force[:edge])), float(np.median(force[-2 * edge :]))
         share = (force - first) / (last - first if last != first else 1.0)
-        jump = (share > _GIVING[0]) & (share < _GIVING[1])
+        jump = (share > _JUMP_PART[0]) & (share < _JUMP_PART[1])
         if np.count_nonzero(jump) > 1:
-            given = float(np.ptp(u[jump]) / max(float(np.ptp(force[jump])), 1e-9))
-            jumps.append(Handover(float(np.mean(u[jump])), float(np.mean(force[jump])), given))
+            compliance = float(np.ptp(u[jump]) / max(float(np.ptp(force[jump])), 1e-9))
+            jumps.append(Handover(float(np.mean(u[jump])), float(np.mean(force[jump])), compliance))
     return jumps
 
 
@@ -195,9 +195,9 @@ def _of_pair(test: PairTest) -> list[Sample]:
         stroke, push, _ = np.mean(np.array(seen), axis=0)
         begins = float(full - stroke if series.unloading else stroke), float(push)
     for i, moving in test.moving():
-        mine, cell = use & moving, series.chain.levers[i]
-        if np.count_nonzero(mine) > 1:
-            columns = ways[mine], test.force[mine], series.curve.force[mine]
+        moving_now, cell = use & moving, series.chain.levers[i]
+        if np.count_nonzero(moving_now) > 1:
+            columns = ways[moving_now], test.force[moving_now], series.curve.force[moving_now]
             way, force, drive = _strips(series.unloading, *columns)
             sample = Sample(
                 f"{series.name}, {series.chain.names[i]}",

@@ -11,7 +11,7 @@ from stepwell.base import Bools, ByValue, Drawn, Floats, to_unit
 from stepwell.lab.recordings.curve import Curve, mean_curve, rms
 from stepwell.lab.recordings.recording import Recording
 from stepwell.lab.rig import END, PAPER_RIG, Rig, judged, mover, on_path, path_of, quiet_zones
-from stepwell.lab.series import TELLING, Series, carried
+from stepwell.lab.series import LEAST_ERROR_RATIO, Series, carried
 from stepwell.lab.snaps import MeasuredSnap, find_snaps, holes_of, matched, samples_of_jump
 from stepwell.mechanism import Chain
 from stepwell.statics import Event, EventKind, Path
@@ -127,7 +127,7 @@ class PairTest(ByValue, Drawn):
     @property
     def right_order(self) -> bool | None:
         """Whether the order is the predicted one; None where model or data cannot tell."""
-        if self.tie or self.ratio < TELLING:
+        if self.tie or self.ratio < LEAST_ERROR_RATIO:
             return None
         return self.shown == self.predicted
 
@@ -157,7 +157,7 @@ class PairTest(ByValue, Drawn):
     @property
     def seen_within(self) -> float:
         """How far the stroke of a snap may be off as it is seen, by the samples about it [m]."""
-        return _seen(self.series) / 2.0
+        return _jump_width(self.series) / 2.0
 
     @property
     def right_snaps(self) -> bool | None:
@@ -169,13 +169,14 @@ class PairTest(ByValue, Drawn):
         if any(not self.stroke[0] <= u <= self.stroke[-1] for u in self.snaps_predicted):
             return None
         runs = list(zip(self.series.recordings, self.snaps, self.missing, strict=True))
-        if any(len(snaps) < wanted and (holes or self._ends(run)) for run, snaps, holes in runs):
+        fewer = [(run, holes) for run, snaps, holes in runs if len(snaps) < wanted]
+        if any(holes or self._ends_early(run) for run, holes in fewer):
             return None
         if 2 * len(self.odd) >= len(runs):
             return False
         return not wanted or abs(self.sigmas) <= AGREE
 
-    def _ends(self, run: Recording) -> bool:
+    def _ends_early(self, run: Recording) -> bool:
         """Whether a run ends before late snaps, held by the baseline's friction, are over."""
         full, stroke = self.series.chain.full_stroke, self.series.placed(run)
         late = np.array(self.snaps_predicted + self.snaps_with_friction)
@@ -216,7 +217,7 @@ class PairTest(ByValue, Drawn):
         names = " then ".join(self.names(self.shown))
         if self.tie:
             return f"tie: the model cannot tell the order; the data are {self.ratio:.2f} to 1"
-        if self.ratio < TELLING:
+        if self.ratio < LEAST_ERROR_RATIO:
             return f"undecided: the data fit both orders ({self.ratio:.2f} to 1)"
         order = "order agrees" if self.right_order else "order differs from the model's"
         words = {True: "snaps agree", False: "snaps differ", None: "snaps cannot be told"}
@@ -417,7 +418,7 @@ def _step(run: Recording) -> float:
     return float(np.median(np.abs(np.diff(run.stroke))))
 
 
-def _seen(series: Series) -> float:
+def _jump_width(series: Series) -> float:
     """The stroke within which a jump of any run is seen [m]."""
     return max(_step(run) * samples_of_jump(_time(run)) for run in series.recordings)
 
@@ -463,7 +464,8 @@ def _doubt(series: Series, snaps: _Snaps) -> float:
         return math.nan
     scatter = float(np.std(firsts, ddof=1)) if len(firsts) > 1 else 0.0
     off = math.hypot(FORCE_DOUBT, float(np.mean(series.curve.spread)))
-    return math.hypot(scatter, _seen(series) / math.sqrt(12.0), off / fall_before(series.path))
+    sampling = _jump_width(series) / math.sqrt(12.0)
+    return math.hypot(scatter, sampling, off / fall_before(series.path))
 
 
 def snaps_of(path: Path, rig: Rig) -> tuple[float, ...]:

@@ -24,7 +24,7 @@ from stepwell.statics import Path
 Geometry = tuple[float, float]
 
 # A ratio of errors below this does not tell one reading from another.
-TELLING = 1.25
+LEAST_ERROR_RATIO = 1.25
 # Strokes that a baseline must cover, in those of the series.
 _COVER = (0.97, 1.1)
 # A band is at most so many times as strong as the model's, and at least so many times.
@@ -340,7 +340,7 @@ def _series_of_names(
     slack = [k for k, cell in enumerate(cells, 1) if all(np.allclose(b.d, 0.0) for b in cell.bands)]
     if slack:
         listed = ", ".join(map(str, slack))
-        rather = _rather(cells, slack[0] - 1, group.unloading, group.runs)
+        rather = _best_anchor_text(cells, slack[0] - 1, group.unloading, group.runs)
         return [], [
             f"{run.source}: left out, by its name p and q of cell {listed} are one point, where a "
             f"band pulls nowhere{rather}: rename the file, or give the design and --as-designed"
@@ -373,7 +373,7 @@ def _band_lines(bands: int, ratio: float) -> list[str]:
     return lines
 
 
-def _rather(cells: list[Cell], odd: int, unloading: bool, runs: list[Recording]) -> str:
+def _best_anchor_text(cells: list[Cell], odd: int, unloading: bool, runs: list[Recording]) -> str:
     """Where the forces say that q of a cell is, among the places that names can say."""
     chain = Chain(cells)
     usable = [run for run in _over_stroke(runs, chain)[0] if not unusable(run)]
@@ -397,7 +397,7 @@ def _rather(cells: list[Cell], odd: int, unloading: bool, runs: list[Recording])
     (best, at), (next_best, beside) = sorted(errors)[:2]
     one, other = (f"({to_unit(x, 'mm'):g}, {to_unit(y, 'mm'):g})" for x, y in (at, beside))
     times = next_best / max(best, 1e-9)
-    if times < TELLING:
+    if times < LEAST_ERROR_RATIO:
         return f" (its forces may be those of q at {one} or at {other} mm, {times:.2f} to 1)"
     return (
         f" (its forces are those of q at {one} mm, which leaves {best:.2g} N; the next, {other}, "

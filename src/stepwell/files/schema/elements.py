@@ -299,7 +299,7 @@ class ElementKeys(CurveKeys):
     @property
     def forms(self) -> list[str]:
         """The keys that give a curve; one of them, where all is well."""
-        return [key for key in self.model_fields_set if key not in _RATHER]
+        return [key for key in self.model_fields_set if key not in _NOT_CURVE]
 
     @model_validator(mode="after")
     def _at_most_one_curve(self) -> ElementKeys:
@@ -314,7 +314,7 @@ class ElementKeys(CurveKeys):
 
 
 # What goes with a curve and is none.
-_RATHER = ElementKeys.model_fields.keys() - CurveKeys.model_fields.keys()
+_NOT_CURVE = ElementKeys.model_fields.keys() - CurveKeys.model_fields.keys()
 
 
 class PartKeys(ElementKeys):

@@ -162,19 +162,19 @@ def _apart(test: BandTest) -> tuple[frozenset[tuple[int, int]], tuple[str, ...]]
     if not others:
         return frozenset(), slips
     differ = "; ".join(halves.differing(usual, other) for other in others)
-    todo = _todo({run.sample for run in usual.runs}, [r.sample for o in others for r in o.runs])
+    advice = _sorting_advice(usual, others)
     bands = usual.bands + sum(other.bands for other in others)
     if 2 * usual.bands <= bands:
         raise LabError(
             "band test",
             f"the runs are not of one kind of band, and no kind is in the majority: "
             f"{halves.listed([run.source for run in usual.runs])}: {usual.stiffness:.4g} N/m; "
-            f"{differ}. {todo[0].upper()}{todo[1:]}",
+            f"{differ}. {advice[0].upper()}{advice[1:]}",
         )
     apart = frozenset((run.sample, run.cycle) for other in others for run in other.runs)
     warning = (
         f"Not one kind of band: {usual.bands} of {bands} have about {usual.stiffness:.4g} N/m; "
-        f"not used: {differ}. Another kind, or a broken run: {todo}"
+        f"not used: {differ}. Another kind, or a broken run: {advice}"
     )
     return apart, (warning, *slips)
 
@@ -197,8 +197,9 @@ def _runs(test: BandTest) -> list[halves.LoadingRun]:
     return runs
 
 
-def _todo(kept: set[int], odd: list[int]) -> str:
-    if kept and (whole := sorted(set(odd) - kept)):
+def _sorting_advice(usual: halves.AlikeRuns, others: list[halves.AlikeRuns]) -> str:
+    odd = {run.sample for other in others for run in other.runs}
+    if whole := sorted(odd - {run.sample for run in usual.runs}):
         drop = " ".join(f"--drop {sample}" for sample in whole)
         return f"leave out {drop}, or keep each kind in a folder of its own."
     return (

@@ -66,7 +66,7 @@ def fit_bands(test: BandTest, choice: Choice, law: str | None = None) -> BandFit
         choice.chosen if law is None else known[law],
         stiffness(test),
         of_samples({s: sum(v) / len(v) for s, v in losses.items()}) if losses else None,
-        _alone(test, choice),
+        _one_band(test, choice),
         tuple(
             WindowStiffness(float(low), float(high), float(k))
             for low, row in zip(edges, grid, strict=True)
@@ -76,7 +76,7 @@ def fit_bands(test: BandTest, choice: Choice, law: str | None = None) -> BandFit
     )
 
 
-def _alone(test: BandTest, choice: Choice) -> OneBand | None:
+def _one_band(test: BandTest, choice: Choice) -> OneBand | None:
     if (band := this_band(test, choice)) is None:
         return None
     (slope, onset), gauge = band, choice.gauge

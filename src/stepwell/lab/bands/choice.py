@@ -15,7 +15,7 @@ from stepwell.lab.recordings.curve import rms
 
 # A load cell or a scale is true to about this share of its largest reading: what a law leaves below
 # it, drift leaves too.
-TRUE_TO = 0.002
+ACCURACY = 0.002
 # A difference of the criterion up to this is not worth a further number (Kass & Raftery 1995).
 WORTH = 2.0
 _FEW = 8  # readings, too few to tell whether neighbours err alike
@@ -79,7 +79,7 @@ def intervals(
     beyond = stroke > fitted.onset
     u, f = stroke[beyond], force[beyond]
     if len(u) <= fitted.law.count(gauge):
-        return _around(k, math.nan), _around(fitted.onset, math.nan)
+        return _interval(k, math.nan), _interval(fitted.onset, math.nan)
     slopes = fitted.slopes(u, gauge)
     left = f - fitted.tension(u)
     worth = independent(left)
@@ -100,15 +100,15 @@ def intervals(
     at_pulls = reading_doubt(fitted, stroke[pulls], steps) if has_steps else np.ones(len(x))
     k_error = wide * float(np.linalg.norm(to_slope * at_pulls))
     onset_error = wide * float(np.linalg.norm(to_onset * doubt))
-    return _around(k, k_error), _around(fitted.onset, onset_error)
+    return _interval(k, k_error), _interval(fitted.onset, onset_error)
 
 
-def _around(value: float, error: float) -> Interval:
+def _interval(value: float, error: float) -> Interval:
     return Interval(value, value - error, value + error)
 
 
 _SPARE = 2  # readings beyond its numbers, below which only the line is tried
-_DOZEN = 12
+_LEAST_WORTH = 12
 NOTHING = "nothing"
 
 
@@ -209,7 +209,7 @@ class Choice(ByValue):
             return (
                 f"Chosen: {self.chosen.law.name}, the fewest numbers that explain the one curve as "
                 f"well as any (Schwarz's criterion, {self.worth:.0f} independent readings, each "
-                f"true to {TRUE_TO:.1%} of the largest force or its last digit): "
+                f"true to {ACCURACY:.1%} of the largest force or its last digit): "
                 f"{', '.join(leaves)}. No law could be tried on another curve."
             )
         return (
@@ -255,7 +255,7 @@ def choose_law(test: BandTest, gauge: float | None = None) -> Choice:
     spare = min(len(u) for u, _ in curves) - _SPARE
     laws = [law for law in LAWS if law is LAWS[0] or law.count(gauge) <= spare]
     if folds == NOTHING:
-        return _by_evidence(test, laws, gauge)
+        return _choice_of_one_curve(test, laws, gauge)
     candidates: list[Candidate] = []
     for law in laws:
         predicted: list[float] = []
@@ -286,7 +286,7 @@ def this_band(test: BandTest, choice: Choice) -> tuple[Interval, Interval] | Non
     return Interval(k, *(k + edge - slope.value for edge in slope[1:])), onset
 
 
-def _by_evidence(test: BandTest, laws: Sequence[ForceLaw], gauge: float | None) -> Choice:
+def _choice_of_one_curve(test: BandTest, laws: Sequence[ForceLaw], gauge: float | None) -> Choice:
     """The choice for one curve: the fewest numbers that are not worth another."""
     (sample,) = test.samples
     stroke, force = test.curve(sample)
@@ -299,9 +299,9 @@ def _by_evidence(test: BandTest, laws: Sequence[ForceLaw], gauge: float | None) 
     # load cell, which is as smooth, is no reason for a richer law. Not fewer than a dozen, or no
     # bend would be reason enough.
     line = candidates[0].fitted
-    worth = max(independent(force - line.tension(stroke)), min(len(stroke), _DOZEN))
+    worth = max(independent(force - line.tension(stroke)), min(len(stroke), _LEAST_WORTH))
     reading_error = rms(reading_doubt(line, stroke, test.steps_of(sample)))
-    doubt = math.hypot(TRUE_TO * float(np.max(force)), reading_error)
+    doubt = math.hypot(ACCURACY * float(np.max(force)), reading_error)
     scores = [
         criterion(force - one.fitted.tension(stroke), one.parameters, worth, doubt)
         for one in candidates

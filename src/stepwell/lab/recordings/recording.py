@@ -33,7 +33,7 @@ _SHARE, _TIMES, _MOST = 0.05, 5.0, 0.98
 
 def spikes(force: Floats) -> Bools:
     """Which samples (n,) of a force [N] are off both beside them, far beyond the others."""
-    middle = _of_three(force)
+    middle = _median_of_three(force)
     off = np.abs(force - middle)
     usual = float(np.quantile(off, _MOST)) if len(off) else 0.0
     return off > max(_TIMES * usual, _SHARE * float(np.ptp(middle)) if len(off) else 0.0)
@@ -42,10 +42,10 @@ def spikes(force: Floats) -> Bools:
 def without_spikes(force: Floats) -> Floats:
     """The force (n,) [N], the median of three in place of every spike."""
     is_spike = spikes(force)
-    return np.where(is_spike, _of_three(force), force) if np.any(is_spike) else force
+    return np.where(is_spike, _median_of_three(force), force) if np.any(is_spike) else force
 
 
-def _of_three(force: Floats) -> Floats:
+def _median_of_three(force: Floats) -> Floats:
     """Median of every sample and the two beside it; an end, which has one beside it, as it is."""
     if len(force) < 3:
         return force
