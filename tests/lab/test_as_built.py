@@ -230,7 +230,7 @@ def test_what_no_build_does_is_said_with_what_to_look_at(monkeypatch):
 @pytest.mark.parametrize(
     ("wrong", "why"),
     [
-        (lambda: Observed(), "nothing was seen"),
+        (lambda: Observed(), "no observation is given"),
         (lambda: Observed(WANTED, ruler=0.0), "ruler = 0.0"),
         (lambda: Observed(WANTED, scale=math.inf), "scale = inf"),
         (lambda: as_built(LEG, Observed("00>01>10")), "seen = '00>01>10'"),

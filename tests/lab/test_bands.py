@@ -247,11 +247,11 @@ def test_one_recording_may_hold_several_cycles():
 @pytest.mark.parametrize(
     ("options", "problem"),
     [
-        ({"cycles": (8, 9)}, "cycles 8 to 9 are asked for and the recordings hold cycles 5 to 6"),
-        ({"window": (0.005, 0.060)}, "does not reach over the window of 5 to 60 mm"),
-        ({"window": (0.02, 0.01)}, "must be two strokes that rise"),
-        ({"drop": (1,)}, "hold no loading half at all"),
-        ({"cycles": (0, 3)}, "must rise from 1 on"),
+        ({"cycles": (8, 9)}, "cycles 8 to 9 .* cycles 5 to 6"),
+        ({"window": (0.005, 0.060)}, "0 to 45 mm .* window of 5 to 60 mm"),
+        ({"window": (0.02, 0.01)}, "two rising strokes"),
+        ({"drop": (1,)}, "no loading half"),
+        ({"cycles": (0, 3)}, "rising numbers"),
     ],
 )
 def test_a_test_that_cannot_be_fitted_says_what_to_do(options, problem):

@@ -1,4 +1,4 @@
-"""What a build was seen to do, and builds drawn at random that do it, wrong holes among them."""
+"""Observed behaviour of a build, and random builds with that behaviour, also with wrong holes."""
 
 import math
 from collections.abc import Callable
@@ -19,10 +19,10 @@ _COUNTS = {1: "one hole", 2: "two holes", 3: "three holes"}
 
 @dataclass(frozen=True)
 class Holes:
-    """What is believed of the holes of a build before it is tried, `apart` [m] from each other.
+    """Prior of wrong holes in a build, with holes `apart` from each other [m].
 
-    Of anchors a motion knows d = q - p alone, so a cell has one shift, of its q; a wrong hole of p
-    is the opposite one. `chance` is that one of the anchors is one hole off, along x or y.
+    A motion depends on d = q - p alone, so a cell has one shift, of its q. A wrong hole of p is the
+    opposite shift. `chance` is the probability that an anchor is one hole off, along x or y.
     """
 
     anchors: tuple[Parameter, ...]
@@ -31,11 +31,11 @@ class Holes:
 
     @property
     def _drawn(self) -> float:
-        """The share of wrong holes among those drawn: of all cells about one."""
+        """Fraction of wrong holes among random builds: about one cell per build."""
         return 1.0 / (1.0 + len(self.anchors))
 
     def shifts(self, even: base.Floats) -> base.Floats:
-        """(cells, 2) by how much q of each cell is off [m], for numbers (cells,) from 0 to 1."""
+        """(cells, 2) shift of q of each cell [m], for uniform numbers (cells,) from 0 to 1."""
         shifts = np.zeros((len(even), 2))
         wrong = even < self._drawn
         way = (even[wrong] / self._drawn * len(WAYS)).astype(int)
@@ -43,16 +43,16 @@ class Holes:
         return shifts
 
     def price(self, even: base.Floats) -> float:
-        """By how much less likely these holes are than they are drawn: minus the logarithm."""
+        """Minus the logarithm of prior over sampling probability of these holes."""
         if not len(even):
             return 0.0
-        off = 2.0 * self.chance  # of two anchors either
+        off = 2.0 * self.chance  # either of two anchors
         wrong = int(np.sum(even < self._drawn))
         penalty = wrong * math.log(self._drawn / off) if wrong else 0.0
         return penalty + (len(even) - wrong) * math.log((1.0 - self._drawn) / (1.0 - off))
 
     def moved(self, chain: Chain, shifts: base.Floats) -> Chain:
-        """A chain with its anchors in other holes."""
+        """The chain with its anchors in other holes."""
         for anchor, (dx, dy) in zip(self.anchors, shifts.tolist(), strict=True):
             if dx or dy:
                 chain = anchor.displaced(chain, (dx, dy))
@@ -64,9 +64,9 @@ class WrongHole(base.ByValue):
     """An anchor that may be one hole off.
 
     Attributes:
-        anchor: q of a cell; p the other way would do the same.
-        was, to: where its first band has it on the drawing, and where it may be [m].
-        share: of the builds that agree with what was seen, how many have it there.
+        anchor: q of a cell; the opposite shift of p has the same effect.
+        was, to: nominal and possible position for its first band [m].
+        share: fraction of the agreeing builds with this position.
     """
 
     anchor: Parameter
@@ -87,28 +87,28 @@ def outer_anchors(chain: Chain) -> tuple[Parameter, ...]:
 
 
 def place_of(anchor: Parameter, chain: Chain) -> base.Vec2:
-    """Where the first band has an anchor [m]."""
+    """Position of an anchor of the first band [m]."""
     x, y = np.asarray(anchor.value(chain), float).tolist()
     return x, y
 
 
 def named(anchor: Parameter) -> str:
-    """An anchor in words."""
+    """Name of an anchor in words."""
     cell, _, part = anchor.name.rpartition(".")
     return f"{part} of {cell}"
 
 
 def move_in_words(was: base.Vec2, to: base.Vec2, holes: int) -> str:
-    """How far from one place to another, in holes; along x q goes outwards, away from its block."""
+    """A move by a number of holes in words; +x is outwards, away from the block."""
     dx, dy = to[0] - was[0], to[1] - was[1]
     if abs(dx) > abs(dy):
         return f"{_COUNTS[holes]} {'outwards' if dx > 0 else 'inwards'}"
     return f"{_COUNTS[holes]} along {'+y' if dy > 0 else '-y'}"
 
 
-# Forces of a recording that are compared, each way; more of them are no more independent.
+# Number of compared forces per direction; a larger number is not more independent.
 _PLACES = 12
-# Of the stroke, what a recording must reach over to be one of this design.
+# Least fraction of the stroke that a recording of this design covers.
 _REACH = 0.5
 
 
@@ -125,17 +125,17 @@ class Pull(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Observed(base.ByValue):
-    """What a build did when it was pulled out and let back once.
+    """Observed behaviour of a build in one cycle of loading and unloading.
 
     Args:
-        sequence: the states it went through, such as "00>10>11>01>00"; None if it is not known.
-        out, back: strokes at which it snapped while it was pulled out and let back [m]; None if
-            they are not known, empty where it did not snap.
-        pulls: forces that were read on the way.
+        sequence: state sequence, such as "00>10>11>01>00"; None if unknown.
+        out, back: strokes of the snaps in loading and in unloading [m]; None if unknown, empty for
+            no snap.
+        pulls: forces at some strokes.
         ruler, scale: standard deviation of a stroke [m] and of a force [N].
 
     Raises:
-        ValueError: nothing was seen, or a doubt that is not above zero.
+        ValueError: there is no observation, or a standard deviation is not above zero.
     """
 
     sequence: str | None = None
@@ -148,21 +148,21 @@ class Observed(base.ByValue):
     def __post_init__(self):
         if self.sequence is None and self.out is None and self.back is None and not self.pulls:
             raise base.InputError(
-                "nothing was seen: give the states, strokes of snaps, or forces on the way."
+                "no observation is given: pass states, strokes of snaps, or forces at some strokes."
             )
         for name in ("ruler", "scale"):
             if not 0 < (value := getattr(self, name)) < math.inf:
-                raise base.InputError(f"{name} = {value}: must be > 0, as doubts are.")
+                raise base.InputError(f"{name} = {value}: must be > 0, a standard deviation.")
 
     @property
     def numbers(self) -> int:
-        """How many strokes and forces were read."""
+        """Number of observed strokes and forces."""
         return len(self.out or ()) + len(self.back or ()) + len(self.pulls)
 
     def misfit(self, cycle: sequences.Cycle) -> float:
-        """Half the sum of squared errors in standard deviations; infinite where it did otherwise.
+        """Half the sum of squared errors in standard deviations; infinite for another motion.
 
-        Another number of snaps is another motion, and so is a tie, which may end either way.
+        Another number of snaps is another motion; so is a tie, whose outcome is undecided.
         """
         if self.sequence is not None and str(cycle.sequence) != self.sequence:
             return math.inf
@@ -187,12 +187,12 @@ def _forces(cycle: sequences.Cycle, pulls: tuple[Pull, ...]) -> base.Floats:
 
 
 def pulls_of(recording: Recording, full: float) -> tuple[Pull, ...]:
-    """Forces at even strokes of a recording, each the mean of what lies about it.
+    """Forces of a recording at even strokes, each the mean of the samples around it.
 
     `full` is the stroke with every cell at state 1 [m].
 
     Raises:
-        LabError: it does not reach over half of that stroke, or over more than half as much again.
+        LabError: its stroke is below half or above 1.5 times that stroke.
     """
     stroke = from_zero(recording, full)
     reached = float(np.ptp(stroke))
@@ -215,26 +215,26 @@ def pulls_of(recording: Recording, full: float) -> tuple[Pull, ...]:
     return tuple(pulls)
 
 
-# Steps after each generation, and how many generations at most.
+# Random steps after each generation, and largest number of generations.
 STEPS, _GENERATIONS = 2, 20
-# Of the steps so many should be taken: fewer go too far, more not far enough.
+# Target acceptance rate of the steps; the step size is adapted to it.
 _TAKEN = 0.3
-# Of n builds so many should move as was seen, and so many must; up to so many times n are drawn.
-# What descends from less than a quarter of n goes more steps, so that it is no family.
+# Fractions of n builds that should have, and must have, the observed motion; largest number of
+# draws over n. Below a quarter of n distinct builds, 4 times as many steps are made.
 _PLENTY, _FEW, _ROUNDS, _FAMILY, _MORE = 0.06, 0.02, 8, 0.25, 4
-# Of the steps so many try another hole for one anchor too, and as many for all.
+# Fraction of the steps that also draw a new hole for one anchor; equally many do so for all.
 _REHOOKED = 0.15
 
 
 @dataclass(frozen=True)
 class Population:
-    """Builds, each as likely as the others.
+    """Equally probable builds that agree with the observations.
 
     Attributes:
         misfits, shifts: (n,) as `Observed.misfit`, and (n, cells, 2) of q to another hole [m].
-        before, weights: those before anything was seen, and how likely each is.
-        share: of those before, how many moved as was seen, whatever its strokes and forces.
-        few: whether fewer moved so than are needed to draw from.
+        before, weights: builds before the observations, and their probabilities.
+        share: probability of the observed motion before the observations.
+        few: whether too few builds had the observed motion.
     """
 
     built: list[Chain]
@@ -249,11 +249,10 @@ class Population:
 def population(
     draws: Draws, holes: Holes, observed: Observed, n: int, count: Callable[[], None]
 ) -> Population | None:
-    """n builds given what was seen of one; None where of n none moves so.
+    """n random builds given the observations; None if no drawn build has the observed motion.
 
-    What was seen, and how unlikely wrong holes are, counts little at first and more in every
-    generation: the better builds are taken more often, and all then go some steps at random,
-    among builds that are as likely.
+    Sequential Monte Carlo: observations and the prior of wrong holes get more weight in every
+    generation. Builds are resampled by weight, and each then makes some Metropolis steps.
 
     Source: Del Moral, Doucet and Jasra 2006.
     """
@@ -290,7 +289,7 @@ def population(
 
 
 class _TriedBuild(NamedTuple):
-    """One build that was tried: None where it cannot be built."""
+    """A trial build with its misfit; its chain is None if it cannot be built."""
 
     chain: Chain | None
     misfit: float
@@ -298,13 +297,13 @@ class _TriedBuild(NamedTuple):
 
     @property
     def cost(self) -> float:
-        """Minus the logarithm of how likely it is, given what was seen."""
+        """Minus the logarithm of its probability given the observations."""
         return self.misfit + self.price
 
 
 @dataclass
 class _BuildSampler:
-    """Builds and the even numbers (n, columns) that they are made of, first draws, then holes."""
+    """Builds and their uniform numbers (n, columns): first parameters, then holes."""
 
     draws: Draws
     holes: Holes
@@ -313,10 +312,10 @@ class _BuildSampler:
     random: np.random.Generator
     even: base.Floats
     made: list[_TriedBuild] = field(default_factory=list)
-    far: float = 1.0  # of a step, over the spread of the builds
+    far: float = 1.0  # step size over the standard deviation of the builds
 
     def tried(self, row: base.Floats) -> _TriedBuild:
-        """The build of one row, and how badly it fits what was seen."""
+        """The build of one row and its misfit."""
         self.count()
         parts, holes = np.split(row, [self.draws.columns])
         price = self.holes.price(holes)
@@ -328,7 +327,7 @@ class _BuildSampler:
             return _TriedBuild(None, math.inf, price)
 
     def begin(self, n: int) -> base.Bools:
-        """Draw until enough fit; which of all fit."""
+        """Draw until enough builds have the observed motion; mask of these."""
         fits = np.zeros(0, bool)
         for _ in range(_ROUNDS):
             more = self.random.random((n, self.even.shape[1]))
@@ -340,11 +339,11 @@ class _BuildSampler:
         return fits
 
     def take(self, places: base.Ints) -> None:
-        """Go on with the builds at these places; one may be there several times."""
+        """Keep the builds at these indices; an index may occur several times."""
         self.even, self.made = self.even[places], [self.made[k] for k in places]
 
     def walk(self, counts: float, steps: int) -> None:
-        """Some steps at random; what was seen `counts` so much, from 0 to 1."""
+        """Make random steps; `counts` is the weight of the observations, from 0 to 1."""
         n = len(self.made)
         spread = np.std(self.even, axis=0)
         spread[self.draws.columns :] = 0.0
@@ -359,10 +358,10 @@ class _BuildSampler:
             self.far = min(max(self.far * math.exp(taken / n - _TAKEN), 0.02), 2.0)
 
     def neighbours(self, spread: base.Floats) -> base.Floats:
-        """A place near each build; some anchors hook into another hole."""
+        """Random numbers near those of each build; some anchors get another hole."""
         n, columns = len(self.even), len(self.holes.anchors)
         step = self.far * spread * self.random.standard_normal(self.even.shape)
-        # What goes beyond 0 or 1 comes back as by mirrors there.
+        # Reflected at 0 and 1.
         there = np.mod(self.even + step, 2.0)
         there = np.minimum(there, 2.0 - there)
         if columns:
@@ -374,19 +373,19 @@ class _BuildSampler:
 
 
 def _exponent_step(misfits: base.Floats, most: float) -> float:
-    """By how much more what was seen may count for half of them to stay."""
+    """Largest step of the weight for which the effective number of builds stays above half."""
 
-    def kept(more: float) -> float:
+    def effective(more: float) -> float:
         weights = np.exp(more * (np.min(misfits) - misfits))
         return float(np.sum(weights) ** 2 / np.sum(weights**2)) / len(misfits)
 
-    if kept(most) >= 0.5:
+    if effective(most) >= 0.5:
         return most
-    return max(base.bisected(lambda more: kept(more) >= 0.5, 0.0, most, 40)[0], 1e-6)
+    return max(base.bisected(lambda more: effective(more) >= 0.5, 0.0, most, 40)[0], 1e-6)
 
 
 def _resampled(weights: base.Floats, random: np.random.Generator) -> base.Ints:
-    """As many of each as its weight says, by even steps from a random start."""
+    """Indices drawn by weight, with systematic resampling."""
     n = len(weights)
     places = np.cumsum(weights) / np.sum(weights)
     return np.minimum(np.searchsorted(places, (np.arange(n) + random.random()) / n), n - 1)

@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 
 
 _FEW = 3
-# A handover is known to 0.1 mm, a force of one band to some 0.02 N; every row of a sample repeats
-# the handover, and its forces come as one [N/m].
+# Weight of a handover's stroke against forces [N/m]: a handover is known to 0.1 mm, a force of one
+# band to about 0.02 N, and a sample has one handover but many forces.
 _HANDOVER = 200.0
-_STROKE = 0.05e-3  # [m] to which a stroke is told
-_WHOLE = 0.05  # by which a number of bands may be no whole one
-_LATE = 4  # the last of so many parts of what was used of a travel
+_STROKE = 0.05e-3  # uncertainty of a recorded stroke [m]
+_WHOLE = 0.05  # tolerance of a whole number of bands
+_LATE = 4  # the last quarter of the used travel
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,8 +38,8 @@ class FittedParameter(ByValue):
     """A fitted number; `stiffness_2`, for one, belongs to cells with two bands.
 
     Attributes:
-        value: the fit to all geometries.
-        low, high: 95 % interval, by leaving out one geometry after the other.
+        value: from the fit to all geometries.
+        low, high: 95 % interval, by leaving out one geometry in turn.
     """
 
     name: str
@@ -56,7 +56,7 @@ class FittedParameter(ByValue):
 
 
 class Correlated(NamedTuple):
-    """Two parameters that the data cannot tell apart, and their correlation."""
+    """Two parameters that the data do not identify separately, and their correlation."""
 
     parameter: str
     other: str
@@ -65,20 +65,20 @@ class Correlated(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Calibration(ByValue, Drawn):
-    """The model that fits all cells best, and how well it predicts one that it has not seen.
+    """The model that fits all cells best, and its prediction errors for left-out geometries.
 
     Attributes:
         law: "linear", "cubic", or the name of a table.
-        samples: what was fitted: each cell that moves in a series, in one direction.
-        fit_error, left_out_error: for each sample RMSE in k r, fitted and predicted from the other
-            geometries; k r is that of `reference` and the number of bands.
+        samples: the fitted data: each cell that moves in a series, in one direction.
+        fit_error, left_out_error: RMSE of each sample in k r, fitted and predicted from the other
+            geometries; k is `reference` times the number of bands.
         correlations: (m, m) of the parameters, from the Jacobian of the fit.
         reference: stiffness of one band by which errors are scaled [N/m].
-        shape: the law of a band, its numbers set.
-        weighing: what pairs without bands tell.
-        compliance: by which the rig gives way [m/N]; NaN where no pair tells it.
-        pairs, snaps: the series of pairs beside their model without a fit; their predicted snaps.
-        notes: which recordings were used, which were dropped, and what is odd, a line each.
+        shape: the fitted law of a band.
+        weighing: results of runs of pairs without bands.
+        compliance: of the rig [m/N]; NaN where no pair identifies it.
+        pairs, snaps: series of pairs with their model without a fit; their predicted snaps.
+        notes: recordings that were used or dropped, and irregularities, a line each.
     """
 
     law: str
@@ -103,21 +103,21 @@ class Calibration(ByValue, Drawn):
 
     @property
     def values(self) -> dict[str, float]:
-        """The fit to all geometries: every number by its name."""
+        """Fitted values by name, from the fit to all geometries."""
         return {parameter.name: parameter.value for parameter in self.parameters}
 
     @property
     def kinds(self) -> tuple[tuple[int, bool], ...]:
-        """What there is: numbers of bands, in single cells (False) and in pairs (True)."""
+        """Kinds of samples: number of bands, and whether in pairs."""
         return tuple(sorted({(s.bands, s.in_pair) for s in self.samples}, key=lambda k: k[::-1]))
 
     def mean_error(self, bands: int, in_pair: bool = False, left_out: bool = True) -> float:
-        """Mean over the geometries of the RMSE in k r, for cells with so many bands.
+        """Mean over the geometries of the RMSE in k r, for cells with this number of bands.
 
         Args:
             bands: 1, 2, ...
-            in_pair: of cells in pairs; False for single ones.
-            left_out: each geometry predicted from the others; False for the fit.
+            in_pair: cells in pairs; False for single cells.
+            left_out: error of each geometry predicted from the others; False for the fit.
         """
         errors = self.left_out_error if left_out else self.fit_error
         return over_geometries(
@@ -128,7 +128,7 @@ class Calibration(ByValue, Drawn):
 
     @property
     def tied(self) -> tuple[Correlated, ...]:
-        """Pairs of numbers that the data cannot tell apart."""
+        """Pairs of parameters that the data do not identify separately."""
         names = list(self.values)
         tied = np.argwhere(np.tril(np.abs(self.correlations) > comparison.TIED, -1))
         return tuple(
@@ -136,23 +136,23 @@ class Calibration(ByValue, Drawn):
         )
 
     def band(self, bands: int = 1, in_pair: bool = False) -> Band:
-        """A band of a cell with so many, as it loads, without the loss on the way back."""
+        """Loading law of one band on a cell with this number of bands, without hysteresis loss."""
         k = self[rubber_name(bands, in_pair)].value
         return Band((-0.010, 0.0), (0.010, 0.0), k, self["rest_length"].value, self.shape)
 
     def applied(self, chain: Chain, bands: int | None = None) -> Chain:
-        """A chain with these bands, and with this weight and friction where they are known.
+        """A chain with the calibrated bands, and with weight and friction where they are known.
 
-        The bands of a cell get the stiffness of those in pairs, where pairs were tested and the
-        chain has two cells or more, and of the test with as many bands, or nearly as many; rest
-        length and law are shared. Every cell but the outermost carries the block beyond it.
+        The stiffness is that of the test with the nearest number of bands. It is taken from pairs
+        if pairs were tested and the chain has two cells or more. Rest length and law are shared.
+        Every cell but the outermost carries the block beyond it.
 
         Args:
-            chain: of cells; its anchors, levers and stops stay.
-            bands: on each cell; by default its stiffness over that of the softest band.
+            chain: of cells; anchors, levers and stops are kept.
+            bands: number on each cell; by default its stiffness over that of the softest band.
 
         Raises:
-            LabError: a cell whose stiffness is no whole number of bands.
+            LabError: the stiffness of a cell is no whole multiple of one band's.
         """
         kinds = [kind for kind in self.kinds if kind[1] == (len(chain) > 1)] or list(self.kinds)
         softest = min(band.stiffness for cell in chain.levers for band in cell.bands)
@@ -163,8 +163,8 @@ class Calibration(ByValue, Drawn):
                 raise LabError(
                     "design",
                     f"its bands are not of one kind: a cell has {ratio:.3g} times the stiffness of "
-                    f"the softest band ({softest:.4g} N/m). Recordings of one kind can stand for "
-                    f"whole numbers of bands only.",
+                    f"the softest band ({softest:.4g} N/m). Recordings of one kind apply to whole "
+                    f"numbers of bands only: give each cell a whole multiple of it.",
                 )
             count = round(ratio) if bands is None else bands
             nearest = min(kinds, key=lambda kind: abs(kind[0] - count))
@@ -174,21 +174,21 @@ class Calibration(ByValue, Drawn):
 
     @property
     def weight(self) -> float:
-        """Weight of the block between two cells [N]; 0 where nothing tells it."""
+        """Weight of the block between two cells [N]; 0 if it was not measured."""
         return self._model.weight
 
     @property
     def rig(self) -> Rig:
-        """The rig on which the pairs were tested; one as drawn where there are none."""
+        """The rig on which the pairs were tested; the nominal rig without pairs."""
         return self._model.rig
 
     @property
     def joints(self) -> float:
-        """Friction in the joints over the tension of the bands [1]; 0 where nothing tells it."""
+        """Friction in the joints over the tension of the bands [1]; 0 if it was not identified."""
         return self.values.get("joints", 0.0)
 
     def tension(self, bands: int) -> float:
-        """Tension of so many bands in a cell of a pair, at mid-travel with d = (20, 0) mm [N]."""
+        """Tension of these bands in a cell of a pair, at mid-travel with d = (20, 0) mm [N]."""
         band, lever = self.band(bands, in_pair=True), self.samples[0].cell.lever
         return bands * float(band.tension(band.length(0.0, lever)))
 
@@ -198,11 +198,11 @@ class Calibration(ByValue, Drawn):
         return fit_model.Model(self.values, self.shape, self.weighing, compliance)
 
     def force(self, sample: Sample) -> Floats:
-        """F of the model [N] along a sample."""
+        """Force F of the model [N] along a sample."""
         return self._model.force(sample)
 
     def snap_error(self, name: str = "left_out") -> float:
-        """Mean distance of the snaps that were seen and predicted [m]; NaN for none.
+        """Mean distance between measured and predicted snaps [m]; NaN for none.
 
         `name` is "plain", "fitted" or "left_out", as in `SnapPrediction`.
         """
@@ -212,14 +212,14 @@ class Calibration(ByValue, Drawn):
 
     @property
     def orders(self) -> tuple[int, int]:
-        """Of how many series of pairs the order is predicted right from the others, and of all."""
+        """Number of series of pairs whose order is predicted right from the others, and of all."""
         return sum(one.order == one.order_seen for one in self.snaps), len(self.snaps)
 
     @property
     def scatter(self) -> float:
-        """Standard deviation of the strength of bands from series to series, as a share.
+        """Relative standard deviation of the strength of bands between series.
 
-        Each series is scaled by itself to the model that fits all; NaN for fewer than three.
+        Each series is scaled separately to the common model; NaN for fewer than three series.
         """
         forces = [(sample.force, self.force(sample)) for sample in self.samples]
         scales = [float(model @ force) / float(model @ model) for force, model in forces]
@@ -227,35 +227,33 @@ class Calibration(ByValue, Drawn):
 
     @property
     def open(self) -> list[str]:
-        """What these recordings cannot tell apart, and which experiment would tell it."""
+        """Quantities that these recordings do not identify, and the experiment that would."""
         ways = {(sample.in_pair, sample.unloading) for sample in self.samples}
         pairs = sum(in_pair for in_pair, _ in ways)
         unknown = {
-            "the loss of the rubber and friction in the joints: cells that are loaded and "
-            "unloaded tell them apart": len(ways) - pairs == 1 and pairs < 2,
-            "friction of the machine and in the joints: pairs that are loaded and unloaded "
-            "tell them apart, at mid-travel, with one band and with two": pairs == 1,
-            "the weight of the block between the cells, taken as none: runs of the pair "
-            "without a band, loading and unloading, tell it": pairs > 0 and self.weighing is None,
-            "weight and friction, which is taken to be the same for both cells: runs without a "
-            "band in the other direction tell them apart": not (
+            "the loss of the rubber and friction in the joints: test cells in loading and "
+            "unloading to separate them": len(ways) - pairs == 1 and pairs < 2,
+            "friction of the machine and in the joints: test pairs in loading and unloading, "
+            "with one band and with two, to separate them at mid-travel": pairs == 1,
+            "the weight of the block between the cells, assumed zero: record the pair without "
+            "a band, loading and unloading": pairs > 0 and self.weighing is None,
+            "weight and friction, which is assumed equal for both cells: record runs without a "
+            "band in the other direction to separate them": not (
                 self.weighing is None or self.weighing.both
             ),
-            "friction in the joints and rubber that recovers while it waits at a stop, which both "
-            "hold a snap back: a run that waits a minute before the snap tells them apart": (
-                pairs == 2
-            ),
+            "friction in the joints and recovery of the rubber at a stop, which both delay a "
+            "snap: record a run that waits a minute before the snap to separate them": (pairs == 2),
         }
         return [line for line, holds in unknown.items() if holds]
 
     @property
     def coverage(self) -> tuple[int, int]:
-        """Of how many series of pairs the 90 % interval holds what was seen, and how many."""
+        """Number of series of pairs whose 90 % interval contains the measured snap, and of all."""
         covered = [one.covered for one in self.snaps if one.covered is not None]
         return sum(covered), len(covered)
 
     def to_xarray(self) -> "xr.Dataset":
-        """Errors over "series" and correlations over "parameter" and "other"."""
+        """Dataset of errors over "series" and correlations over "parameter" and "other"."""
         need("tables")
         import xarray as xr
 
@@ -291,26 +289,26 @@ def calibrate(
 ) -> Calibration:
     """Fit band law, loss, friction and rig to the curves of all cells, single and in pairs.
 
-    Tension while a band gets longer than ever before in the motion is T(l) = k (e + a2 e² + a3 e³),
-    e = l - l0, or k times a table; once it is shorter by x than it has been, it is less by the
-    share h (1 - exp(-x/c)). Bands tested together are one kind of rubber, with a stiffness; all
-    else is shared. Friction is what is left beyond the baseline, against the motion, and in pairs
-    that were loaded and unloaded a share of the tension too. Snaps have no part in the fit. They
-    are predicted afterwards, with the law of loading, for rubber that waits at a stop recovers.
+    While a band is longer than at any time before, its tension is T(l) = k (e + a2 e² + a3 e³),
+    e = l - l0, or k times a table. When it is shorter than its maximum by x, its tension is lower
+    by the fraction h (1 - exp(-x/c)). Bands tested together share one stiffness, and all bands
+    share the other numbers. Friction beyond the baseline acts against the motion. For pairs that
+    were loaded and unloaded, a fraction of the tension is added to it. Snaps are not used in the
+    fit. They are predicted afterwards with the loading law, because rubber recovers at a stop.
 
-    Geometries that share d = q - p of the outermost cell are one fold, with all their bands and
+    Geometries with the same d = q - p of the outermost cell are one fold, with all their bands and
     directions. Intervals are those of the jackknife over geometries: residuals along a stroke are
-    no independent samples, geometries nearly are.
+    not independent, geometries nearly are.
 
     Args:
-        data: of three geometries or more.
+        data: samples of three geometries or more.
         law: "linear" (a2 = a3 = 0), "cubic", or the name of one of the tables of `data`; by
-            default the one that predicts the geometries left out best.
+            default the law that predicts left-out geometries best.
         reference: stiffness of one band by which errors are scaled [N/m].
         progress: called with (done, total) fits.
 
     Raises:
-        LabError: fewer than three geometries, or a law that is not known.
+        LabError: fewer than three geometries, or an unknown law.
 
     Source: delete-one-group jackknife, Quenouille 1956, Tukey 1958.
     """
@@ -322,7 +320,7 @@ def calibrate(
         raise LabError(
             "data",
             f"unit cells of {len(folds)} different q - p: calibration needs {_FEW} or more, "
-            f"to predict each from the others.",
+            f"to predict each from the others. Add recordings of other geometries.",
         )
     each = [one.compliance for test in data.pairs for one in handovers(test)]
     compliance = float(np.median(each)) if each else math.nan
@@ -350,7 +348,7 @@ def calibrate(
 
 
 class _Fit:
-    """The fit of one law to everything, and to everything but one geometry."""
+    """Fit of one law to all samples, and to all but one geometry."""
 
     def __init__(
         self, data: Prepared, law: str, rig: float, weighing: Weighing | None, reference: float
@@ -392,7 +390,7 @@ class _Fit:
         return tuple(map(FittedParameter, self.names, units, *values))
 
     def predict(self, test: PairTest) -> fit_model.SnapPrediction:
-        """Snaps and order of a pair, from all curves and from those of the other geometries."""
+        """Snaps and order of a pair, from all samples and from the other geometries."""
         series = test.series
         fold = geometry_of(series.chain.levers[-1])
         whole, others = self.model(self.whole), self.model(self.left[fold])
@@ -409,7 +407,7 @@ class _Fit:
         ]
         measured, spread, count = test.snap_strokes
         scatter = 0.0 if math.isnan(spread) else spread**2 / count
-        # A snap is where two forces are equal, and each is off.
+        # At a snap two forces are equal, and both have this error.
         forces = 2.0 * (rms(np.array(off)) / steep) ** 2
         return fit_model.SnapPrediction(
             series.name,
@@ -427,9 +425,9 @@ class _Fit:
         )
 
     def _force_deficits(self, series: Series, model: fit_model.Model, own: bool) -> list[float]:
-        """How much larger than the model's the forces of each cell are, late in its travel [N].
+        """Mean of measured less model force of each cell, late in its travel [N].
 
-        Read on the pair itself (`own`), or on other geometries of as many bands that go alike.
+        From the pair itself (`own`), or from other geometries with equal bands and direction.
         """
         gaps: list[list[float]] = [[] for _ in series.chain.cells]
         fold, kind = geometry_of(series.chain.levers[-1]), (True, series.bands, series.unloading)
@@ -441,7 +439,7 @@ class _Fit:
         return [float(np.mean(one)) if one else 0.0 for one in gaps]
 
     def _fitted(self, samples: Sequence[Sample], start: Floats | None) -> tuple[Floats, Floats]:
-        """Values of the numbers, and the Jacobian by their typical sizes."""
+        """Fitted values, and the Jacobian scaled by typical sizes."""
         from scipy.optimize import least_squares
 
         limits = np.array([fit_model.number(name)[1:] for name in self.names])
@@ -449,7 +447,7 @@ class _Fit:
         data = fit_model.rows(samples, self.compliance)
 
         def residual(x: Floats) -> Floats:
-            # Per band, so that double bands do not count double.
+            # Per band, so that two bands have no double weight.
             model = self.model(x)
             gaps = (fit_model.force(model.values, data, model.law) - data.force) / data.bands
             return np.concatenate([gaps, _HANDOVER * fit_model.handover_errors(model.values, data)])

@@ -1,4 +1,4 @@
-"""A unit cell on the test machine beside its model."""
+"""A unit cell on the test machine compared with its model."""
 
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -11,17 +11,17 @@ from stepwell.lab.rig import PAPER_RIG, Rig
 from stepwell.lab.series import Series
 from stepwell.mechanism import Cell
 
-# Agreement as this room uses the word: the class is right and the force within this of the
-# model's, in k r. F0 of the paper's cell of reference is 0.967 k r.
+# Largest RMSE in k r that counts as agreement, if the class is right. F0 of the paper's reference
+# cell is 0.967 k r.
 CLOSE = 0.15
 _ENDS = 2.0e-3  # [m] of the window from which the force at a stop is extrapolated
 _POINTS = 401
-RISE = 0.005  # k r by which a force must rise to be called an exception
+RISE = 0.005  # least rise of the force that is reported, in k r
 _SMOOTH = 11  # samples of the mean curve, half a millimetre
 
 
 class Rise(NamedTuple):
-    """Strokes between which a force rises though it should fall [m], and by how much [N]."""
+    """A rise of a force that should fall: range of stroke [m] and height [N]."""
 
     start: float
     end: float
@@ -30,7 +30,7 @@ class Rise(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CellReading(ByValue):
-    """A measured force on the block, against the lever angle.
+    """Measured force on the block against the lever angle.
 
     Attributes:
         theta: (n,) from stop to stop [rad].
@@ -56,25 +56,25 @@ class CellReading(ByValue):
 
     @property
     def barrier(self) -> float:
-        """Energy from state 0 up to the highest point [J]."""
+        """Energy barrier from state 0 [J]."""
         return float(np.max(self.energy) - self.energy[0])
 
     @property
     def is_bistable(self) -> bool:
-        """Whether the energy has its highest point between the stops."""
+        """Whether the energy has its maximum between the stops."""
         top = int(np.argmax(self.energy))
         return 0 < top < len(self.energy) - 1
 
 
 @dataclass(frozen=True, eq=False)
 class CellTest(ByValue, Drawn):
-    """What a series of a unit cell shows.
+    """Comparison of a series of a unit cell with its model.
 
     Attributes:
         plain, corrected: the measured force, without and with the correction for the rig's bar.
         model: (n,) force of the model at `plain.theta` [N].
         spread: mean standard deviation between repeats [N].
-        rises: where the force rises though it should fall.
+        rises: ranges in which the force rises but should fall.
     """
 
     series: Series
@@ -101,7 +101,7 @@ class CellTest(ByValue, Drawn):
 
     @property
     def rmse_corrected(self) -> float:
-        """The same as `rmse`, the rig's bar being corrected for."""
+        """`rmse` corrected for the rig's bar."""
         return rms(self._gap(self.corrected))
 
     @property
@@ -123,7 +123,7 @@ class CellTest(ByValue, Drawn):
 
     @property
     def verdict(self) -> str:
-        """A word, and the reason where it is not agreement."""
+        """Verdict on class and force, with the deviation."""
         kind = "bistable" if self.plain.is_bistable else "monostable"
         if not self.right_class:
             return f"differs: measured {kind}, the model is not"
@@ -145,11 +145,11 @@ class CellTest(ByValue, Drawn):
 
 
 def cell_test(series: Series, rig: Rig = PAPER_RIG) -> CellTest:
-    """Compare a series of a unit cell with its model; the rig is for the correction beside it.
+    """Compare a series of a unit cell with its model; the rig is used for the correction.
 
-    The baseline is subtracted and repeats are averaged. The first 0.5 mm of stroke, where a rig
-    takes up its slack, and the last 0.25 mm, where blocks may touch, are not judged; forces at
-    the stops are extrapolated from the 2 mm beside them.
+    The baseline is subtracted and repeats are averaged. The first 0.5 mm of stroke (slack of the
+    rig) and the last 0.25 mm (blocks may touch) are not judged. Forces at the stops are
+    extrapolated from the adjacent 2 mm.
     """
     cell, curve, use = series.chain.levers[0], series.curve, series.judged()
     stroke, force = curve.stroke[use], series.net(curve.stroke, curve.force)[use]
@@ -179,7 +179,7 @@ def _reading(cell: Cell, stroke: Floats, force: Floats, rig: Rig) -> CellReading
 
 
 def _rises(stroke: Floats, force: Floats, least: float) -> tuple[Rise, ...]:
-    """Where the force climbs by more than `least` above its lowest value so far."""
+    """Ranges in which the force exceeds its minimum so far by more than `least`."""
     force = np.convolve(force, np.ones(_SMOOTH) / _SMOOTH, mode="valid")
     stroke = stroke[_SMOOTH // 2 : -(_SMOOTH // 2)]
     rises: list[Rise] = []

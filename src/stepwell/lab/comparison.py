@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Comparison(base.ByValue, base.Drawn):
-    """What a batch of recordings shows.
+    """Comparison of a batch of recordings with the models.
 
     Attributes:
         cells, pairs: unit cells, and two-cell mechanisms.
-        notes: what became of recordings that are in no series.
-        rig: on which was measured.
+        notes: a line for every recording that is in no series.
+        rig: the test rig.
     """
 
     cells: tuple[CellTest, ...]
@@ -37,16 +37,16 @@ class Comparison(base.ByValue, base.Drawn):
 
     @property
     def tests(self) -> tuple[CellTest | PairTest, ...]:
-        """All of them."""
+        """Unit cells, then pairs."""
         return (*self.cells, *self.pairs)
 
     def mean_rmse(self, bands: int) -> float:
-        """Mean over the geometries of unit cells with so many bands of the RMSE, in k r."""
+        """Mean over the geometries of unit cells of the RMSE in k r, for that number of bands."""
         tests = [test for test in self.cells if test.series.bands == bands]
         return over_geometries((test.series.geometry, test.rmse) for test in tests)
 
     def to_xarray(self) -> "xr.Dataset":
-        """Measured and model force over "row", a row for every stroke of every series."""
+        """Dataset of measured and model force over "row", a row for each stroke of each series."""
         base.need("tables")
         import xarray as xr
 
@@ -77,7 +77,7 @@ class Comparison(base.ByValue, base.Drawn):
         base.write_csv(file, columns, 6)
 
     def _columns(self) -> tuple[Any, list[Any]]:
-        """A row for every stroke of every series: the number of its series, and `_rows`."""
+        """Number of the series and columns of `_rows`, for every stroke of every series."""
         rows = [_rows(test) for test in self.tests]
         series = np.concatenate([np.full(len(u), k) for k, (u, _, _, _) in enumerate(rows)])
         return series, [np.concatenate(column) for column in zip(*rows, strict=True)]
@@ -94,15 +94,15 @@ def compare(
     as_designed: bool = False,
     rig: Rig = PAPER_RIG,
 ) -> Comparison:
-    """Compare recordings with the mechanisms that they show: a verdict for every series.
+    """Compare recordings with the models of the tested mechanisms: a verdict for every series.
 
     Args:
         recordings: tests of unit cells and pairs, baselines among them.
         designs: what file names leave open; see `sort_series`.
         baseline: runs without a band; by default found by name, empty for none.
-        as_designed: take the design as it is, whatever names say.
-        rig: its stretch, starts, compliance and friction move what is predicted of pairs to the
-            strokes that the machine shows; its bar is for the correction that is reported beside
+        as_designed: use the design unchanged and ignore the names.
+        rig: its stretch, starts, compliance and friction convert predictions for pairs to strokes
+            of the machine. Its bar is used for the correction that is reported in addition to
             the plain result.
 
     Raises:
@@ -113,7 +113,7 @@ def compare(
     if longer:
         raise LabError(
             longer[0].code,
-            f"its design has {len(longer[0].chain)} cells: one or two can be compared.",
+            f"its design has {len(longer[0].chain)} cells: only one or two can be compared.",
         )
     cells = tuple(cell_test(one, rig) for one in sorted_series.series if len(one.chain) == 1)
     pairs = tuple(pair_tests([one for one in sorted_series.series if len(one.chain) == 2], rig))
@@ -127,20 +127,20 @@ def _rows(test: CellTest | PairTest) -> tuple[Any, Any, Any, Any]:
     return test.cell.travel(reading.theta), reading.force, test.model, reading.inside
 
 
-TIED = 0.95  # correlation above which two numbers are not told apart
+TIED = 0.95  # correlation above which the data do not identify two numbers separately
 _LOW, _HIGH, _SIZE = (0.1, 0.0), (1e4, 0.1), (10.0, 0.005)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Refit(base.ByValue):
-    """The two numbers of a design's bands that bring its force nearest to its recordings.
+    """Stiffness and rest length of a design's bands, fitted to its recordings.
 
     Attributes:
-        chain: the design with them.
+        chain: the design with the fitted bands.
         stiffness, rest_length: k [N/m] and ℓ0 [m] of every band.
         before, after: root mean square of measured less model, with the numbers of the design and
             with these [N].
-        correlation: of the two numbers; near ±1 the recordings cannot tell them apart.
+        correlation: of both numbers; near ±1 the recordings do not identify them separately.
     """
 
     chain: Chain
@@ -152,11 +152,11 @@ class Refit(base.ByValue):
 
     @property
     def tied(self) -> bool:
-        """Whether the recordings cannot tell the two numbers apart."""
+        """Whether the recordings do not identify both numbers separately."""
         return abs(self.correlation) > TIED
 
     def record(self) -> dict[str, Any]:
-        """As JSON can hold it."""
+        """The result as JSON values."""
         return base.record(_REFIT, self)
 
 
@@ -171,11 +171,11 @@ _REFIT: base.Schema = (
 
 
 def refit(comparison: Comparison) -> Refit:
-    """Fit one stiffness and one rest length to everything that recordings of one design show.
+    """Fit one stiffness and one rest length to the recordings of one design.
 
-    Strokes that the comparison does not judge do not count, nor do those past the first snap,
-    which would fit where the mechanism snaps and not how stiff it is. Friction beyond the baseline
-    is not fitted: with loading and unloading it cancels, with one of them it does not.
+    Strokes that the comparison does not judge are left out. So are strokes past the first snap: a
+    fit to them follows the stroke of the snap, not the stiffness. Friction beyond the baseline is
+    not fitted. It cancels with loading and unloading, but not with one of both.
 
     Raises:
         LabError: several designs, or bands that are not alike or do not follow the linear law.
@@ -190,7 +190,7 @@ def refit(comparison: Comparison) -> Refit:
     if len(kinds) > 1 or not all(type(band.law) is Linear for band in bands):
         raise LabError(
             "design",
-            "its bands are not alike, or do not follow the linear law: stiffness and rest length "
+            "its bands differ or do not follow the linear law: stiffness and rest length "
             "are fitted where all bands share them.",
         )
     points = [_points(test) for test in comparison.tests]
@@ -215,7 +215,7 @@ def refit(comparison: Comparison) -> Refit:
 
 
 def _points(test: CellTest | PairTest) -> tuple[bool, base.Floats, base.Floats]:
-    """What is fitted of one series: whether it unloads, and its strokes and forces."""
+    """Data of one series for the fit: whether it unloads, its strokes and its forces."""
     series = test.series
     if isinstance(test, PairTest):
         return series.unloading, test.stroke[test.fitted], test.force[test.fitted]

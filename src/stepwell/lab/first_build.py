@@ -1,4 +1,4 @@
-"""What a first build must be like, and which anchors to move to other holes."""
+"""As-built parameters of a first build from its observed behaviour, and anchors to move."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -17,11 +17,11 @@ from stepwell.lab import builds
 from stepwell.lab.recordings.recording import LabError
 from stepwell.mechanism import Chain
 
-# Every move is tried on so many of the builds that agree, the best ones on all of them.
+# Every move is tried on 32 of the agreeing builds, the 3 best moves on all of them.
 _FIRST, _BEST = 32, 3
-# Further than so many holes another design is the better answer.
+# For larger moves of an anchor another design is better.
 MOST_HOLES = 3
-# Two anchors are moved where one does not mend so many; of the moves of one, so many are paired.
+# Pairs of anchors are tried if no single move reaches this fraction; from the 8 best single moves.
 _ENOUGH, _PAIRED = 0.95, 8
 
 
@@ -30,8 +30,8 @@ class AnchorMove(ByValue):
     """One anchor moved along x or y, by a number of holes.
 
     Attributes:
-        anchor: q of a cell; p as far the other way does the same.
-        was, to: where its first band has it on the drawing, and where it would be there [m].
+        anchor: q of a cell; moving p by the opposite vector has the same effect.
+        was, to: nominal position for its first band, before and after the move [m].
     """
 
     anchor: Parameter
@@ -40,7 +40,7 @@ class AnchorMove(ByValue):
     holes: int
 
     def of(self, chain: Chain) -> Chain:
-        """A chain with this step."""
+        """The chain after this step."""
         return self.anchor.displaced(chain, (self.to[0] - self.was[0], self.to[1] - self.was[1]))
 
     def __str__(self):
@@ -56,9 +56,9 @@ class AnchorMove(ByValue):
 
 @dataclass(frozen=True, eq=False)
 class Move(ByValue):
-    """One anchor moved to another hole, or two: a step for each anchor and direction.
+    """One or two anchors moved to other holes: a step for each anchor and direction.
 
-    `share` says of the builds that agree with what was seen how many then do what is wanted.
+    `share` is the fraction of the agreeing builds that reach the target after the move.
     """
 
     steps: tuple[AnchorMove, ...]
@@ -71,16 +71,16 @@ class Move(ByValue):
 
     @property
     def was(self) -> Vec2:
-        """Where the first step begins, on the drawing [m]."""
+        """Nominal position before the first step [m]."""
         return self.steps[0].was
 
     @property
     def to(self) -> Vec2:
-        """Where the first step ends, on the drawing [m]."""
+        """Nominal position after the first step [m]."""
         return self.steps[0].to
 
     def of(self, chain: Chain) -> Chain:
-        """A chain with this move."""
+        """The chain after this move."""
         for step in self.steps:
             chain = step.of(chain)
         return chain
@@ -100,14 +100,15 @@ def best_moves(
     share: float,
     count_trial: Callable[[], None],
 ) -> tuple[Move, ...]:
-    """The best moves first, if they are better than leaving the anchors, beyond what chance does.
+    """Moves that reach the target significantly more often than the unmoved anchors, best first.
 
-    One anchor is moved along x or y, by as few holes as help; two by one hole each where one does
-    not mend nearly all. Two are told where they are better than one beyond chance.
+    One anchor is moved along x or y, by the least number of holes that helps. If that does not
+    repair nearly all builds, two anchors are moved by one hole each. A move of two is returned
+    only if it is significantly better than a move of one.
     """
 
     def beyond(one: float, other: float) -> bool:
-        # What two shares of n differ by chance, twice the standard deviation.
+        # Twice the standard deviation of the difference of two fractions of n builds.
         both = (one + other) / 2
         return one - other > 2.0 * math.sqrt(2.0 * both * (1.0 - both) / len(built))
 
@@ -147,14 +148,14 @@ def best_moves(
 
 
 def moves_of(chain: Chain) -> int:
-    """How many moves of one anchor and of two there are to be tried."""
+    """Number of moves of one anchor and of two to try."""
     steps = len(builds.WAYS) * len(builds.outer_anchors(chain))
     paired = min(steps, _PAIRED)
     return MOST_HOLES * steps + paired * (paired - 1) // 2
 
 
 def _reverses(a: Move, b: Move) -> bool:
-    """Whether the second move takes the first one back."""
+    """Whether the second move reverses the first one."""
     there = (a.to[0] - a.was[0] + b.to[0] - b.was[0], a.to[1] - a.was[1] + b.to[1] - b.was[1])
     return a.anchor == b.anchor and there == (0.0, 0.0)
 
@@ -162,13 +163,13 @@ def _reverses(a: Move, b: Move) -> bool:
 def _with_share(steps: tuple[AnchorMove, ...], built: Sequence[Chain], target: str) -> Move:
     move, count = Move(steps, 0.0), 0
     for one in built:
-        with suppress(StepwellError):  # Hooked there it cannot be built.
+        with suppress(StepwellError):  # With the anchor there it cannot be built.
             count += does(move.of(one), target)
     return Move(steps, count / len(built))
 
 
 def does(chain: Chain, target: str) -> bool:
-    """Whether a chain does it; one that ties may do otherwise."""
+    """Whether a chain has the target sequence without a tie."""
     try:
         cycle = chain.cycle()
     except StepwellError:
@@ -176,31 +177,31 @@ def does(chain: Chain, target: str) -> bool:
     return str(cycle.sequence) == target and not cycle.degenerate
 
 
-# What is believed of a first build before it is tried: drilled by hand, bands of one bag.
+# Assumed tolerances of a first build before its test: drilled by hand, bands of one bag.
 FIRST_BUILD = Tolerances(anchor=0.001, stiffness=0.10, travel=0.05)
-# Where few move so, or those that do agree badly, parts may be further off; at most so many times,
-# and the spread of a band ends below a quarter.
+# If few builds agree, or agree badly, the tolerances are widened, by at most 8 times. The standard
+# deviation of a band's stiffness stays below a quarter.
 _MOST_WIDE, _WIDEST = 8.0, 0.24
-# Half the squared errors of a number are a half in the mean; of a build that disagrees, more.
+# Largest mean misfit per number; its expected value is a half for a build that agrees.
 _AGREE = 2.0
-# Of two hundred anchors ten are hooked into the hole beside their own.
+# Probability of an anchor in a neighbouring hole: ten of two hundred.
 WRONG_HOLE = 0.05
-_MOST_WRONG = 0.4  # for one anchor; one of the two of a cell is then likelier wrong than right
-_RARE = 0.05  # of the builds: wrong holes that fewer have are not told
-# A doubt that shrank by less than this was not told by what was seen, where the mean stayed near.
+_MOST_WRONG = 0.4  # for one anchor; the two of a cell are then probably not both right
+_RARE = 0.05  # fraction of builds below which a wrong hole is not reported
+# A number is identified if its standard deviation shrinks below this fraction.
 _IDENTIFIED = 0.8
-# What is told of every cell. Of anchors a motion knows d = q - p alone, so p is as drawn.
+# Reported numbers of every cell. A motion depends on d = q - p alone, so p is nominal.
 _PARTS = ("q.x", "q.y", "stiffness", "force_scale", "travel_scale", "friction")
 
 
 @dataclass(frozen=True, eq=False)
 class ParameterEstimate(ByValue):
-    """One number of a build.
+    """Estimate of one parameter of a build, given the observations.
 
     Attributes:
-        drawn: on the drawing.
-        value, doubt: mean and standard deviation, given what was seen.
-        before: standard deviation before it was tried.
+        drawn: nominal value.
+        value, doubt: mean and standard deviation, given the observations.
+        before: standard deviation before the observations.
     """
 
     parameter: Parameter
@@ -211,7 +212,7 @@ class ParameterEstimate(ByValue):
 
     @property
     def identified(self) -> bool:
-        """Whether what was seen says anything of it: it is surer now, or far from the drawing."""
+        """Whether observations reduce its uncertainty, or move it far from the nominal value."""
         return self.doubt < _IDENTIFIED * self.before or abs(self.value - self.drawn) > self.before
 
     def __repr__(self):
@@ -223,25 +224,24 @@ class ParameterEstimate(ByValue):
 
 @dataclass(frozen=True, eq=False)
 class AsBuilt(ByValue):
-    """A build as what it did tells it to be, and the move that would make it do what is wanted.
+    """Inferred parameters of a build, and the anchor moves that would make it reach the target.
 
     Attributes:
-        drawing: what was meant to be built.
-        seen, target: what it did, and what it should do.
-        tolerances: how far parts were taken to be off at most.
-        wider: how many times as far as first thought; 1 where that sufficed.
-        samples, seed: how many were drawn, and which.
-        agreeing: of those drawn, how many move as was seen, whatever the strokes and forces [1].
-        known: every number of every cell.
-        chain: the build, at the means; where these together do something else, the one drawn
-            that agrees best.
-        share: of those that agree, how many do what is wanted as they are.
-        moves: the best three of one anchor, by as few holes as make it better than leaving it
-            beyond what chance does, or of two; the best first, none where none does.
-        hole: how far apart holes are [m].
-        chance: how likely an anchor was taken to be one hole off.
-        wrong: anchors that are in the hole beside their own in a twentieth of the builds that
-            agree, or more; the likeliest first.
+        drawing: the nominal design.
+        seen, target: the observations, and the target sequence.
+        tolerances: assumed tolerances of the parts.
+        wider: factor by which the given tolerances were widened; 1 if they were sufficient.
+        samples, seed: number of builds that agree, and random seed.
+        agreeing: fraction of random builds with the observed sequence of snaps [1].
+        known: estimates of all parameters of all cells.
+        chain: the build with the mean parameters. If these together have another sequence, the
+            random build that agrees best.
+        share: fraction of the agreeing builds that reach the target without a move.
+        moves: up to three moves that help significantly, best first; empty for none.
+        hole: distance between holes [m].
+        chance: assumed probability of an anchor one hole off.
+        wrong: anchors in a neighbouring hole in at least 5 % of the agreeing builds, likeliest
+            first.
     """
 
     drawing: Chain = field(repr=False)
@@ -262,17 +262,17 @@ class AsBuilt(ByValue):
 
     @property
     def advice(self) -> str:
-        """What to do next, with the shares before and after."""
-        now = f"{base.percent(self.share)} of the builds that would do this do what is wanted"
+        """Recommended change, with the fractions before and after it."""
+        now = f"{base.percent(self.share)} of the builds that agree reach the target"
         if self.moves:
             best = self.moves[0]
-            return f"{best}: {now} as they are, {base.percent(best.share)} after it"
+            return f"{best}: {now} unchanged, {base.percent(best.share)} after the move"
         if not moves_of(self.drawing):
-            return f"{now}; it has no anchor that could be moved"
+            return f"{now}; it has no anchor to move"
         far = base.number(base.to_unit(MOST_HOLES * self.hole, "mm"))
         return (
-            f"leave its anchors: {now}, and no move of one by up to {far} mm helps, nor of two by "
-            f"{base.number(base.to_unit(self.hole, 'mm'))} mm"
+            f"leave its anchors: {now}, and no move of one anchor by up to {far} mm helps, nor of "
+            f"two by {base.number(base.to_unit(self.hole, 'mm'))} mm"
         )
 
     def __repr__(self):
@@ -291,33 +291,33 @@ def as_built(
     seed: int = 0,
     progress: Callable[[float, float], None] | None = None,
 ) -> AsBuilt:
-    """Find out what a build must be like to do what it was seen to do, and what to move.
+    """Infer as-built parameters from the observed behaviour, and which anchors to move.
 
-    Builds are drawn within the tolerances until they agree with what was seen as well as its doubt
-    asks for, their anchors in the holes of the drawing or, seldom, beside them; where they cannot,
-    parts may be twice as far off, and so on. The numbers are means over these builds. On them one
-    anchor is moved, by up to three holes, or two by one.
+    Builds are drawn at random within the tolerances until they agree with the observations within
+    their uncertainty. Anchors are in the nominal holes or, seldom, in neighbouring ones. If no
+    builds agree, the tolerances are doubled, up to eight times. Estimates are means over the
+    agreeing builds. Moves of one anchor by up to three holes, or of two by one, are tried on them.
 
     Args:
-        drawing: what was meant to be built.
-        seen: what it did.
-        tolerances: how far its parts may be off.
-        target: what it should do; what the drawing does by default.
-        hole: how far apart holes are [m].
-        wrong_hole: how likely an anchor is in the hole beside its own, along x or y [1].
-        samples, seed: how many builds, and which.
+        drawing: the nominal design.
+        seen: the observations.
+        tolerances: of its parts.
+        target: target sequence; by default that of the nominal design.
+        hole: distance between holes [m].
+        wrong_hole: probability of an anchor in the neighbouring hole, along x or y [1].
+        samples, seed: number of builds, and random seed.
         progress: called with (done, total) builds and moves.
 
     Raises:
-        LabError: nothing that is drawn within eight times the tolerances does what was seen.
+        LabError: no build within eight times the tolerances agrees with the observations.
         ValueError: an argument out of range.
     """
     base.check.whole("samples", samples, 100)
     base.check.whole("seed", seed, 0)
     if not 0 < hole < math.inf:
-        raise InputError(f"hole = {hole} m: must be > 0, how far apart holes are.")
+        raise InputError(f"hole = {hole} m: must be > 0, the distance between holes.")
     if not 0 <= wrong_hole <= _MOST_WRONG:
-        raise InputError(f"wrong_hole = {wrong_hole}: must be 0 to {_MOST_WRONG}, 0 for never.")
+        raise InputError(f"wrong_hole = {wrong_hole}: must be 0 to {_MOST_WRONG}, 0 for none.")
     last = drawing.last_state
     sequence = str(drawing.cycle().sequence) if target is None else checked_cycle(target, last)
     if seen.sequence is not None:
@@ -343,13 +343,13 @@ def as_built(
     if matching is None:
         raise LabError(
             "what was seen",
-            f"none of {samples} builds with parts up to {wider:g} times as far off as "
-            f"{tolerances!r} does this: check that this design was built, which cell is innermost, "
-            f"and from where strokes were counted.",
+            f"none of {samples} builds within {wider:g} times the tolerances {tolerances!r} has "
+            f"this behaviour: check that this design was built, which cell is innermost, and where "
+            f"stroke 0 is.",
         )
     known = _known(drawing, matching)
     likely = matching.built[int(np.argmin(matching.misfits))]
-    with suppress(StepwellError):  # The means together may be no chain, or do otherwise.
+    with suppress(StepwellError):  # The means may be no chain, or another sequence.
         means = reduce(lambda chain, one: one.parameter.changed(chain, one.value), known, drawing)
         likely = means if math.isfinite(seen.misfit(means.cycle())) else likely
     share = sum(does(one, sequence) for one in matching.built) / samples
@@ -374,7 +374,7 @@ def as_built(
 
 
 def _wide(given: Tolerances, wider: float, drawing: Chain) -> Tolerances:
-    """Wider tolerances of anchors or holes and of friction; of elements, those of the scales."""
+    """Tolerances of anchors and friction times `wider`; for elements, those of the scales."""
     wide = replace(given, anchor=wider * given.anchor, friction=wider * given.friction)
     if len(drawing.elements) < len(drawing):
         return wide
@@ -414,7 +414,7 @@ def _known(drawing: Chain, population: builds.Population) -> tuple[ParameterEsti
 
 
 def _value(one: Parameter, chain: Chain, drawing: Chain) -> float:
-    """A number of a build; where q is if p is as drawn, for a motion knows q - p alone."""
+    """A parameter of a build; q relative to the nominal p, since a motion depends on q - p."""
     value: Any = one.value(chain)
     if one.part.startswith("q."):
         inner = replace(one, part=one.part.replace("q", "p"))

@@ -1,4 +1,4 @@
-"""The model that is fitted, rubber with a loss on a rig that gives way, and what it predicts."""
+"""The fitted model, rubber with a loss on a compliant rig, and its predictions."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -16,7 +16,7 @@ from stepwell.lab.series import Geometry, Series
 
 
 class Number(NamedTuple):
-    """A number that can be fitted: its unit, where the search starts and ends, a typical size."""
+    """A number that can be fitted: unit, start, bounds and typical size."""
 
     unit: str
     start: float
@@ -25,7 +25,7 @@ class Number(NamedTuple):
     size: float
 
 
-# Stiffness and start have one for each kind of rubber and each direction.
+# There is one stiffness for each kind of rubber, and one start for each direction.
 _NUMBERS = {
     "stiffness": Number("N/m", 40.0, 0.1, 1e4, 10.0),
     "rest_length": Number("m", 0.010, 0.0, 0.1, 0.005),
@@ -47,7 +47,10 @@ def number(name: str) -> Number:
 
 
 def numbers_of(samples: Sequence[Sample], law: str) -> list[str]:
-    """Names of what these samples can tell: of the rig by pairs, of joints by pairs both ways."""
+    """Names of the numbers that these samples identify.
+
+    Numbers of the rig need pairs, friction in the joints needs pairs in both directions.
+    """
     rubbers = sorted({sample.rubber for sample in samples})
     pairs = {sample.unloading for sample in samples if sample.in_pair}
     joints = ["joints"] if len(pairs) == 2 else []
@@ -69,7 +72,7 @@ def law_of(
 
 @dataclass(frozen=True)
 class Rows:
-    """What does not depend on the numbers that are fitted, all samples in a row (n,)."""
+    """Columns (n,) over all samples that do not depend on the fitted numbers."""
 
     way: Floats
     before: Floats
@@ -80,13 +83,13 @@ class Rows:
     bands: Floats
     direction: Floats  # +1 loading, -1 unloading
     force: Floats
-    rubber: dict[str, Floats]  # 1 where the stiffness is that of the name
+    rubber: dict[str, Floats]  # by name of the stiffness: 1 where it applies
     pairs: dict[str, Floats]  # 1 in pairs, by direction
-    begins: Floats  # way at which the cell began to move after another one; NaN where not seen
+    begins: Floats  # distance at which the cell began after another one; NaN if not detected
 
 
 def rows(samples: Sequence[Sample], compliance: float = 0.0) -> Rows:
-    """Samples in a row, their rig giving way by so much [m/N]."""
+    """Concatenated samples, for a rig of this compliance [m/N]."""
 
     def column(value: Callable[[Sample], object]) -> Floats:
         return np.concatenate(
@@ -118,24 +121,24 @@ def rows(samples: Sequence[Sample], compliance: float = 0.0) -> Rows:
 
 
 def way_of_cell(values: Mapping[str, float], data: Rows, way: Floats) -> Floats:
-    """Way that a cell has gone [m] for the machine's [m], before and past its stops too."""
+    """Distance of a cell [m] for that of the machine [m], also before and past its stops."""
     start = sum((values[name] * one for name, one in data.pairs.items() if name in values), 0.0)
-    # Where the stops are farther apart than designed, all of the travel is stretched.
+    # If the stops are farther apart than designed, the whole travel is stretched.
     stretch = 1.0 + (values.get("travel", 1.0) - 1.0) * sum(data.pairs.values())
     return (way - start) / stretch - data.before
 
 
 def handover_errors(values: Mapping[str, float], data: Rows) -> Floats:
-    """How far on each cell is [m] where it is seen to begin; none for those that are not seen."""
+    """Model distance [m] of each cell at its detected start; ideally 0."""
     return way_of_cell(values, data, data.begins)[~np.isnan(data.begins)]
 
 
 def force(values: Mapping[str, float], data: Rows, law: mechanism.Law) -> Floats:
     """F of every row [N].
 
-    Tension is that of the law while a band gets longer than ever before in the motion; once it is
-    shorter by x than it has been, it is less by the share h (1 - exp(-x/c)). Friction is against
-    the motion: a constant, and a share of the tension.
+    Tension is that of the law while a band is longer than at any time before. When it is shorter
+    than its maximum by x, tension is lower by the fraction h (1 - exp(-x/c)). Friction acts against
+    the motion: a constant, and a fraction of the tension.
     """
     full = 2.0 * data.lever * data.sin_limit
     way = np.clip(way_of_cell(values, data, data.way), 0.0, full)
@@ -144,7 +147,7 @@ def force(values: Mapping[str, float], data: Rows, law: mechanism.Law) -> Floats
     cosine = np.sqrt(1.0 - sine**2)
     length = mechanism.geometry.band_length(sine, cosine, data.dx, data.dy, data.lever)
     slope = mechanism.geometry.length_slope(sine, cosine, length, data.dx, data.dy)
-    # The band is longest where the lever points along d, or where it has come nearest to that.
+    # The band was longest where the lever was nearest to the direction of d.
     limit = np.arcsin(data.sin_limit)
     theta, along = np.arcsin(sine), np.arctan2(data.dy, data.dx)
     low = np.where(data.direction > 0, -limit, theta)
@@ -161,12 +164,12 @@ def force(values: Mapping[str, float], data: Rows, law: mechanism.Law) -> Floats
     return mechanism.geometry.band_force(tension, slope) + data.direction * rubbing
 
 
-_EARLY = 0.25  # of the stroke, where the first cell moves
+_EARLY = 0.25  # fraction of the stroke at which the first cell moves
 
 
 @dataclass(frozen=True)
 class Model:
-    """What a fit says of mechanisms and of a rig that gives way by `compliance` [m/N]."""
+    """Fitted model of mechanisms on a rig of this `compliance` [m/N]."""
 
     values: Mapping[str, float]
     law: mechanism.Law
@@ -175,7 +178,7 @@ class Model:
 
     @property
     def rig(self) -> Rig:
-        """The rig of the pairs; its bar is not in the fit."""
+        """The rig of the pairs; its bar is not fitted."""
         friction = 0.0 if self.weighing is None else self.weighing.friction
         return Rig(
             PAPER_RIG.bar,
@@ -188,7 +191,7 @@ class Model:
 
     @property
     def weight(self) -> float:
-        """Of the block between two cells [N]; 0 where nothing tells it."""
+        """Weight of the block between two cells [N]; 0 if it was not measured."""
         return 0.0 if self.weighing is None else self.weighing.weight
 
     def applied(
@@ -219,9 +222,9 @@ class Model:
         return self.applied(series.chain, lambda _: stiffness)
 
     def snap_of(self, series: Series, missed: Sequence[float] = ()) -> tuple[float, float]:
-        """Stroke of the machine [m] where a pair snaps first, or NaN, and the force's fall [N/m].
+        """Machine stroke of the first snap of a pair [m], or NaN, and slope of the force [N/m].
 
-        `missed` is by how much the forces of the cells are larger than the model's [N].
+        `missed` is the measured less the model force of each cell [N].
         """
         chain = self._pair(series)
         if missed:
@@ -243,25 +246,25 @@ class Model:
         return tuple(chain.names[i] for i in (first, 1 - first))
 
     def force(self, sample: Sample) -> Floats:
-        """F [N] along a sample."""
+        """Force F [N] along a sample."""
         return force(self.values, rows([sample], self.compliance), self.law)
 
 
 @dataclass(frozen=True, eq=False)
 class SnapPrediction(ByValue):
-    """What a fit says of a series of a pair whose snaps had no part in it.
+    """Predicted first snap and order for a series of a pair; snaps were not used in the fit.
 
     Attributes:
         geometry: d of the outer cell, which was left out [m].
         measured, spread: mean and standard deviation of the first snaps [m]; NaN for none.
         reached: the last stroke of the recordings, in the direction of motion [m].
         plain: predicted without a fit [m]; NaN for no snap.
-        fitted: predicted with its own curves, up to the snap [m]: they are in the fit, and what it
-            misses of the forces of its cells, at the ends of what was used, is added.
+        fitted: predicted with its own curves up to the snap in the fit [m]. The residual of the
+            forces late in the used travel is added.
         left_out: predicted from the other geometries alone [m].
         doubt: standard deviation of `left_out` less `measured` [m].
-        order_seen, order: names of the cells, as the forces show them and as predicted from the
-            other geometries; of `order_seen` how many times the other order fits worse is `ratio`.
+        order_seen, order: names of the cells in order, from the forces and as predicted from the
+            other geometries. `ratio` is the error of the other order over that of `order_seen`.
     """
 
     series: str
@@ -279,14 +282,14 @@ class SnapPrediction(ByValue):
 
     @property
     def error(self) -> float:
-        """Of `left_out` [m]; NaN where there is none or no snap was seen."""
+        """Error of `left_out` [m]; NaN without a prediction or a measured snap."""
         return self.left_out - self.measured
 
     @property
     def covered(self) -> bool | None:
-        """Whether the 90 % interval of `left_out` holds what was measured; None for no snap.
+        """Whether the 90 % interval of `left_out` contains the measured snap; None for no snap.
 
-        Where a snap is predicted and none was seen, it holds if it reaches past the last stroke.
+        For a predicted snap without a measured one, it must reach past the last stroke.
         """
         if math.isnan(self.left_out):
             return None if math.isnan(self.measured) else False

@@ -1,4 +1,4 @@
-"""What recordings of cells and pairs give to a fit: for each cell that moves its net force."""
+"""Data for the fit from recordings of cells and pairs: the net force of each moving cell."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -13,29 +13,29 @@ from stepwell.lab.series import Geometry, Series, geometry_of
 from stepwell.mechanism import Cell, Table
 
 _POINTS = 60
-# Between these shares of the jump in force from one cell to the next the rig alone gives way.
+# Part of the force jump between two cells in which only the rig deforms.
 _JUMP_PART = 0.25, 0.75
-_FEWEST = 10  # samples in which a jump can be seen
+_FEWEST = 10  # samples needed to detect a jump
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sample(ByValue):
-    """One cell moving in one series, made ready for the fit, in the order of motion.
+    """Data of one moving cell in one series for the fit, in the order of motion.
 
     Attributes:
-        name: of the series, and in a pair of the cell.
+        name: of the series, and of the cell if in a pair.
         geometry: d = q - p of the cell [m].
-        bands: how many it carried.
-        cell: lever and stops as designed.
-        way: (n,) of the machine since its motion began [m].
+        bands: number on the cell.
+        cell: nominal lever and stops.
+        way: (n,) distance of the machine since the start of its motion [m].
         force: (n,) F of the block, the baseline subtracted [N].
         unloading: whether the cell goes from state 1 to state 0.
-        fold: the geometry with which it is left out: that of the outermost cell [m].
+        fold: geometry of the outermost cell, by which samples are left out together [m].
         before: travel of the cell that moved before it [m].
-        drive: (n,) force at the machine [N], by which the rig gives way; None where it is stiff.
-        begins: way of the machine and its force where it began to move after another cell
-            [m], [N]; None where that is not seen.
-        series, place: the name of a pair's series, and which of its cells it is, 0 the inner one.
+        drive: (n,) force at the machine [N], which deforms the rig; None for a rigid rig.
+        begins: distance and force of the machine where the cell began to move after another
+            cell [m], [N]; None if not detected.
+        series, place: the name of a pair's series, and the index of the cell, 0 the inner one.
     """
 
     name: str
@@ -59,20 +59,20 @@ class Sample(ByValue):
 
     @property
     def rubber(self) -> str:
-        """Name of its stiffness: pieces that were tested together are one kind of rubber."""
+        """Name of its stiffness: bands that were tested together share one stiffness."""
         return rubber_name(self.bands, self.in_pair)
 
 
 @dataclass(frozen=True, eq=False)
 class Weighing(ByValue):
-    """What runs of pairs without a band tell: the force while one cell moves, and the other.
+    """Weight and friction from runs of pairs without a band.
 
     Attributes:
-        weight: how much more the inner cell carries than the outer one [N]: the block between.
-        friction: of the machine and of empty joints, against the motion [N]; NaN where one
-            direction alone was tested.
+        weight: of the block between the cells: load of the inner less that of the outer cell [N].
+        friction: of the machine and of joints without a band, against the motion [N]; NaN if only
+            one direction was tested.
         doubt: standard deviation of the weight between runs [N].
-        both: whether loading and unloading were tested; else friction is taken to be the same.
+        both: whether loading and unloading were tested; else friction is assumed equal.
     """
 
     weight: float
@@ -83,13 +83,13 @@ class Weighing(ByValue):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Prepared(ByValue):
-    """What is fitted, and what it is tried on.
+    """Input of a calibration: data for the fit, and pairs for its predictions.
 
     Attributes:
         samples: each cell that moves in a series.
-        pairs: series of pairs beside their model without a fit.
+        pairs: series of pairs with their model without a fit.
         tables: laws of bands by name, from tension tests.
-        notes: which recordings were used, which were dropped, and what is odd, a line each.
+        notes: recordings that were used or dropped, and irregularities, a line each.
     """
 
     samples: tuple[Sample, ...]
@@ -102,18 +102,18 @@ class Prepared(ByValue):
 
 
 def rubber_name(bands: int, in_pair: bool) -> str:
-    """Name of the stiffness of cells with so many bands: other tests, other pieces of rubber."""
+    """Name of the stiffness of cells with this number of bands."""
     return f"stiffness_{bands}{'_in_pairs' * in_pair}"
 
 
 def prepare(
     series: Sequence[Series], tables: Mapping[str, Table] | None = None, notes: Sequence[str] = ()
 ) -> Prepared:
-    """Net forces of cells on even ways, in the order of motion; of pairs for each of both cells.
+    """Net force of each moving cell over even steps, in the order of motion.
 
-    In pairs the baseline of the cell that moves is subtracted, in the order that the forces show,
-    and nothing from the first snap on is used, so that no snap has a part in a fit. `tables` are
-    laws of bands to try, `notes` on recordings that are in no series, as `Sorted.notes`.
+    For pairs the baseline of the moving cell is subtracted, in the order shown by the forces. Data
+    from the first snap on are not used, so no snap influences a fit. `tables` are band laws to
+    try, `notes` those on recordings in no series, as `Sorted.notes`.
     """
     cells = [_of_cell(one) for one in series if len(one.chain) == 1]
     pairs = pair_tests([one for one in series if len(one.chain) > 1])
@@ -123,9 +123,9 @@ def prepare(
 
 
 def weigh(tests: Iterable[PairTest]) -> Weighing | None:
-    """Weight between two cells and friction, from their runs without a band; None without such.
+    """Weight between two cells and friction from runs without a band; None without such runs.
 
-    At mid-travel of each cell, the half-sum and the half-difference of rising and falling runs.
+    They are half the sum and half the difference of loading and unloading at mid-travel.
     """
     apart: dict[tuple[str, ...], PairTest] = {}
     for test in tests:
@@ -135,7 +135,7 @@ def weigh(tests: Iterable[PairTest]) -> Weighing | None:
     levels = grouped((way, level) for way, each in ways for level in each)
     if not levels:
         return None
-    # Weight and friction of inner and outer cell add up going up, and are subtracted going down.
+    # Friction adds to the weight in loading, and is subtracted from it in unloading.
     mean = {way: np.mean(np.array(each), axis=0) for way, each in levels.items()}
     gaps = [-np.diff(np.array(each), axis=1) for each in levels.values()]
     weight = float(np.mean([np.mean(gap) for gap in gaps]))
@@ -147,7 +147,7 @@ def weigh(tests: Iterable[PairTest]) -> Weighing | None:
 
 
 class Handover(NamedTuple):
-    """Where the force of a run jumps to the next cell [m], [N], and how the rig gives way [m/N]."""
+    """Stroke and force of a run at the jump to the next cell [m], [N]; compliance [m/N]."""
 
     stroke: float
     force: float
@@ -155,7 +155,7 @@ class Handover(NamedTuple):
 
 
 def handovers(test: PairTest) -> list[Handover]:
-    """The handover of each run that shows one: a short stroke, for the rig alone gives way."""
+    """Handovers of the runs that show one: a short stroke in which only the rig deforms."""
     low, high = test.handover
     jumps: list[Handover] = []
     for run in test.series.recordings:
@@ -220,7 +220,7 @@ def _of_pair(test: PairTest) -> list[Sample]:
 
 
 def _strips(backwards: bool, *columns: Floats) -> list[Floats]:
-    """Means over strips, in the order of motion: what is fitted is the curve, not its noise."""
+    """Means over strips in the order of motion, which reduce the noise."""
     parts = [
         np.array([float(np.mean(part)) for part in np.array_split(values, _POINTS) if len(part)])
         for values in columns

@@ -1,4 +1,4 @@
-"""Two cells on the test machine beside their model: which moves first, and where they snap."""
+"""Two cells on the test machine compared with their model: order of motion and snaps."""
 
 import math
 from collections import defaultdict
@@ -21,18 +21,18 @@ _Snaps = Sequence[tuple[MeasuredSnap, ...]]  # for each run
 
 _ORDERS: tuple[Order, Order] = ((0, 1), (1, 0))
 _NEAR = 0.5e-3  # [m] before a snap that no longer counts for the order
-# Where none is predicted, a jump with the sign of a snap that is over so much of k r is one.
+# Without a predicted snap, a jump with the sign of a snap counts from this fraction of k r on.
 SNAP_SHARE = 0.1
-# Shares of a travel at which the force does not show stops.
+# Fractions of a travel at which stops have no influence on the force.
 _MIDDLE = np.linspace(0.3, 0.7, 41)
-# Strokes differ from the model's beyond so many standard deviations.
+# Largest deviation of a snap from the model, in standard deviations, that counts as agreement.
 AGREE = 2.0
-# Repeats that scatter more than this are not of one kind, however finely they are sampled [m].
+# Repeats with a larger standard deviation get a warning, for any sampling [m].
 _SCATTER = 0.5e-3
-# A force is read before a snap over this stroke, to see how steeply it falls [m]; it is known to so
-# much, and falls no slower than so [N], [N/m]: from the recordings published with the paper.
+# Stroke before a snap over which the slope of the force is computed [m], uncertainty of the force
+# [N] and least slope [N/m], from the recordings published with the paper.
 _BEFORE, FORCE_DOUBT, _FLATTEST = 1e-3, 0.03, 20.0
-# A run shows a snap if it goes on for so long after it [m].
+# Stroke that a run must continue after a snap to show it [m].
 _LATE = 0.5e-3
 # Jumps of repeats this near each other are one jump [m].
 _TOGETHER = 1e-3
@@ -40,30 +40,30 @@ _TOGETHER = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class PairTest(ByValue, Drawn):
-    """What a series of two cells shows.
+    """Comparison of a series of two cells with its model.
 
     Attributes:
         stroke: (n,) from state 0 on [m].
-        force: (n,) measured, baseline subtracted for the cells in the order `shown` [N].
+        force: (n,) measured force less the baseline, for the cells in the order `shown` [N].
         model: (n,) force of the model [N].
-        inside: (n,) what is judged.
+        inside: (n,) mask of the judged strokes.
         spread: mean standard deviation between repeats [N].
-        errors: RMSE against the cells moving in the order (0, 1) and (1, 0), in k r; the stiffness
-            is left free, and strokes past the first snap, predicted or measured, do not count.
+        errors: RMSE against the cells moving in the order (0, 1) and (1, 0), in k r. The stiffness
+            is fitted, and strokes past the first predicted or measured snap are left out.
         rmse, worst, rmse_corrected: measured less model, in k r; corrected for the rig's bar.
-        predicted, tie: cells in the order of the model; whether it cannot tell that order.
-        first: the cell that is taken to move first in the baseline.
-        snaps: for each run the strokes where it snaps, as predicted by sign and size of the jump in
-            force, or where nothing is predicted with the sign of a snap [m].
-        slips: for each run the strokes of its other jumps [m]: stick-slip, mostly.
-        missing: for each run the samples that are missing in holes, where nothing can be told.
-        doubt: standard deviation of a measured snap less the predicted one [m]: the scatter of the
-            repeats, the samples, and what a doubt of 0.03 N in force, and the spread of the
-            repeats, makes of it where the force falls as slowly as it does before the snap.
-        snaps_predicted: strokes that the machine shows where the model snaps, without friction [m].
+        predicted, tie: cells in the order of the model; whether that order is a tie.
+        first: the cell that is assumed to move first in the baseline.
+        snaps: for each run the strokes of its snaps [m]: force jumps with the predicted sign and
+            size, or with the sign of a snap if none is predicted.
+        slips: for each run the strokes of its other jumps [m], mostly stick-slip.
+        missing: for each run the number of samples missing in gaps, where no snap is detected.
+        doubt: standard deviation of a measured less the predicted snap [m]. It contains the scatter
+            of the repeats, the sampling, and the uncertainty of the force (0.03 N and the scatter
+            of the repeats) over the slope of the force before the snap.
+        snaps_predicted: machine strokes of the snaps of the model, without friction [m].
         snaps_with_friction: the same with the friction of the baseline [m].
         pull: difference of the measured forces of the two cells at the ends of their travels [N].
-        hold: what friction of both can hold there by the baseline [N]; a snap needs a larger pull.
+        hold: friction of both cells there, from the baseline [N]; a snap needs a larger pull.
     """
 
     series: Series
@@ -90,30 +90,30 @@ class PairTest(ByValue, Drawn):
 
     @property
     def shown(self) -> Order:
-        """The order that the measured force is nearer to, inner cell 0."""
+        """The order with the smaller force error; the inner cell is 0."""
         return _ORDERS[int(np.argmin(self.errors))]
 
     @property
     def ratio(self) -> float:
-        """Error against the order that is not shown, over that against the one that is."""
+        """Error of the other order over that of the order shown."""
         return max(self.errors) / min(self.errors)
 
     @property
     def fitted(self) -> Bools:
-        """Which strokes (n,) tell the force of one cell: those judged, up to the first snap."""
+        """Mask (n,) of the judged strokes up to the first snap, used in fits."""
         return self.inside & judged(self.stroke, [past_snaps(self.series)])
 
     @property
     def handover(self) -> tuple[float, float]:
-        """Strokes between which one cell stops and the next one begins, by design [m]."""
+        """Nominal range of stroke in which one cell stops and the next begins [m]."""
         return _zones(self.series, self.shown)[-1]
 
     def moving(self) -> list[tuple[int, Bools]]:
-        """For each cell in the order shown: at which strokes (n,) it moves."""
+        """For each cell in the order shown: mask (n,) of the strokes at which it moves."""
         return [(i, mine) for i, mine, _ in _one_by_one(self.series, self.shown, self.stroke)]
 
     def baseline_levels(self) -> list[tuple[float, float]]:
-        """Force [N] of every baseline run while the inner cell is at mid-travel, and the outer."""
+        """Force [N] of every baseline run with the inner cell at mid-travel, and with the outer."""
         series, levels = self.series, []
         for run in series.baseline:
             curve = mean_curve([run], series.chain.full_stroke)
@@ -126,14 +126,14 @@ class PairTest(ByValue, Drawn):
 
     @property
     def right_order(self) -> bool | None:
-        """Whether the order is the predicted one; None where model or data cannot tell."""
+        """Whether the order is the predicted one; None if model or data are undecided."""
         if self.tie or self.ratio < LEAST_ERROR_RATIO:
             return None
         return self.shown == self.predicted
 
     @property
     def snap_strokes(self) -> tuple[float, float, int]:
-        """Mean and standard deviation of the first snap of each run [m], and how many snapped."""
+        """Mean and standard deviation of the first snaps [m], and number of runs that snapped."""
         first = [snaps[0] for snaps in self.snaps if snaps]
         if not first:
             return math.nan, math.nan, 0
@@ -142,10 +142,10 @@ class PairTest(ByValue, Drawn):
 
     @property
     def sigmas(self) -> float:
-        """By how many standard deviations the first snap is off what may be; NaN for none.
+        """Deviation of the first snap from the predicted range, over `doubt`; NaN for none.
 
-        Friction of the baseline may sit in the machine, where it holds no snap, or in the joints:
-        whatever lies between the two predictions is off by nothing.
+        Friction of the baseline may be in the machine, where it delays no snap, or in the joints.
+        The range is between both predictions, and the deviation within it is 0.
         """
         mean, _, count = self.snap_strokes
         if not count or not self.snaps_predicted:
@@ -156,28 +156,28 @@ class PairTest(ByValue, Drawn):
 
     @property
     def seen_within(self) -> float:
-        """How far the stroke of a snap may be off as it is seen, by the samples about it [m]."""
+        """Uncertainty of the stroke of a snap due to the sampling [m]."""
         return _jump_width(self.series) / 2.0
 
     @property
     def right_snaps(self) -> bool | None:
-        """Whether most runs snap as often as the model, and where it does within two sigmas.
+        """Whether most runs snap as often as the model, at its strokes within two sigmas.
 
-        None where a hole or strokes that a run did not reach may hide snaps that it lacks.
+        None if a gap or a stroke that a run did not reach may hide a missing snap.
         """
-        wanted = len(self.snaps_predicted)
+        expected = len(self.snaps_predicted)
         if any(not self.stroke[0] <= u <= self.stroke[-1] for u in self.snaps_predicted):
             return None
         runs = list(zip(self.series.recordings, self.snaps, self.missing, strict=True))
-        fewer = [(run, holes) for run, snaps, holes in runs if len(snaps) < wanted]
+        fewer = [(run, holes) for run, snaps, holes in runs if len(snaps) < expected]
         if any(holes or self._ends_early(run) for run, holes in fewer):
             return None
         if 2 * len(self.odd) >= len(runs):
             return False
-        return not wanted or abs(self.sigmas) <= AGREE
+        return not expected or abs(self.sigmas) <= AGREE
 
     def _ends_early(self, run: Recording) -> bool:
-        """Whether a run ends before late snaps, held by the baseline's friction, are over."""
+        """Whether a run ends before all snaps, also those delayed by friction, are past."""
         full, stroke = self.series.chain.full_stroke, self.series.placed(run)
         late = np.array(self.snaps_predicted + self.snaps_with_friction)
         if self.series.unloading:
@@ -187,14 +187,14 @@ class PairTest(ByValue, Drawn):
 
     @property
     def odd(self) -> tuple[str, ...]:
-        """Runs that do not snap as often as the model, by name."""
-        wanted = len(self.snaps_predicted)
+        """Names of runs with another number of snaps than the model."""
+        expected = len(self.snaps_predicted)
         runs = zip(self.series.recordings, self.snaps, strict=True)
-        return tuple(run.name for run, snaps in runs if len(snaps) != wanted)
+        return tuple(run.name for run, snaps in runs if len(snaps) != expected)
 
     @property
     def warning(self) -> str:
-        """What makes the snaps doubtful: runs unlike the others; "" where nothing does."""
+        """Warning about runs that differ from the others; "" for none."""
         warnings: list[str] = []
         if 0 < 2 * len(self.odd) < len(self.snaps):
             warnings.append(f"unlike the others: {', '.join(self.odd)}")
@@ -208,19 +208,19 @@ class PairTest(ByValue, Drawn):
             }
             far = max(firsts.values()) - min(firsts.values())
             named = ", ".join(f"{name} {stroke:.2f}" for name, stroke in firsts.items())
-            warnings.append(f"repeats differ by {far:.2f} mm, more than samples do: {named} mm")
+            warnings.append(f"repeats differ by {far:.2f} mm, more than their sampling: {named} mm")
         return "; ".join(warnings)
 
     @property
     def verdict(self) -> str:
-        """A word, and what is behind it."""
+        """Verdict on order and snaps, with its reasons."""
         names = " then ".join(self.names(self.shown))
         if self.tie:
-            return f"tie: the model cannot tell the order; the data are {self.ratio:.2f} to 1"
+            return f"tie: the model has no unique order; the data are {self.ratio:.2f} to 1"
         if self.ratio < LEAST_ERROR_RATIO:
             return f"undecided: the data fit both orders ({self.ratio:.2f} to 1)"
         order = "order agrees" if self.right_order else "order differs from the model's"
-        words = {True: "snaps agree", False: "snaps differ", None: "snaps cannot be told"}
+        words = {True: "snaps agree", False: "snaps differ", None: "snaps undecided"}
         snaps = words[self.right_snaps]
         warning = f"; {self.warning}" if self.warning else ""
         return (
@@ -229,7 +229,7 @@ class PairTest(ByValue, Drawn):
 
     @property
     def snaps_told(self) -> str:
-        """Measured snaps against the predicted ones, in words."""
+        """Measured and predicted snaps in words."""
         mean, spread, count = self.snap_strokes
         both = (
             f"{_strokes(self.snaps_predicted)}, with friction {_strokes(self.snaps_with_friction)}"
@@ -256,12 +256,12 @@ class PairTest(ByValue, Drawn):
         )
 
     def names(self, order: Order) -> list[str]:
-        """What its cells are called, in an order."""
+        """Names of its cells in an order."""
         return [self.series.chain.names[cell] for cell in order]
 
     @property
     def held(self) -> bool:
-        """Whether it never snaps where the model does."""
+        """Whether the model snaps and no run does."""
         return bool(self.snaps_predicted) and not self.snap_strokes[2]
 
     def __repr__(self):
@@ -271,9 +271,9 @@ class PairTest(ByValue, Drawn):
 def pair_tests(series: Sequence[Series], rig: Rig = PAPER_RIG) -> list[PairTest]:
     """Compare series of two cells with their models.
 
-    Which cell moves first in a baseline without bands is not recorded: for all series that share
-    it, the one with which the measured forces come nearer to the model. The bar of the rig is for
-    the correction beside the plain result; all else moves the prediction to the machine.
+    Which cell moves first in a baseline without bands is not recorded. For all series with the same
+    baseline it is the cell with the smaller force error. The bar of the rig is used for the
+    corrected result only; its other numbers convert predictions to machine strokes.
     """
     errors = [_errors(one) for one in series]
     total: dict[tuple[str, ...], Floats] = defaultdict(lambda: np.zeros(2))
@@ -336,7 +336,7 @@ def _baseline_of(series: Series) -> tuple[str, ...]:
 
 
 def _errors(series: Series) -> Floats:
-    """RMSE in k r (2, 2): by the cell that moved first in the baseline, and by the order here."""
+    """RMSE in k r (2, 2) over the first cell of the baseline and the order of the cells."""
     curve, past = series.curve, past_snaps(series)
     errors = np.zeros((2, 2))
     for j, order in enumerate(_ORDERS):
@@ -354,9 +354,9 @@ def _errors(series: Series) -> Floats:
 
 
 def past_snaps(series: Series) -> tuple[float, float]:
-    """Strokes from the first snap on, of the model or of any run, in the direction of motion."""
+    """Range of stroke from the first snap of the model or any run on, in motion direction."""
     strokes = [*snaps_of(series.path, Rig())]
-    # In neither order may a handover be taken for a snap.
+    # A snap must be found in both orders, or it may be a handover.
     ways = [_snaps_of_runs(series, _jumps(series, order)) for order in _ORDERS]
     for one, other in zip(*ways, strict=True):
         strokes += {snap.stroke for snap in one} & {snap.stroke for snap in other}
@@ -366,7 +366,7 @@ def past_snaps(series: Series) -> tuple[float, float]:
 
 
 def _one_by_one(series: Series, order: Order, stroke: Floats) -> list[tuple[int, Bools, Floats]]:
-    """For each cell in an order: which strokes it moves at, and its travels there."""
+    """For each cell in an order: mask of the strokes at which it moves, and its travels."""
     full, first = series.chain.full_stroke, series.chain.cells[order[0]].full_travel
     stroke, falls = np.clip(stroke, 0.0, full), series.unloading
     edge = full - first if falls else first
@@ -378,17 +378,17 @@ def _one_by_one(series: Series, order: Order, stroke: Floats) -> list[tuple[int,
 def _baseline_force(
     series: Series, first: int, cell: int, travel: Floats, curve: Curve | None = None
 ) -> Floats:
-    """Baseline force [N] at travels (n,) [m] of a cell; while one moves the other one waits."""
+    """Baseline force [N] at travels (n,) [m] of a cell while the other cell is at a stop."""
     curve = series.baseline_curve if curve is None else curve
     if curve is None:
         return np.zeros(len(travel))
     above = (cell == first) == series.unloading
-    rest = series.chain.full_stroke - series.chain.cells[cell].full_travel
-    return curve.at(travel + rest if above else travel)
+    offset = series.chain.full_stroke - series.chain.cells[cell].full_travel
+    return curve.at(travel + offset if above else travel)
 
 
 def _friction(series: Series, first: int, order: Order, stroke: Floats) -> Floats:
-    """The baseline, each cell's share where that cell moves, less the weight in its model."""
+    """Baseline force of the moving cell at each stroke, less the weight in its model [N]."""
     friction = np.zeros(len(stroke))
     for cell, mine, travel in _one_by_one(series, order, stroke):
         friction[mine] = _baseline_force(series, first, cell, travel)
@@ -408,18 +408,18 @@ def _jumps(series: Series, order: Order) -> _Snaps:
 
 
 def _time(run: Recording) -> Floats | None:
-    """Its time, if it was recorded and runs on."""
+    """Time of a run if recorded and non-decreasing, else None."""
     time = run.time
     return time if np.all(np.isfinite(time)) and np.all(np.diff(time) >= 0) else None
 
 
 def _step(run: Recording) -> float:
-    """The stroke from one sample to the next, in the median [m]."""
+    """Median stroke between samples [m]."""
     return float(np.median(np.abs(np.diff(run.stroke))))
 
 
 def _jump_width(series: Series) -> float:
-    """The stroke within which a jump of any run is seen [m]."""
+    """Largest stroke over which a jump is detected in the runs [m]."""
     return max(_step(run) * samples_of_jump(_time(run)) for run in series.recordings)
 
 
@@ -428,7 +428,7 @@ def _snap_events(path: Path) -> list[Event]:
 
 
 def fall_before(path: Path) -> float:
-    """How steeply the force of a path that goes one way falls before its first snap [N/m]."""
+    """Slope of the force of a one-way path before its first snap, as a positive number [N/m]."""
     way = -1.0 if path.stroke[-1] < path.stroke[0] else 1.0
     ends = _snap_events(path)[0].stroke - way * np.array([_BEFORE, 1e-6])
     order = np.argsort(path.stroke, kind="stable")
@@ -437,10 +437,10 @@ def fall_before(path: Path) -> float:
 
 
 def _snaps_of_runs(series: Series, jumps: _Snaps) -> _Snaps:
-    """For each run those of its jumps that are snaps.
+    """Snaps among the jumps of each run.
 
-    At a snap the cell that was ahead takes up what the other one lets go, so the force jumps
-    towards where the drive came from, and in a slip within a cell the other way.
+    At a snap the cell that was ahead moves back, so the force jumps against the direction of the
+    drive. In a slip within a cell it jumps the other way.
     """
     predicted = _snap_events(series.path)
     if predicted:
@@ -458,7 +458,7 @@ def _snaps_of_runs(series: Series, jumps: _Snaps) -> _Snaps:
 
 def _doubt(series: Series, snaps: _Snaps) -> float:
     """Standard deviation of a measured less the predicted stroke of the first snap [m]."""
-    # How well the model fits does not count, or a bad one would agree with everything.
+    # The error of the model is not included, or a bad model would agree with all data.
     firsts = [run[0].stroke for run in snaps if run]
     if not firsts or not _snap_events(series.path):
         return math.nan
@@ -469,7 +469,7 @@ def _doubt(series: Series, snaps: _Snaps) -> float:
 
 
 def snaps_of(path: Path, rig: Rig) -> tuple[float, ...]:
-    """Strokes that the machine shows where a path snaps [m]."""
+    """Machine strokes of the snaps of a path [m]."""
     full, unloading = path.chain.full_stroke, bool(path.stroke[-1] < path.stroke[0])
     return tuple(
         float(rig.at_machine(event.stroke, event.force_before, full, unloading))
@@ -480,7 +480,7 @@ def snaps_of(path: Path, rig: Rig) -> tuple[float, ...]:
 def _pull_and_hold(
     series: Series, first: int, order: Order, stroke: Floats, force: Floats
 ) -> tuple[float, float]:
-    """What the second cell, at its end, pulls against the first one, and what friction holds."""
+    """Force difference of the cells at the ends of their travels, and friction there [N]."""
     last, end, sign = (0, 0.02, -1) if series.unloading else (-1, 0.98, 1)
     pull = hold = 0.0
     for cell, mine, _ in _one_by_one(series, order, stroke):
@@ -493,7 +493,7 @@ def _pull_and_hold(
 
 
 def _with_friction(series: Series, first: int) -> Chain:
-    """The chain, its cells with the mean friction of the baseline away from the ends."""
+    """The chain with the mean baseline friction, away from the stops, added to its cells."""
     cells = []
     for i, cell in enumerate(series.chain.cells):
         travel = np.linspace(0.1, 0.9, 81) * cell.full_travel

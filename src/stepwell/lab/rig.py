@@ -1,4 +1,4 @@
-"""The rig of a test, what the model predicts on its strokes, and columns of the results."""
+"""The rig of a test, and predictions of the model at its strokes."""
 
 import math
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from stepwell.statics import Path
 
 
 def path_of(chain: Chain, unloading: bool) -> Path:
-    """The full stroke of a chain one way, without friction unless its cells have it."""
+    """Path of a chain over its full stroke in one direction."""
     full = chain.full_stroke
     if unloading:
         return chain.path([full, 0.0], start=chain.last_state)
@@ -23,7 +23,7 @@ def path_of(chain: Chain, unloading: bool) -> Path:
 def predicted_force(
     chain: Chain, unloading: bool, stroke: Floats, path: Path | None = None
 ) -> Floats:
-    """Actuator force [N] of the model at strokes [m], going one way; `path` where it is known."""
+    """Actuator force [N] of the model at strokes [m] in one direction; `path` if known."""
     stroke = np.clip(stroke, 0.0, chain.full_stroke)
     if len(chain) == 1:
         cell = chain.levers[0]
@@ -37,14 +37,14 @@ def on_path(path: Path, stroke: Floats, shown: Floats | None = None) -> Floats:
 
 
 def mover(path: Path, stroke: Floats, shown: Floats | None = None) -> tuple[Ints, Floats]:
-    """Which cell moves at strokes (n,) [m] of a one-way path, and all travels (n, cells) [m]."""
+    """Index of the moving cell at strokes (n,) [m] of a one-way path; travels (n, cells) [m]."""
     u = _rising(path, shown)
     at = np.stack([np.interp(stroke, u, one) for one in _forward(path, path.travel).T], axis=1)
     return np.argmax(np.abs(np.gradient(at, axis=0)), axis=1), at
 
 
 def _rising(path: Path, shown: Floats | None) -> Floats:
-    """Strokes of a path in rising order; where a rig springs back at a jump they stand still."""
+    """Strokes of a path in rising order; constant where a rig springs back at a jump."""
     return np.maximum.accumulate(_forward(path, path.stroke if shown is None else shown))
 
 
@@ -54,22 +54,22 @@ def _forward(path: Path, values: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Rig(ByValue):
-    """What lies between the machine and the outermost block, and how it is not as drawn.
+    """Test rig between the machine and the outermost block, with its deviations from the ideal.
 
-    The levers carry the block sideways by r (cos θ - cos θc); the bar, upright at both stops,
-    follows by tilting. Virtual work makes of the block's F the machine's F / (1 + b tan θ), b being
+    The levers move the block sideways by r (cos θ - cos θc). The bar, upright at both stops, tilts.
+    By virtual work the machine's force is F / (1 + b tan θ) for a force F on the block, where b is
     the tangent of the tilt.
 
     Attributes:
         bar: length of the bar [m]; infinite for a machine that moves with the block.
-        stretch: way of the machine over that of a mechanism whose stops are as drawn [1].
-        start_loading, start_unloading: way of the machine before the mechanism moves [m].
-        compliance: by which the rig gives way [m/N].
+        stretch: stroke of the machine over the nominal stroke of the mechanism [1].
+        start_loading, start_unloading: machine stroke before the mechanism moves [m].
+        compliance: of the rig [m/N].
         friction: of the machine, against the motion [N].
 
     Raises:
-        ValueError: a bar or a stretch that is not above zero, a number that is not finite, or a
-            compliance or friction below zero.
+        ValueError: a bar or a stretch is not above zero, a number is not finite, or a compliance or
+            friction is below zero.
 
     Source: theory page, "The tilting bar"; the paper's rig has a bar of 70 mm.
     """
@@ -83,9 +83,9 @@ class Rig(ByValue):
 
     def __post_init__(self):
         if not self.bar > 0:
-            raise InputError(f"bar = {self.bar} m: must be > 0, or math.inf for none.")
+            raise InputError(f"bar = {self.bar} m: must be > 0, or math.inf for no bar.")
         if not 0 < self.stretch < math.inf:
-            raise InputError(f"stretch = {self.stretch}: must be > 0 and finite; 1 is as drawn.")
+            raise InputError(f"stretch = {self.stretch}: must be > 0 and finite; 1 is nominal.")
         for name, unit in (("start_loading", "m"), ("start_unloading", "m")):
             if not math.isfinite(value := getattr(self, name)):
                 raise InputError(f"{name} = {value} {unit}: must be finite.")
@@ -96,11 +96,10 @@ class Rig(ByValue):
     def at_machine(
         self, stroke: ArrayLike, force: ArrayLike, full: float, unloading: bool
     ) -> Floats:
-        """Stroke that the machine shows [m] at a stroke of the mechanism [m] and its force there
-        [N].
+        """Machine stroke [m] for a stroke of the mechanism [m] and its force there [N].
 
-        Strokes and forces of one shape; `full` is the stroke with every cell at state 1 [m], from
-        which it falls in `unloading`.
+        Strokes and forces have one shape. `full` is the stroke with every cell at state 1 [m], the
+        start of `unloading`.
         """
         stroke, way = np.asarray(stroke, float), -1.0 if unloading else 1.0
         ahead = (full - stroke if unloading else stroke) * (self.stretch - 1.0)
@@ -119,14 +118,14 @@ class Rig(ByValue):
         return 1.0 / (1.0 + self.tilt(cell, theta) * np.tan(theta))
 
     def stroke(self, cell: Cell, theta: ArrayLike) -> Floats:
-        """Way of the machine [m] from state 0 on, at angles θ [rad] of any shape."""
+        """Machine stroke [m] from state 0 on, at angles θ [rad] of any shape."""
         if math.isinf(self.bar):
             return cell.travel(theta)
-        # φ = 0 at the stops, so the bar is L (1 - cos φ) shorter in height in between.
+        # φ = 0 at the stops, so between them the height of the bar is less by L (1 - cos φ).
         return cell.travel(theta) - self.bar * (1.0 - np.cos(np.arctan(self.tilt(cell, theta))))
 
     def angle(self, cell: Cell, stroke: ArrayLike) -> Floats:
-        """Lever angle θ [rad] at ways of the machine [m] of any shape, between the stops."""
+        """Lever angle θ [rad] at machine strokes [m] of any shape, between the stops."""
         travel = np.clip(np.asarray(stroke, float), 0.0, cell.full_travel)
         if math.isfinite(self.bar):
             theta = np.linspace(-cell.limit, cell.limit, 2001)
@@ -136,8 +135,8 @@ class Rig(ByValue):
 
 PAPER_RIG = Rig(bar=0.070)
 
-# Found on the paper's rig and stated beside the results: slack is taken up within half a
-# millimetre, blocks touch in the last quarter, and the next cell takes over within two.
+# Measured on the paper's rig and reported with the results: slack ends within 0.5 mm, blocks touch
+# in the last 0.25 mm, and the next cell takes over within 2 mm.
 SETTLE = 0.5e-3
 END = 0.25e-3
 BEFORE, AFTER = 0.5e-3, 2.0e-3
@@ -145,14 +144,14 @@ NOT_JUDGED = (
     f"Not judged: the first {to_unit(SETTLE, 'mm'):g} mm of stroke, the last "
     f"{to_unit(END, 'mm'):g} mm, and in pairs from {to_unit(BEFORE, 'mm'):g} mm before to "
     f"{to_unit(AFTER, 'mm'):g} mm after the next cell takes over. Which cell moves first in a "
-    "baseline of two cells is not recorded: the reading that fits all series better is taken."
+    "baseline of two cells is not recorded: the one that fits all series better is used."
 )
 
 
 def quiet_zones(
     full: float, unloading: bool, first: float | None = None
 ) -> list[tuple[float, float]]:
-    """Strokes between which a recording shows the rig, and is not judged [m].
+    """Ranges of stroke that are not judged because the force is that of the rig [m].
 
     `first` is the full travel of the cell of a pair that moves first [m].
     """
@@ -163,5 +162,5 @@ def quiet_zones(
 
 
 def judged(stroke: Floats, zones: Sequence[tuple[float, float]]) -> Bools:
-    """Which strokes (n,) [m] lie in no quiet zone."""
+    """Mask of the strokes (n,) [m] outside all quiet zones."""
     return ~np.any([(low <= stroke) & (stroke <= high) for low, high in zones], axis=0)

@@ -23,35 +23,35 @@ from stepwell.statics import Path
 
 Geometry = tuple[float, float]
 
-# A ratio of errors below this does not tell one reading from another.
+# Two readings count as different from this ratio of their errors on.
 LEAST_ERROR_RATIO = 1.25
-# Strokes that a baseline must cover, in those of the series.
+# Range of a baseline's stroke, over the stroke of the series.
 _COVER = (0.97, 1.1)
-# A band is at most so many times as strong as the model's, and at least so many times.
+# Bounds of a band's force over the model's force; near a bound the count of bands is doubtful.
 _STRONG, _WEAK, _NEAR_BOTH = 1.4, 0.7, 0.1
 TENSION_TEST = re.compile(r"band|rubber|samp", re.IGNORECASE)
-# Shares of a design's stroke: a recording over less or more of it shows something else. Of the
-# longest repeat, what a shorter one must have, for a mean goes as far as all of its runs do.
+# Bounds of a recording's stroke over the design's stroke. The last one is the least stroke of a
+# repeat over the longest repeat: a mean curve ends where its shortest run ends.
 _LEAST, _MOST, _REPEAT = 0.5, 1.5, 0.9
-# From so many repeats on one does not count that is so many times as far off their median as they
-# are in the median, and by this share of the range of the force. In the recordings published with
-# the paper the farthest is 7 times as far, by 6 %: that is rubber, and stays.
+# With three repeats or more, a repeat is dropped if its deviation from the median curve exceeds 5
+# times the median deviation and 10 % of the force range. In the recordings published with the
+# paper the largest deviation is 7 times the median and 6 %: that is rubber, and is kept.
 _REPEATS, _ODD, _ODD_SHARE = 3, 5.0, 0.1
 _NAMED_CELLS = re.compile(r"([12])unit")
 
 
 @dataclass(frozen=True, eq=False)
 class Series(ByValue):
-    """Repeats of one test.
+    """Repeats of one test: recordings, their baseline and the model of the tested chain.
 
     Attributes:
         name: configuration, number of bands, direction.
-        code: the configuration as its files call it.
+        code: the configuration, as in the file names.
         chain: the model of what was tested, one cell or two.
-        bands: how many bands each cell carried, where names leave it open; 1 for a design as it is.
+        bands: number of bands on each cell, where names leave it open; 1 for a design as given.
         unloading: whether the stroke falls.
-        baseline: runs of the same rig without a band; empty where there is none.
-        notes: what was used, dropped or odd.
+        baseline: runs of the same rig without a band; empty without a baseline.
+        notes: recordings that were used or dropped, and irregularities.
     """
 
     name: str
@@ -65,16 +65,16 @@ class Series(ByValue):
 
     @cached_property
     def curve(self) -> Curve:
-        """Mean of the repeats, strokes counted from state 0; without `damaged` ones."""
+        """Mean of the repeats without `damaged` ones, strokes counted from state 0."""
         sound = [run for run in self.recordings if run.source not in self.damaged]
         return mean_curve(sound, self.chain.full_stroke)
 
     @cached_property
     def damaged(self) -> dict[str, str]:
-        """Repeats that do not count for the mean, by source, and why.
+        """Repeats that are left out of the mean, by source, with the reason.
 
-        What alone is far off the median of three or more shows something else: a slipped band, a
-        jam.
+        A single repeat far from the median of three or more has another cause: a slipped band or
+        a jam.
         """
         if len(self.recordings) < _REPEATS:
             return {}
@@ -91,7 +91,7 @@ class Series(ByValue):
 
     @cached_property
     def baseline_curve(self) -> Curve | None:
-        """Mean of the baseline; None where there is none."""
+        """Mean of the baseline; None without a baseline."""
         return mean_curve(self.baseline, self.chain.full_stroke) if self.baseline else None
 
     @property
@@ -107,31 +107,31 @@ class Series(ByValue):
 
     @cached_property
     def path(self) -> Path:
-        """What the chain does over the full stroke, the way of the recordings."""
+        """Path of the chain over the full stroke, in the direction of the recordings."""
         return path_of(self.chain, self.unloading)
 
     @property
     def quiet(self) -> list[tuple[float, float]]:
-        """Strokes at the ends between which the rig shows, and not the mechanism [m]."""
+        """Ranges of stroke at both ends where the force is that of the rig [m]."""
         return quiet_zones(self.chain.full_stroke, self.unloading)
 
     def placed(self, run: Recording) -> Floats:
-        """Strokes of one of the runs, counted from state 0 [m]."""
+        """Strokes of a run, counted from state 0 [m]."""
         return from_zero(run, self.chain.full_stroke)
 
     def net(self, stroke: Floats, force: Floats) -> Floats:
         """Forces (n,) less the baseline's [N], at strokes (n,) from state 0 on [m].
 
-        A weight in the design of a single cell is in its model, and stays in.
+        The model of a single cell contains the weight of its design, so that weight is kept.
         """
         base = self.baseline_curve
         if base is None:
             return force
-        kept = carried(self.chain.levers[0], stroke) if len(self.chain) == 1 else 0.0
-        return force - base.at(stroke) + kept
+        weight = carried(self.chain.levers[0], stroke) if len(self.chain) == 1 else 0.0
+        return force - base.at(stroke) + weight
 
     def judged(self) -> Bools:
-        """Which strokes of the mean curve of one cell count (n,)."""
+        """Mask (n,) of the judged strokes in the mean curve of one cell."""
         return judged(self.curve.stroke, self.quiet)
 
     def __repr__(self):
@@ -140,14 +140,14 @@ class Series(ByValue):
 
 @dataclass(frozen=True, eq=False)
 class Sorted(ByValue):
-    """All series of a batch in the order of their files, and a line for whatever is in none."""
+    """All series of a batch in the order of their files, and a note for each unused recording."""
 
     series: tuple[Series, ...]
     notes: tuple[str, ...]
 
 
 def geometry_of(cell: Cell) -> Geometry:
-    """d = q - p of a cell [m], equal where it is the same."""
+    """d = q - p of a cell [m], rounded so that equal geometries compare equal."""
     dx, dy = cell.bands[0].d
     return round(dx, 9), round(dy, 9)
 
@@ -179,20 +179,19 @@ def sort_series(
 ) -> Sorted:
     """Sort recordings into series.
 
-    A name such as 1unit_MLT_3 or 2unit_TMTBM_5 gives the anchors; the design of as many cells gives
-    all else, or the paper's cell where there is no such design. How many bands were on is not in
-    the names: it is judged from the force, against that of one band and of the other runs. A name
-    that says nothing needs one design, which then holds as it is.
+    A name such as 1unit_MLT_3 or 2unit_TMTBM_5 gives the anchors. The design with that number of
+    cells gives the rest; without one, the paper's cell does. Names do not contain the number of
+    bands: it is estimated from the force. Other names need one design, which is used unchanged.
 
     Args:
         recordings: loading or unloading tests, baselines and others among them.
-        designs: what was tested, or what the names leave open.
-        baseline: runs without a band; by default those whose name says so, from the same folder
-            where possible, with about the same stroke and the same direction. Empty for none.
-        as_designed: take the design as it is, whatever names say.
+        designs: the tested chains, or what the names leave open.
+        baseline: runs without a band; empty for none. By default they are found by name, with about
+            the same stroke and the same direction, from the same folder where possible.
+        as_designed: use the design unchanged and ignore the names.
 
     Raises:
-        LabError: there is no series, or more than one design for recordings that do not say which.
+        LabError: there is no series, or several designs for recordings without a configuration.
     """
     own = [r for r in recordings if recorded.is_baseline(r.name)] if baseline is None else baseline
     own = [part for recording in own for part in _parts(recording)]
@@ -215,7 +214,7 @@ def sort_series(
 def _grouped(
     recordings: Sequence[Recording], designs: Sequence[Chain], as_designed: bool
 ) -> tuple[dict[tuple[str, str, bool], list[Recording]], list[str]]:
-    """The halves of recordings by folder, stem and direction, and why others are left out."""
+    """Halves of recordings by folder, stem and direction, and reasons for the ones left out."""
     groups: dict[tuple[str, str, bool], list[Recording]] = defaultdict(list)
     notes: list[str] = []
     tension: dict[str, int] = defaultdict(int)
@@ -225,12 +224,12 @@ def _grouped(
         if nameless and TENSION_TEST.search(recording.name):
             tension[recording.group] += 1
         elif nameless and _NAMED_CELLS.match(recording.name):
-            notes.append(f"{recording.source}: left out, the letters of its name are not known")
+            notes.append(f"{recording.source}: left out, its name has unknown letters")
         elif nameless and not designs:
-            why = "its name tells no configuration: give a design"
+            why = "its name contains no configuration: give a design"
             notes.append(f"{recording.source}: left out, {why}")
         elif setup is not None and setup.marked:
-            notes.append(f"{recording.source}: left out, its name marks it {setup.marked!r}")
+            notes.append(f"{recording.source}: left out, it is marked {setup.marked!r} in its name")
         elif why := unusable(recording):
             notes.append(f"{recording.source}: left out, {why}")
         else:
@@ -244,7 +243,7 @@ def _grouped(
 def _baseline_lines(
     series: Sequence[Series], own: Sequence[Recording], gaps: dict[str, str]
 ) -> list[str]:
-    """What is odd about the baselines of series, and which baselines no series uses."""
+    """Irregularities of the baselines of series, and baselines that no series uses."""
     families = {tuple(run.source for run in one.baseline): one.baseline for one in series}
     odd = [f"baseline {line}" for runs in families.values() for line in _odd_lines(runs, gaps)]
     taken = {recording.source for one in series for recording in one.baseline}
@@ -255,7 +254,7 @@ def _baseline_lines(
 
 
 class _Group(NamedTuple):
-    """Runs of one stem and one direction, what their names say, and all baselines."""
+    """Runs of one stem and one direction, the setup in their names, and all baselines."""
 
     stem: str
     setup: Setup | None
@@ -265,7 +264,7 @@ class _Group(NamedTuple):
     gaps: dict[str, str]
 
     def base(self, run: Recording) -> list[Recording]:
-        """The family of baselines that fits best: same direction, about the same stroke."""
+        """The best matching group of baselines: same direction, about the same stroke."""
         span = float(np.ptp(run.stroke))
         families: dict[tuple[str, str], list[Recording]] = defaultdict(list)
         for other in self.baselines:
@@ -313,26 +312,26 @@ class _Group(NamedTuple):
 
 
 def _series(group: _Group, designs: Sequence[Chain]) -> tuple[list[Series], list[str]]:
-    """The series of one stem, and a line for every run that is in none."""
+    """Series of one stem, and a note for every unused run."""
     if group.setup is not None:
         return _series_of_names(group, group.setup, designs)
     if len(designs) != 1:
         raise LabError(
             group.runs[0].source,
-            f"its name tells no configuration, and {len(designs)} designs are given: give the "
-            f"one that was tested.",
+            f"its name contains no configuration, and {len(designs)} designs are given: give only "
+            f"the tested design.",
         )
     whole, left_out = _over_stroke(group.runs, designs[0])
     if not whole:
         return [], left_out
-    notes, base = ["configuration: as the design says"], group.base(whole[0])
+    notes, base = ["configuration: that of the design"], group.base(whole[0])
     return [group.series(group.stem, designs[0], 1, whole, base, notes)], left_out
 
 
 def _series_of_names(
     group: _Group, setup: Setup, designs: Sequence[Chain]
 ) -> tuple[list[Series], list[str]]:
-    """The series of one stem whose names give the anchors, one for each count of bands."""
+    """Series of one stem with anchors in its names, one for each number of bands."""
     cells = [
         cell.with_anchors(p, q)
         for cell, (p, q) in zip(_template(len(setup.anchors), designs), setup.anchors, strict=True)
@@ -342,8 +341,8 @@ def _series_of_names(
         listed = ", ".join(map(str, slack))
         rather = _best_anchor_text(cells, slack[0] - 1, group.unloading, group.runs)
         return [], [
-            f"{run.source}: left out, by its name p and q of cell {listed} are one point, where a "
-            f"band pulls nowhere{rather}: rename the file, or give the design and --as-designed"
+            f"{run.source}: left out, by its name p and q of cell {listed} coincide, so a band has "
+            f"no effect{rather}: rename the file, or give the design and --as-designed"
             for run in group.runs
         ]
     runs, left_out = _over_stroke(group.runs, Chain(cells))
@@ -360,21 +359,21 @@ def _series_of_names(
 
 
 def _band_lines(bands: int, ratio: float) -> list[str]:
-    """How many bands were judged to be on, by the force over that of one, and what is doubtful."""
-    lines = [f"{counted(bands, 'band')}, judged from the force: {ratio:.2f} times that of one"]
+    """Notes on the number of bands, estimated from the force over that of one band."""
+    lines = [f"{counted(bands, 'band')}, estimated from the force: {ratio:.2f} times that of one"]
     if ratio < 0:
-        lines.append("it pushes where the model pulls: check the sign of the force")
+        lines.append("the force pushes where the model pulls: check the sign of the force")
     for other, most in ((bands - 1, bands - 1), (bands + 1, bands)):
         # Near where one more or one less would be taken.
         if other and abs(ratio / (_STRONG * most) - 1.0) < _NEAR_BOTH:
-            lines.append(f"{counted(other, 'band')} may be too: check how many were on")
+            lines.append(f"{counted(other, 'band')} is possible too: check how many were mounted")
     if 0 <= ratio < _WEAK:
-        lines.append("that is weak for a band: check which one was on")
+        lines.append("that is weak for a band: check which band was mounted")
     return lines
 
 
 def _best_anchor_text(cells: list[Cell], odd: int, unloading: bool, runs: list[Recording]) -> str:
-    """Where the forces say that q of a cell is, among the places that names can say."""
+    """Text on the anchor q of a cell that fits the forces best, of all that names can encode."""
     chain = Chain(cells)
     usable = [run for run in _over_stroke(runs, chain)[0] if not unusable(run)]
     if not usable:
@@ -398,15 +397,15 @@ def _best_anchor_text(cells: list[Cell], odd: int, unloading: bool, runs: list[R
     one, other = (f"({to_unit(x, 'mm'):g}, {to_unit(y, 'mm'):g})" for x, y in (at, beside))
     times = next_best / max(best, 1e-9)
     if times < LEAST_ERROR_RATIO:
-        return f" (its forces may be those of q at {one} or at {other} mm, {times:.2f} to 1)"
+        return f" (its forces fit q at {one} or at {other} mm, {times:.2f} to 1)"
     return (
-        f" (its forces are those of q at {one} mm, which leaves {best:.2g} N; the next, {other}, "
-        f"leaves {times:.3g} times as much)"
+        f" (its forces fit q at {one} mm best, with an error of {best:.2g} N; the next, {other}, "
+        f"has {times:.3g} times that error)"
     )
 
 
 def _over_stroke(runs: list[Recording], chain: Chain) -> tuple[list[Recording], list[str]]:
-    """The runs that go over about the stroke of a chain, and a line for each of the others."""
+    """Runs over about the full stroke of a chain, and a note for each other run."""
     full = chain.full_stroke
     covering: list[tuple[Recording, float]] = []
     notes: list[str] = []
@@ -434,7 +433,7 @@ def _over_stroke(runs: list[Recording], chain: Chain) -> tuple[list[Recording], 
 
 
 def _ratio(series: Series, run: Recording) -> float:
-    """How many times the force of the model a run shows, by least squares."""
+    """Force of a run over the force of the model, by least squares."""
     stroke = from_zero(run, series.chain.full_stroke)
     force = series.net(stroke, run.force)
     # Several cells follow one path for all runs.
@@ -445,7 +444,7 @@ def _ratio(series: Series, run: Recording) -> float:
 
 
 def _by_bands(runs: list[tuple[float, Recording]]) -> list[tuple[int, list[Recording], float]]:
-    """How many bands make runs at most 1.4 times the model's, the runs, their median ratio."""
+    """Groups of runs by number of bands: the number, the runs, their median force ratio."""
     ordered = sorted(runs, key=lambda one: natural(one[1].source))
     groups = grouped((max(1, math.ceil(one[0] / _STRONG)), one) for one in ordered)
     return [
@@ -464,14 +463,14 @@ def _template(count: int, designs: Sequence[Chain]) -> tuple[Cell, ...]:
     if len(fitting) > 1:
         raise LabError(
             "designs",
-            f"{len(fitting)} of them have {counted(count, 'cell')}: give one, and file names say "
-            f"the anchors; or compare each design with its own recordings.",
+            f"{len(fitting)} of them have {counted(count, 'cell')}: give one design, with the "
+            f"anchors in the file names; or compare each design with its own recordings.",
         )
     return fitting[0].levers if fitting else (paper_cell(),) * count
 
 
 def _parts(recording: Recording) -> list[Recording]:
-    """The recording, cut at its turning points."""
+    """Parts of the recording between its turning points."""
     return [
         replace(
             recording, time=recording.time[h], stroke=recording.stroke[h], force=recording.force[h]
@@ -481,7 +480,7 @@ def _parts(recording: Recording) -> list[Recording]:
 
 
 def _odd_lines(repeats: Sequence[Recording], gaps: dict[str, str]) -> list[str]:
-    """What is odd about repeats, a line for each thing with the names it is true of."""
+    """Irregularities of repeats, one line each, with the names of the affected runs."""
     beside = grouped([*gaps.items(), *unlike(repeats)])
     names_of = grouped(
         (line, run.name)

@@ -1,4 +1,4 @@
-"""Jumps in a recording, and which of them are the snaps that theory tells of."""
+"""Jumps in a recording, and the predicted snaps that match them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,25 +10,24 @@ from stepwell.lab.recordings.recording import Recording, without_spikes
 from stepwell.lab.rig import judged
 from stepwell.statics import Event
 
-# Means over 0.1 s before and after, 0.12 s apart: snaps of the paper's rig take 40 to 80 ms. What
-# the force does there anyway is seen over 2 s. Faster recordings are averaged to this rate first;
-# of slower ones a mean is one sample.
+# A jump is the difference of two means over 0.1 s, 0.12 s apart: snaps of the paper's rig take 40
+# to 80 ms. The trend over 2 s is subtracted. Faster recordings are averaged to 50 Hz first. In
+# slower ones a mean is one sample.
 _MEAN, _GAP, _COURSE, _RATE = 0.1, 0.06, 2.0, 50.0
-# Of samples: what the course needs at least, steps that make a hole, and the rate of a recording
-# without time.
+# Least number of samples of the trend, time steps that make a gap, and assumed rate without time.
 _LEAST_COURSE, _HOLE, _TIMELESS = 21, 3.0, 50.0
 SIGMAS = 8.0
 SHARE = 0.03  # of the range of the force
 # A measured jump is a snap if it has the sign of the predicted one and about its size: rubber and
 # friction change it, and a slip within a cell is smaller.
 _SIZES = (0.3, 3.0)
-# How far from where it is predicted a snap counts as much as by how many times its size is off [m].
+# Distance from the predicted stroke [m] that weighs as much as a factor e in the size of the jump.
 _FAR = 5e-3
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredSnap(ByValue):
-    """A jump of the force: where [m], and force after less force before [N], in recorded order."""
+    """A jump of the force: stroke [m], and force after less force before [N] in recorded order."""
 
     stroke: float
     jump: float
@@ -45,20 +44,20 @@ def find_snaps(
 ) -> tuple[MeasuredSnap, ...]:
     """Jumps of the force (n,) [N] along a recording of strokes (n,) [m], in its order.
 
-    A jump counts if it is over 8 robust standard deviations of such differences and over 3 % of
-    the range of the force. Across a hole in time nothing can be told, so there is no jump.
+    A jump counts above 8 robust standard deviations of such differences and above 3 % of the range
+    of the force. No jump is reported across a gap in time.
 
     Args:
-        quiet: strokes between which a jump is no snap [m]: where the rig takes up its slack or one
-            cell hands over to the next.
-        time: (n,) of the samples [s]; by default they are 20 ms apart, as test machines write.
+        quiet: ranges of stroke in which jumps are ignored [m]: slack of the rig, and the handover
+            from one cell to the next.
+        time: (n,) of the samples [s]; by default in steps of 20 ms, as test machines record.
     """
     from scipy.ndimage import median_filter
 
     force = without_spikes(force)
     rate, hole = _clock(time, len(force))
     averaged = max(1, int(rate / _RATE))
-    if averaged > 1:  # What is left at the end is left out.
+    if averaged > 1:  # An incomplete last block is left out.
         blocks = len(force) // averaged * averaged
         parts = [one[:blocks].reshape(-1, averaged) for one in (stroke, force, hole)]
         stroke, force = (np.mean(part, axis=1) for part in parts[:2])
@@ -73,7 +72,7 @@ def find_snaps(
     at = np.arange(reach, n - reach)
     before = (total[at - gap] - total[at - reach]) / mean
     after = (total[at + reach] - total[at + gap]) / mean
-    # Less what the force does there anyway, over a stretch that no snap fills.
+    # The trend is subtracted, over a range that no snap fills.
     jump = after - before
     jump = jump - median_filter(jump, min(course, len(jump) - 1 + len(jump) % 2), mode="nearest")
     noise = 1.4826 * float(np.median(np.abs(jump)))
@@ -93,7 +92,7 @@ def find_snaps(
 def matched(
     jumps: Sequence[MeasuredSnap], predicted: Sequence[Event]
 ) -> tuple[MeasuredSnap | None, ...]:
-    """For every predicted snap the jump of its sign and size near it, no jump twice; or None."""
+    """For every predicted snap the nearest unused jump of its sign and size, or None."""
     left = list(jumps)
     matches: list[MeasuredSnap | None] = []
     for event in predicted:
@@ -109,19 +108,19 @@ def matched(
 
 
 def samples_of_jump(time: Floats | None) -> float:
-    """How many samples of a recording lie between the two means that tell a jump."""
+    """Number of samples between the two means that define a jump."""
     rate, _ = _clock(time, 0 if time is None else len(time))
     return max(2.0, 2.0 * _GAP * rate)
 
 
 def holes_of(recording: Recording) -> int:
-    """How many samples are missing between two that follow each other, in all holes."""
+    """Number of samples missing in all gaps of a recording."""
     rate, hole = _clock(recording.time, len(recording))
     return int(np.sum(np.round(np.diff(recording.time)[hole[1:]] * rate) - 1))
 
 
 def _clock(time: Floats | None, n: int) -> tuple[float, Bools]:
-    """Samples a second, and (n,) whether there is a hole before a sample."""
+    """Sampling rate [Hz], and mask (n,) of the samples after a gap."""
     steps = np.diff([] if time is None else time)
     usual = float(np.median(steps)) if len(steps) else 0.0
     if not usual > 0:

@@ -23,16 +23,16 @@ _ROWS = 13
 
 
 def band_table(band_fit: BandFit, source: str = "") -> str:
-    """The `band` line of a design file, and above it in comments where it comes from.
+    """The `band` line of a design file, with its provenance in comments above it.
 
-    `source` is what the recordings are called. TOML to paste into [chain] or [[chain.cell]]; the
-    rest length is left out where it is not known, and a comment says so.
+    `source` is the name of the recordings. The result is TOML to paste into [chain] or
+    [[chain.cell]]. An unknown rest length is left out, with a comment.
     """
     gauge, keys, comments = band_fit.choice.gauge, _keys(band_fit), _provenance(band_fit, source)
     if gauge is None:
         comments += [
-            "rest_length_mm is not here: the recordings do not tell it. A design without it takes",
-            "10 mm; measure the length at which your band begins to pull, and write it in.",
+            "rest_length_mm is left out: the recordings do not identify it. The default is 10 mm;",
+            "measure the length at which your band begins to pull, and add it here.",
         ]
     else:
         keys = {"rest_length_mm": to_unit(gauge + band_fit.written.fitted.onset, "mm")} | keys
@@ -40,7 +40,7 @@ def band_table(band_fit: BandFit, source: str = "") -> str:
 
 
 def band_line(keys: Mapping[str, float | list[list[float]]]) -> str:
-    """The line `band = { … }` of a design file, from numbers and rows of a table by their keys."""
+    """The line `band = { … }` of a design file, from values and table rows by key."""
     return f"band = {{ {', '.join(f'{key} = {_text(value)}' for key, value in keys.items())} }}\n"
 
 
@@ -76,12 +76,12 @@ def _provenance(band_fit: BandFit, source: str) -> list[str]:
         interval = "one sample and too few readings: its uncertainty is not known"
     else:
         interval = (
-            f"this band 95 % {alone.stiffness.low:.4g} to {alone.stiffness.high:.4g}; of others, "
-            f"one sample tells nothing"
+            f"this band 95 % {alone.stiffness.low:.4g} to {alone.stiffness.high:.4g}; one "
+            f"sample gives no interval for other bands"
         )
     tried = f"predicts a {choice.folds} left out to {to_unit(candidate.score, 'mN'):.3g} mN"
     if choice.folds == NOTHING:
-        tried = "was tried on no other curve"
+        tried = "was not tested on another curve"
     lengths: list[str] = []
     if alone is not None and alone.rest_length is not None and candidate is choice.chosen:
         length = [to_unit(edge, "mm") for edge in alone.rest_length]
@@ -93,18 +93,18 @@ def _provenance(band_fit: BandFit, source: str) -> list[str]:
         f"Samples {', '.join(map(str, test.samples))}, cycles {test.cycles[0]} to "
         f"{test.cycles[1]}, loading, {low:.5g} to {high:.5g} mm of stroke.",
         f"Straight line: k = {estimate.value:.5g} N/m ({interval}).",
-        f"This is the {candidate.law.name} law: it leaves "
+        f"This is the {candidate.law.name} law: its RMSE is "
         f"{to_unit(candidate.fitted.rmse, 'mN'):.3g} mN, and {tried}.",
         *lengths,
-        f"It was seen at {ends} to {high - to_unit(candidate.fitted.onset, 'mm'):.3g} mm only.",
+        f"It was measured at {ends} to {high - to_unit(candidate.fitted.onset, 'mm'):.3g} mm only.",
     ]
 
 
 def calibrated_table(calibration: Calibration, source: str = "") -> str:
-    """The `band` line of a design file for each number of bands, the first of them ready to use.
+    """The `band` line of a design file for each number of bands; all but the first in comments.
 
-    `source` is what the recordings are called. In comments are provenance, errors, what a design
-    cannot hold, the lines but the first, and the weight and the friction that cells of pairs carry.
+    `source` is the name of the recordings. Other comments give provenance, errors, quantities
+    without a key in a design file, and the weight and friction of cells in pairs.
     """
     loss, length = calibration["loss"], calibration["loss_length"]
     friction, rest = calibration["friction"], calibration["rest_length"]
@@ -120,15 +120,15 @@ def calibrated_table(calibration: Calibration, source: str = "") -> str:
         f"Rest length between the anchors {to_unit(rest.value, 'mm'):.3g} mm "
         f"({to_unit(rest.low, 'mm'):.3g} to {to_unit(rest.high, 'mm'):.3g}); from series to series "
         f"bands differ by {calibration.scatter:.1%} (standard deviation).",
-        f"Not in this table: going back, a band pulls less by {loss.value:.0%} "
+        f"Not in this table: in unloading, a band pulls less by {loss.value:.0%} "
         f"({loss.low:.0%} to {loss.high:.0%}), reached over {to_unit(length.value, 'mm'):.2g} mm; "
         f"friction beyond the baseline {to_unit(friction.value, 'mN'):.2g} mN "
         f"({to_unit(friction.low, 'mN'):.2g} to {to_unit(friction.high, 'mN'):.2g}).",
     ]
     if calibration.tied:
         pairs = ", ".join(f"{a} and {b} ({c:+.2f})" for a, b, c in calibration.tied[:4])
-        comments.append(f"These numbers are not told apart by the data: {pairs}.")
-    comments += [f"Not told: {line}." for line in calibration.open]
+        comments.append(f"The data do not identify these numbers separately: {pairs}.")
+    comments += [f"Not identified: {line}." for line in calibration.open]
     text = "".join(f"# {line}\n" for one in comments for line in wrap(one, 98))
     for k, (bands, pair) in enumerate(calibration.kinds):
         value = calibration[rubber_name(bands, pair)]
@@ -172,14 +172,15 @@ def _calibrated_keys(calibration: Calibration, bands: int, pair: bool) -> dict[s
 
 
 _POINTS, _TENSION_ROWS = 201, 25
-_TAUT = 0.02  # of the largest force, below which a band counts as slack
+_TAUT = 0.02  # fraction of the largest force below which a band is slack
 
 
 def tension_tables(recordings: Iterable[Recording]) -> dict[str, Table]:
-    """The law of each set of tension tests: the mean loading curve of its usual bands.
+    """Law of each set of tension tests: the mean loading curve of its usual bands.
 
-    By the name of a folder of tests, which their names tell, or of the run where bands are not of
-    one kind: tension over the stiffness at the largest extension. What gives no band is left out.
+    The key is the name of the folder, or that of the run if its folder holds bands of several
+    kinds. Tension is scaled by the stiffness at the largest extension. Files that contain no
+    usable band test are left out.
     """
     tests = (r for r in recordings if setup_of(r.name) is None and TENSION_TEST.search(r.name))
     tables: dict[str, Table] = {}
@@ -188,7 +189,7 @@ def tension_tables(recordings: Iterable[Recording]) -> dict[str, Table]:
         try:
             table = _table(runs)
         except LabError:
-            # Bands of several kinds, or a run that cannot be used: each by itself.
+            # Bands of several kinds, or an unusable run: try each run separately.
             for run in runs:
                 with suppress(LabError):
                     tables[run.name] = _table([run])
@@ -198,7 +199,7 @@ def tension_tables(recordings: Iterable[Recording]) -> dict[str, Table]:
 
 
 def _table(runs: Sequence[Recording]) -> Table:
-    """The mean loading curve of the usual bands, from where they are taut to where all reach."""
+    """Mean loading curve of the usual bands, from the onset of tension to the common reach."""
     test = band_test(runs)
     reach = min(float(np.max(loop.stroke)) for loop in test.used)
     test = replace(test, window=(0.0, reach))

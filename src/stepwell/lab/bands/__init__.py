@@ -1,1 +1,1 @@
-"""Tension tests of bands, the laws they follow, and the bands they become."""
+"""Tension tests of bands, force laws, and calibrated bands."""

@@ -1,4 +1,4 @@
-"""Tension tests of bands: which samples and cycles, how stiff, how much of the work is lost."""
+"""Tension tests of bands: samples and cycles, stiffness, hysteresis loss."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -16,22 +16,22 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _Loops = Sequence[halves.Hysteresis]
-# Of the largest force, a rise over the stroke that is none.
+# Fraction of the largest force below which a rise over the stroke counts as zero.
 _NO_RISE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class BandTest(ByValue, Drawn):
-    """Tension tests of bands of one kind, and what of them is used.
+    """Tension tests of bands of one kind, with the samples and cycles in use.
 
     Attributes:
         loops: every cycle of every sample that is not left out.
-        window: stroke between which bands are fitted [m].
-        cycles: first and last cycle that is fitted.
-        notes: which files were used, which dropped and why, and what is odd.
-        gauge: mean length at stroke 0 [m], where the files hold that of the bands; else None.
-        apart: sample and cycle of what is of another kind than most, and not used.
-        warnings: what to know before anything else.
+        window: range of stroke for the fit [m].
+        cycles: first and last cycle for the fit.
+        notes: files that were used or dropped, with reasons, and irregularities.
+        gauge: mean length at stroke 0 [m] if the files contain the length of the bands, else None.
+        apart: sample and cycle of runs of another kind than most, which are not used.
+        warnings: of bands of several kinds and of probable unit errors.
     """
 
     loops: tuple[halves.Hysteresis, ...] = field(repr=False)
@@ -44,12 +44,12 @@ class BandTest(ByValue, Drawn):
 
     @property
     def samples(self) -> tuple[int, ...]:
-        """The samples that are used."""
+        """Numbers of the samples in use."""
         return tuple(sorted({loop.sample for loop in self.used}))
 
     @property
     def used(self) -> tuple[halves.Hysteresis, ...]:
-        """The cycles that are fitted."""
+        """Cycles in the fit."""
         first, last = self.cycles
         return tuple(
             loop
@@ -58,7 +58,7 @@ class BandTest(ByValue, Drawn):
         )
 
     def curve(self, sample: int, points: int = 61) -> tuple[Floats, Floats]:
-        """Mean loading curve of a sample inside the window, at so many points.
+        """Mean loading curve of a sample inside the window, with this number of points.
 
         Strokes (points,) [m] and forces (points,) [N], each the mean over a strip around it.
         """
@@ -76,9 +76,9 @@ class BandTest(ByValue, Drawn):
         return _inside([loop for loop in self.used if loop.sample == sample], window)
 
     def steps_of(self, sample: int) -> tuple[float, float]:
-        """In which stroke [m] and force [N] the points of `curve` are told; 0 for no step.
+        """Resolution of stroke [m] and force [N] of the points of `curve`; 0 if unknown.
 
-        A mean of many readings is told better than one of them.
+        A mean of many readings has a finer resolution than one reading.
         """
         loops = [loop for loop in self.used if loop.sample == sample]
         means = len(self.samples_of(sample, self.window)[0]) / len(self.curve(sample)[0])
@@ -101,29 +101,29 @@ def band_test(
     drop: Iterable[int] = (),
     cycles_per_sample: int | None = None,
 ) -> BandTest:
-    """Sort tension tests into samples and cycles, and say what is used.
+    """Sort tension tests into samples and cycles, and select those for the fit.
 
-    Samples are told apart by names such as Samp2_45mm_7; where names only count through, by
-    `cycles_per_sample`; else all files of one stem are one sample. Bands of another kind than most
-    are not used, and warned of.
+    Samples are identified by names such as Samp2_45mm_7. If names are only numbered, they are
+    identified by `cycles_per_sample`, else all files of one stem are one sample. Bands of another
+    kind than most are not used, with a warning.
 
     Args:
         recordings: tension tests, each one or more cycles long.
-        window: stroke between which bands are fitted [m]; the paper's 5 to 35 mm by default, or
-            where a stroke does not reach over them or they hold few readings, all that is taut.
-        cycles: first and last cycle that is fitted, from 1; the paper's 5 to 9 by default, or where
-            a sample has none of them, all but the first.
+        window: range of stroke for the fit [m]; by default the paper's 5 to 35 mm, or all strokes
+            in tension if a recording does not cover these or has few readings in them.
+        cycles: first and last cycle for the fit, from 1; by default the paper's 5 to 9, or all but
+            the first if a sample has none of these.
         drop: numbers of samples to leave out.
-        cycles_per_sample: how many files in a row are of one sample.
+        cycles_per_sample: number of consecutive files of one sample.
 
     Raises:
-        LabError: nothing is left, a sample does not reach over the window, or no kind of band is
-            in the majority.
+        LabError: no cycle is left, a sample does not cover the window, or no kind of band is in the
+            majority.
     """
     if window is not None and not 0 <= window[0] < window[1]:
-        raise LabError("window", f"{_mm(window)} mm: must be two strokes that rise from 0 on.")
+        raise LabError("window", f"{_mm(window)} mm: must be two rising strokes >= 0.")
     if cycles is not None and not 1 <= cycles[0] <= cycles[1]:
-        raise LabError("cycles", f"{cycles[0]} to {cycles[1]}: must rise from 1 on.")
+        raise LabError("cycles", f"{cycles[0]} to {cycles[1]}: must be two rising numbers >= 1.")
     loops, gauge, notes = halves.loops_of(recordings, set(drop), cycles_per_sample)
     other_cycles = other_window = ""
     if cycles is None:
@@ -139,7 +139,7 @@ def band_test(
         if math.isnan(k):
             raise LabError(
                 f"sample {sample}",
-                f"holds fewer than 2 readings of a taut band between {_mm(test.window)} mm of "
+                f"has fewer than 2 readings of a band in tension between {_mm(test.window)} mm of "
                 f"stroke: pass another window, or drop it.",
             )
     adapted = filter(None, (other_cycles, other_window))
@@ -147,13 +147,13 @@ def band_test(
 
 
 def _apart(test: BandTest) -> tuple[frozenset[tuple[int, int]], tuple[str, ...]]:
-    """Sample and cycle of runs of another kind than most, and the warning of them."""
+    """Sample and cycle of runs of another kind than most, and warnings."""
     usual, *others = halves.kinds(_runs(test))
     if usual.stiffness <= 0:
         raise LabError(
             halves.listed([run.source for run in usual.runs]),
-            f"the force changes by {usual.stiffness:.3g} N/m of stroke: it must rise as the band "
-            f"gets longer. Look at the sign and at which column is which.",
+            f"the force changes by {usual.stiffness:.3g} N/m of stroke: it must rise as the "
+            f"band gets longer. Check the sign of the force and the names of the columns.",
         )
     slips = tuple(
         f"{slip} Check the units in the header."
@@ -174,13 +174,13 @@ def _apart(test: BandTest) -> tuple[frozenset[tuple[int, int]], tuple[str, ...]]
     apart = frozenset((run.sample, run.cycle) for other in others for run in other.runs)
     warning = (
         f"Not one kind of band: {usual.bands} of {bands} have about {usual.stiffness:.4g} N/m; "
-        f"not used: {differ}. Another kind, or a broken run: {advice}"
+        f"not used: {differ}. Another kind, or a damaged run: {advice}"
     )
     return apart, (warning, *slips)
 
 
 def _runs(test: BandTest) -> list[halves.LoadingRun]:
-    """The stiffness of every loading half that is used."""
+    """Stiffness of every loading half in use."""
     runs: list[halves.LoadingRun] = []
     for loop in test.used:
         stroke, force = _pulling([loop], test.window)
@@ -190,7 +190,7 @@ def _runs(test: BandTest) -> list[halves.LoadingRun]:
         if math.isnan(k):
             raise LabError(
                 loop.source,
-                f"holds fewer than 2 readings between {_mm(test.window)} mm of stroke: pass "
+                f"has fewer than 2 readings between {_mm(test.window)} mm of stroke: pass "
                 f"another window, or drop sample {loop.sample}.",
             )
         runs.append(halves.LoadingRun(loop.sample, loop.cycle, loop.source, k))
@@ -201,19 +201,18 @@ def _sorting_advice(usual: halves.AlikeRuns, others: list[halves.AlikeRuns]) -> 
     odd = {run.sample for other in others for run in other.runs}
     if whole := sorted(odd - {run.sample for run in usual.runs}):
         drop = " ".join(f"--drop {sample}" for sample in whole)
-        return f"leave out {drop}, or keep each kind in a folder of its own."
+        return f"leave out {drop}, or put each kind into a separate folder."
     return (
-        "keep each kind in a folder of its own, or tell samples apart by --cycles-per-sample and "
+        "put each kind into a separate folder, or separate the samples by --cycles-per-sample and "
         "leave some out by --drop."
     )
 
 
 def stiffness(test: BandTest) -> halves.Estimate:
-    """Stiffness k of the line through the window, loading, for the mean of the samples [N/m].
+    """Stiffness k of the line through the window in loading, for the mean of the samples [N/m].
 
-    The interval holds the mean of all bands of this kind in 95 % of such tests, if bands scatter
-    normally; it comes from the scatter between samples, which contains that of the cycles, and is
-    not known for one sample.
+    The 95 % interval is that of the mean of all bands of this kind, if they are normally
+    distributed. It follows from the scatter between samples, so it is unknown for one sample.
     """
     return halves.of_samples(
         {
@@ -224,9 +223,9 @@ def stiffness(test: BandTest) -> halves.Estimate:
 
 
 def stiffness_by_window(test: BandTest, step: float | None = None) -> "xr.DataArray":
-    """The same stiffness [N/m] over "start" and "end" of the window [m]; NaN below 2 steps.
+    """Stiffness [N/m] over "start" and "end" of the window [m]; NaN below 2 steps.
 
-    `step` is the distance of the edges [m]; about a ninth of the stroke by default.
+    `step` is the distance of the edges [m], by default about a ninth of the stroke.
     """
     need("tables")
     import xarray as xr
@@ -242,7 +241,7 @@ def stiffness_by_window(test: BandTest, step: float | None = None) -> "xr.DataAr
 
 
 def stiffness_grid(test: BandTest, step: float | None = None) -> tuple[Floats, Floats]:
-    """The edges of the windows [m], and k [N/m] from each to each, as `stiffness_by_window`."""
+    """Edges of the windows [m], and k [N/m] between each two, as in `stiffness_by_window`."""
     reach = min(float(np.max(loop.stroke)) for loop in test.used)
     if step is None:
         step = float(f"{max(reach, halves.REACH) / 9:.0e}")
@@ -255,9 +254,9 @@ def stiffness_grid(test: BandTest, step: float | None = None) -> tuple[Floats, F
 
 
 def hysteresis(test: BandTest) -> "xr.DataArray":
-    """Share of the loading work that is lost [1], used or not, over "sample" and "cycle".
+    """Lost fraction of the loading work [1] of all cycles over "sample" and "cycle".
 
-    NaN where there is no such cycle.
+    NaN for missing cycles.
     """
     need("tables")
     import xarray as xr
@@ -272,32 +271,32 @@ def hysteresis(test: BandTest) -> "xr.DataArray":
         {"sample": samples, "cycle": cycles},
         ("sample", "cycle"),
         "loss",
-        {"units": "1", "long_name": "share of the loading work that is lost"},
+        {"units": "1", "long_name": "lost fraction of the loading work"},
     )
 
 
 def _check_reach(test: BandTest) -> None:
-    """Refuse a test of which no cycle is used, or one does not reach over the window."""
+    """Raise LabError if no cycle is in use, or one does not cover the window."""
     if not test.used:
         have = sorted({loop.cycle for loop in test.loops})
         shown = f"cycles {have[0]} to {have[-1]}" if have else "no loading half at all"
         raise LabError(
             "band test",
-            f"cycles {test.cycles[0]} to {test.cycles[1]} are asked for and the recordings hold "
-            f"{shown}: pass the cycles to use, and how many files are of one sample.",
+            f"cycles {test.cycles[0]} to {test.cycles[1]} are requested and the recordings contain "
+            f"{shown}: pass the cycles to use, and the number of files per sample.",
         )
     for loop in test.used:
         low, high = float(np.min(loop.stroke)), float(np.max(loop.stroke))
         if low > test.window[0] + halves.REACH or high < test.window[1] - halves.REACH:
             raise LabError(
                 loop.source,
-                f"its stroke of {_mm((low, high))} mm does not reach over the window of "
+                f"its stroke of {_mm((low, high))} mm does not cover the window of "
                 f"{_mm(test.window)} mm: pass another window, or drop sample {loop.sample}.",
             )
 
 
 def _used_lines(test: BandTest) -> list[str]:
-    """Which cycles of each sample are used, a line for each."""
+    """Cycles in use of each sample, a line each."""
     lines: list[str] = []
     used = {(loop.sample, loop.cycle) for loop in test.used}
     for sample in sorted({loop.sample for loop in test.loops}):
@@ -324,7 +323,7 @@ def _inside(loops: _Loops, window: tuple[float, float]) -> tuple[Floats, Floats]
 
 
 def _pulling(loops: _Loops, window: tuple[float, float]) -> tuple[Floats, Floats]:
-    """The same where the band is taut."""
+    """Stroke [m] and force [N] inside a window where the band is in tension."""
     pairs = [(loop, halves.taut(loop.force, loop.steps[1])) for loop in loops]
     return _inside([replace(o, stroke=o.stroke[p], force=o.force[p]) for o, p in pairs], window)
 
@@ -334,7 +333,7 @@ def _slope(stroke: Floats, force: Floats) -> float:
         return math.nan
     off = stroke - np.mean(stroke)
     slope = float(off @ (force - np.mean(force)) / (off @ off))
-    # Forces that are all the same do not rise by the last bits of their mean.
+    # Rounding errors of a constant force are no slope.
     return slope if abs(slope) * np.ptp(stroke) > _NO_RISE * np.max(np.abs(force)) else 0.0
 
 

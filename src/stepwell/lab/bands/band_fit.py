@@ -1,4 +1,4 @@
-"""What tension tests show of bands: stiffness, its dependence on the window, losses, force laws."""
+"""Results of tension tests: stiffness, its dependence on the window, losses, force laws."""
 
 import math
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ from stepwell.lab.bands.halves import Estimate, of_samples
 
 
 class WindowStiffness(NamedTuple):
-    """The stiffness of the line from one stroke [m] to another one [N/m]."""
+    """Stiffness [N/m] of the line between two strokes [m]."""
 
     start: float
     end: float
@@ -19,7 +19,7 @@ class WindowStiffness(NamedTuple):
 
 
 class OneBand(NamedTuple):
-    """Readings of one band, its stiffness [N/m], and its rest length [m] if that is known."""
+    """Number of readings, stiffness [N/m] and, if known, rest length [m] of one band."""
 
     readings: int
     stiffness: Interval
@@ -28,14 +28,14 @@ class OneBand(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class BandFit(ByValue, Drawn):
-    """Tension tests with all that follows from them.
+    """Tension tests and their results.
 
     Attributes:
-        choice: the force laws that were tried.
-        written: the law that a design file gets.
+        choice: the compared force laws.
+        written: the law for a design file.
         stiffness: of the line through the window [N/m].
-        loss: share of the loading work that a cycle loses [1]; None where no cycle unloads.
-        alone: the one band that was tested; None for several.
+        loss: fraction of the loading work lost in a cycle [1]; None without unloading.
+        alone: result for a single tested band; None for several.
         windows: the stiffness in other windows.
     """
 
@@ -49,11 +49,12 @@ class BandFit(ByValue, Drawn):
 
 
 def fit_bands(test: BandTest, choice: Choice, law: str | None = None) -> BandFit:
-    """Stiffness, losses and force law of bands; a design file gets `law`, by default the chosen
-    one.
+    """Stiffness, losses and force law of bands; `law` is for the design file.
+
+    By default it is the chosen law.
 
     Raises:
-        ValueError: a law that is not known.
+        ValueError: the law is unknown.
     """
     known = {candidate.law.name: candidate for candidate in choice.candidates}
     if law is not None and law not in known:

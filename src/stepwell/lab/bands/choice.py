@@ -1,4 +1,4 @@
-"""Which force law to believe: what one curve tells, and what predicts a band not seen."""
+"""Selection of a force law, by a criterion for one curve or by prediction of other bands."""
 
 import math
 from collections.abc import Sequence
@@ -13,17 +13,16 @@ from stepwell.lab.bands.halves import REACH, Estimate, of_samples, student, taut
 from stepwell.lab.bands.laws import LAWS, Fitted, ForceLaw, fit
 from stepwell.lab.recordings.curve import rms
 
-# A load cell or a scale is true to about this share of its largest reading: what a law leaves below
-# it, drift leaves too.
+# Accuracy of a load cell or a scale over its largest reading: smaller residuals may be drift.
 ACCURACY = 0.002
-# A difference of the criterion up to this is not worth a further number (Kass & Raftery 1995).
+# A larger difference of the criterion justifies a further number (Kass & Raftery 1995).
 WORTH = 2.0
-_FEW = 8  # readings, too few to tell whether neighbours err alike
-_STEP = 1e-6  # of the strokes, for slopes by differences
+_FEW = 8  # readings, too few to estimate the correlation of neighbours
+_STEP = 1e-6  # step of the stroke for finite differences
 
 
 class Interval(NamedTuple):
-    """A number with its 95 % interval; NaN where nothing is known of it."""
+    """A number with its 95 % interval; NaN if unknown."""
 
     value: float
     low: float
@@ -31,7 +30,7 @@ class Interval(NamedTuple):
 
 
 def independent(left: Floats) -> float:
-    """How many independent readings a curve is worth, by what a law leaves of it, (n,) [N].
+    """Effective number of independent readings of a curve, from residuals (n,) of a law [N].
 
     Source: Bayley and Hammersley 1946, for a first-order autoregression of neighbours.
     """
@@ -40,16 +39,16 @@ def independent(left: Floats) -> float:
     power = float(off @ off)
     if n <= _FEW or power == 0:
         return float(n)
-    # Residuals of a fit are correlated by -1/n on average; three of them are gone in its numbers.
+    # Residuals of a fit are correlated by -1/n on average; 3/n corrects for three fitted numbers.
     alike = min(max(float(off[1:] @ off[:-1]) / power + 3.0 / n, 0.0), 0.98)
     return max(n * (1 - alike) / (1 + alike), 4.0)
 
 
 def criterion(left: Floats, numbers: int, worth: float, doubt: float) -> float:
-    """How badly a law explains a curve, by what it leaves (n,) [N]; less is better.
+    """Information criterion of a law for a curve, from its residuals (n,) [N]; less is better.
 
-    `doubt` is what a reading may be off whatever the law [N]. Few readings make a number dearer,
-    as in the criterion of Hurvich & Tsai 1989: by chance it explains more of them.
+    `doubt` is the uncertainty of a reading [N]. With few readings each number has a larger penalty,
+    as in the criterion of Hurvich & Tsai 1989, because it fits more of them by chance.
 
     Source: Schwarz 1978.
     """
@@ -60,7 +59,7 @@ def criterion(left: Floats, numbers: int, worth: float, doubt: float) -> float:
 
 
 def reading_doubt(fitted: Fitted, stroke: Floats, steps: tuple[float, float]) -> Floats:
-    """Standard deviation (n,) [N] of readings told in steps of stroke [m] and force [N]."""
+    """Rounding error (n,) [N] of readings with steps of stroke [m] and force [N]."""
     slope = (fitted.tension(stroke + _STEP) - fitted.tension(stroke - _STEP)) / (2 * _STEP)
     return np.hypot(steps[1], slope * steps[0]) / math.sqrt(12.0)
 
@@ -70,8 +69,8 @@ def intervals(
 ) -> tuple[Interval, Interval]:
     """Slope of the line through a curve [N/m] and onset of its law [m], with 95 % intervals.
 
-    They hold what this band has and others do not, by the scatter of its readings around the law
-    and the steps of stroke [m] and force [N] in which they are told (Student).
+    Student intervals for this band alone, from the scatter of its readings around the law and the
+    resolution `steps` of stroke [m] and force [N].
     """
     pulls = taut(force, steps[1])
     x = stroke[pulls] - np.mean(stroke[pulls])
@@ -84,15 +83,15 @@ def intervals(
     left = f - fitted.tension(u)
     worth = independent(left)
     spare = len(u) - slopes.shape[1]
-    # What neighbours leave alike still tells something, if little.
+    # Correlated residuals still contain some information.
     free = min(max(math.floor(worth) - slopes.shape[1], 1), spare)
     has_steps = any(steps)
     doubt = reading_doubt(fitted, u, steps) if has_steps else np.ones(len(u))
     scatter = float(np.sum((left / doubt) ** 2)) / spare
     if has_steps:
-        # Few readings can lie on the law by luck: what their digits tell counts as one more.
+        # Few readings can fit the law by chance: their resolution counts as one more residual.
         scatter = (free * scatter + 1.0) / (free + 1)
-    # As many readings as are independent, spread over the strokes as all of them are.
+    # For the number of independent readings, distributed over the strokes like all readings.
     wide = student(free + has_steps) * math.sqrt(scatter * len(u) / worth)
     scale = np.linalg.norm(slopes, axis=0)
     to_onset = np.linalg.pinv(slopes / scale)[0] / scale[0]
@@ -107,21 +106,21 @@ def _interval(value: float, error: float) -> Interval:
     return Interval(value, value - error, value + error)
 
 
-_SPARE = 2  # readings beyond its numbers, below which only the line is tried
+_SPARE = 2  # least number of readings beyond the numbers of a law; below it only the line is tried
 _LEAST_WORTH = 12
 NOTHING = "nothing"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Candidate(ByValue):
-    """A force law on trial, through the mean curve of all samples.
+    """A force law fitted to the mean curve of all samples, with its prediction errors.
 
     Attributes:
-        parameters: how many numbers it has.
-        predicted: RMSE of each fold that was left out [N].
-        estimates: each of its numbers with the interval that the scatter of the samples allows.
-        above_best: with one curve, its criterion above the least one; 0 for the best. NaN where
-            laws were tried on what was left out.
+        parameters: number of fitted numbers.
+        predicted: RMSE of each left-out fold [N].
+        estimates: each fitted number with its interval from the scatter of the samples.
+        above_best: for one curve, its criterion above the least one; 0 for the best. NaN if laws
+            were compared by left-out folds.
     """
 
     fitted: Fitted
@@ -132,7 +131,7 @@ class Candidate(ByValue):
 
     @property
     def law(self) -> ForceLaw:
-        """The family."""
+        """Family of the law."""
         return self.fitted.law
 
     @property
@@ -149,16 +148,15 @@ class Candidate(ByValue):
 
 @dataclass(frozen=True, eq=False)
 class Choice(ByValue):
-    """Force laws beside each other.
+    """Comparison of force laws, and the chosen one.
 
     Attributes:
         candidates: every law, fewest numbers first.
-        best: the one with the least prediction error.
-        chosen: the one with the fewest numbers among those as good as the best.
-        folds: what was left out in turn: "sample", or "cycle" where there is one sample, or
-            "nothing" where there is one curve.
-        gauge: length of the bands at stroke 0 [m]; None where it is not known.
-        worth: with one curve, how many independent readings it holds; else NaN.
+        best: the law with the least prediction error.
+        chosen: the law with the fewest numbers of those as good as the best.
+        folds: left out in turn: "sample", or "cycle" for one sample, or "nothing" for one curve.
+        gauge: length of the bands at stroke 0 [m]; None if unknown.
+        worth: for one curve, its effective number of independent readings; else NaN.
     """
 
     candidates: tuple[Candidate, ...]
@@ -174,11 +172,11 @@ class Choice(ByValue):
 
     @property
     def rest_length(self) -> float | None:
-        """ℓ0 [m] of the chosen law; None where the recordings cannot tell it."""
+        """ℓ0 [m] of the chosen law; None if the recordings do not identify it."""
         return None if self.gauge is None else self.gauge + self.chosen.fitted.onset
 
     def rest_length_reason(self, candidate: Candidate | None = None) -> str:
-        """What may be said of the rest length by a law, the chosen one by default."""
+        """Rest length by a law, the chosen one by default, or the reason why it is unknown."""
         onset = (candidate or self.chosen).fitted.onset
         if self.gauge is not None:
             return (
@@ -191,10 +189,10 @@ class Choice(ByValue):
             if c.law.needs_length
         )
         return (
-            f"The rest length cannot be identified from these recordings: they hold the "
-            f"displacement of the grips, not the length of the band. Give the length at stroke 0, "
-            f"to which an onset of {to_unit(onset, 'mm'):.4g} mm is added. (What the curvature "
-            f"alone would imply is no measurement: {implied}.)"
+            f"The rest length cannot be identified from these recordings: they contain the "
+            f"displacement of the grips, not the length of the band. Give the length at stroke 0; "
+            f"an onset of {to_unit(onset, 'mm'):.4g} mm is added to it. (The curvature alone "
+            f"implies values that are no measurement: {implied}.)"
         )
 
     @property
@@ -209,12 +207,12 @@ class Choice(ByValue):
             return (
                 f"Chosen: {self.chosen.law.name}, the fewest numbers that explain the one curve as "
                 f"well as any (Schwarz's criterion, {self.worth:.0f} independent readings, each "
-                f"true to {ACCURACY:.1%} of the largest force or its last digit): "
-                f"{', '.join(leaves)}. No law could be tried on another curve."
+                f"accurate to {ACCURACY:.1%} of the largest force or its last digit): "
+                f"{', '.join(leaves)}. No law could be tested on another curve."
             )
         return (
             f"Chosen: {self.chosen.law.name}, the fewest numbers within one standard error of the "
-            f"best ({self.best.law.name}), one {self.folds} being left out in turn."
+            f"best ({self.best.law.name}), leaving out one {self.folds} in turn."
         )
 
     def __repr__(self):
@@ -226,19 +224,19 @@ class Choice(ByValue):
 
 
 def choose_law(test: BandTest, gauge: float | None = None) -> Choice:
-    """Fit every force law that has readings enough, and choose one.
+    """Fit every force law for which there are enough readings, and choose one.
 
-    One sample is left out in turn (one cycle, where there is one sample) and predicted from the
-    mean curve of the others, up to one factor: bands scatter in stiffness, and a law is about the
-    shape. Chosen is the law of fewest numbers among those whose error is within one standard
-    error of the best one's; of two with as many numbers, the better. With one curve nothing can be
-    left out: Schwarz's criterion decides, for as many readings as are independent.
+    One sample (or one cycle of a single sample) is left out in turn and predicted from the mean
+    curve of the others. A factor is fitted, because bands differ in stiffness and a law describes
+    the shape. The chosen law has the fewest numbers of those within one standard error of the
+    best. Of two with equally many, it is the better one. For one curve Schwarz's criterion decides,
+    with the effective number of independent readings.
 
     Args:
-        gauge: length of the bands at stroke 0 [m], where it is known and not in the files.
+        gauge: length of the bands at stroke 0 [m], if known and not in the files.
 
     Raises:
-        ValueError: a gauge length that is not above zero, or not that of the files.
+        ValueError: a gauge length is not above zero, or is given twice.
 
     Source: one-standard-error rule, Breiman et al. 1984; criterion, Schwarz 1978.
     """
@@ -246,8 +244,8 @@ def choose_law(test: BandTest, gauge: float | None = None) -> Choice:
         raise InputError(f"gauge = {gauge} m: must be > 0, the length of the band at stroke 0.")
     if gauge is not None and test.gauge is not None:
         raise InputError(
-            f"gauge = {gauge} m: the files hold the length of the band, {test.gauge:.5g} m at "
-            f"stroke 0: leave it out."
+            f"gauge = {gauge} m: the files contain the length of the band, {test.gauge:.5g} m at "
+            f"stroke 0: leave gauge out."
         )
     gauge = test.gauge if gauge is None else gauge
     folds, curves = _curves(test)
@@ -275,19 +273,19 @@ def choose_law(test: BandTest, gauge: float | None = None) -> Choice:
 
 
 def this_band(test: BandTest, choice: Choice) -> tuple[Interval, Interval] | None:
-    """Slope [N/m] and onset [m], with 95 % intervals by its readings, of a band tested alone."""
+    """Slope [N/m] and onset [m] of a single tested band, with 95 % intervals of its readings."""
     sample, *others = test.samples
     if others:
         return None
     steps = test.steps_of(sample)
     slope, onset = intervals(choice.chosen.fitted, choice.gauge, *test.curve(sample), steps)
-    # Of all readings, as `stiffness` has it, and not of the curve's means.
+    # The value of `stiffness` from all readings replaces that from the means of the curve.
     k = stiffness(test).value
     return Interval(k, *(k + edge - slope.value for edge in slope[1:])), onset
 
 
 def _choice_of_one_curve(test: BandTest, laws: Sequence[ForceLaw], gauge: float | None) -> Choice:
-    """The choice for one curve: the fewest numbers that are not worth another."""
+    """Choice of a law for one curve by the criterion."""
     (sample,) = test.samples
     stroke, force = test.curve(sample)
     candidates: list[Candidate] = []
@@ -295,9 +293,9 @@ def _choice_of_one_curve(test: BandTest, laws: Sequence[ForceLaw], gauge: float 
         one = fit(law, stroke, force, gauge)
         alone = {name: of_samples({sample: value}) for name, value in one.values.items()}
         candidates.append(Candidate(one, law.count(gauge), (one.rmse,), alone))
-    # By what the line leaves: what it cannot follow counts as few readings, so that drift of a
-    # load cell, which is as smooth, is no reason for a richer law. Not fewer than a dozen, or no
-    # bend would be reason enough.
+    # Independent readings are counted in the residuals of the line. A smooth deviation counts as
+    # few readings, so drift of a load cell, which is smooth too, does not justify a richer law. The
+    # least number is 12; with fewer, no curvature would justify one.
     line = candidates[0].fitted
     worth = max(independent(force - line.tension(stroke)), min(len(stroke), _LEAST_WORTH))
     reading_error = rms(reading_doubt(line, stroke, test.steps_of(sample)))
@@ -326,11 +324,11 @@ def _curves(test: BandTest) -> tuple[str, list[tuple[Floats, Floats]]]:
 
 
 def _together(curves: list[tuple[Floats, Floats]]) -> tuple[Floats, list[Floats]]:
-    """Strokes that all curves reach [m], and the forces of each there [N]."""
+    """Strokes common to all curves [m], and the force of each curve there [N]."""
     stroke = curves[0][0]
     if all(len(u) == len(stroke) and np.ptp(u - stroke) < REACH for u, _ in curves):
         return stroke, [np.interp(stroke, u, force) for u, force in curves]
-    # A few readings each, not at the same strokes: a straight line between two cuts the corner.
+    # Few readings at different strokes: linear interpolation would cut corners.
     from scipy.interpolate import PchipInterpolator  # pyright: ignore[reportMissingTypeStubs]
 
     low, high = max(u[0] for u, _ in curves), min(u[-1] for u, _ in curves)
