@@ -95,22 +95,22 @@ def test_the_units_say_what_is_measured(written, head, measure, high, largest):
         ),
         (
             "a_mm,b_mm,force_N\n0,0,0\n1,1,1\n",
-            "columns 'a_mm', 'b_mm' may each be the travel or volume or angle: leave one of",
+            "columns 'a_mm', 'b_mm' could both be the travel or volume or angle: leave",
         ),
-        ("0,0\n1,1\n", "no line above the numbers names its 2 columns: put one there, as"),
+        ("0,0\n1,1\n", "no line above the numbers names the 2 columns: add one, as"),
         (CSV + "6,about 2\n", "line 6 is no row of 2 numbers ('6,about 2'): correct it or take"),
         (CSV + "6,nan\n", "line 6 is no row of 2 numbers ('6,nan')"),
         (
             "travel_mm,force_N\n0,0,\n1,1\n2,1.5\n",
-            "the line before the first row of 2 numbers is none ('0,0,'): correct it or take it",
+            "the line before the first row of 2 numbers is no header ('0,0,'): correct it",
         ),
         (
             "travel_mm,force_N\n0,nan\n1,1\n",
-            "the line before the first row of 2 numbers is none ('0,nan')",
+            "the line before the first row of 2 numbers is no header ('0,nan')",
         ),
         (
             CSV + "3,1\n1,0.2\n0,0\n",
-            "row 4: the travel turns back at 5 mm, so the file holds loading and unloading: keep",
+            "row 4: the travel turns back at 5 mm, so the file has loading and unloading: keep",
         ),
         ("travel_mm,force_N\n0,0\n1,1\n", "the table has 2 points: must have 3 or more"),
         (b"travel_mm,force_N\n\0\1,\2", "is binary, not text"),

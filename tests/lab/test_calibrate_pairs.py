@@ -164,7 +164,7 @@ def test_one_direction_says_what_it_cannot_tell():
     assert found.weighing is not None
     assert not found.weighing.both and np.isnan(found.weighing.friction)
     assert found.weighing.weight == pytest.approx(WEIGHT, abs=0.005)
-    says(found.open, "friction of the", "machine", "joints", "pairs", "loaded and unloaded")
+    says(found.open, "friction of the", "machine", "joints", "pairs", "loading and unloading")
     says(found.open, "weight and friction", "without a band", "other direction")
     without = [run for run in everything(ways=(False,)) if "friction" not in run.source]
     bare = lab.calibrate(lab.prepare(lab.sort_series(without).series), "linear")

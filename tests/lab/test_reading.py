@@ -68,7 +68,7 @@ def test_text_of_other_encodings_is_read(tmp_path):
         (b" \r\n \r\n", "is empty"),
         (b"\x00\x01\x02PK\x03", "is binary, not text"),
         ("no numbers at all\n", "holds no row of two or more numbers"),
-        ("0 0 1\n1 1 2\n", "no line above the numbers names its 3 columns"),
+        ("0 0 1\n1 1 2\n", "no line above the numbers names the 3 columns"),
         (GOOD.replace("(N)", "(kPa)"), "is in 'kPa': must be one of N, mN, kN, lbf, kgf"),
         (GOOD.replace("(mm)", "(furlong)"), "is in 'furlong'"),
         (GOOD.replace("(s) (mm) (N)", "() () ()"), "has no unit"),
@@ -195,7 +195,7 @@ def test_what_is_odd_about_a_recording_is_told():
     slack = unit("a_1.txt", None)
     says(lab.recording_warnings(slack), "slack", "jam")
     still = recording("a_1.txt", np.zeros(100), np.zeros(100))
-    says(lab.recording_warnings(still), "stroke", "never changes")
+    says(lab.recording_warnings(still), "stroke", "constant")
     plain = recording("a_1.txt", up, 0.5 - 10 * up)
     assert lab.recording_warnings(plain) == ()
 

@@ -81,7 +81,7 @@ def _provenance(band_fit: BandFit, source: str) -> list[str]:
         )
     tried = f"predicts a {choice.folds} left out to {to_unit(candidate.score, 'mN'):.3g} mN"
     if choice.folds == NOTHING:
-        tried = "was not tested on another curve"
+        tried = "was tested on no other curve"
     lengths: list[str] = []
     if alone is not None and alone.rest_length is not None and candidate is choice.chosen:
         length = [to_unit(edge, "mm") for edge in alone.rest_length]
@@ -94,7 +94,7 @@ def _provenance(band_fit: BandFit, source: str) -> list[str]:
         f"{test.cycles[1]}, loading, {low:.5g} to {high:.5g} mm of stroke.",
         f"Straight line: k = {estimate.value:.5g} N/m ({interval}).",
         f"This is the {candidate.law.name} law: its RMSE is "
-        f"{to_unit(candidate.fitted.rmse, 'mN'):.3g} mN, and {tried}.",
+        f"{to_unit(candidate.fitted.rmse, 'mN'):.3g} mN, and it {tried}.",
         *lengths,
         f"It was measured at {ends} to {high - to_unit(candidate.fitted.onset, 'mm'):.3g} mm only.",
     ]

@@ -1,4 +1,4 @@
-"""Loading halves of tension tests: of which kind of band, which are fitted, and their means."""
+"""Loading halves of tension tests: kinds of bands, selection for the fit, means."""
 
 import math
 from collections import defaultdict
@@ -24,11 +24,10 @@ class Estimate(ByValue):
     """A mean over samples.
 
     Attributes:
-        low, high: 95 % interval of the mean of all such samples; NaN for one sample, which
-            shows no scatter.
+        low, high: 95 % interval of the mean of all such samples; NaN for one sample.
         next_low, next_high: 95 % interval for one more sample.
         spread: standard deviation between samples; NaN for one sample.
-        each: the samples' own values.
+        each: value of each sample.
     """
 
     value: float
@@ -44,12 +43,12 @@ class Estimate(ByValue):
             return f"Estimate({self.value:.5g}, one sample: its uncertainty is not known)"
         return (
             f"Estimate({self.value:.5g}, 95 % {self.low:.5g} to {self.high:.5g}, "
-            f"{len(self.each)} samples that scatter by {self.spread:.3g})"
+            f"{len(self.each)} samples, standard deviation {self.spread:.3g})"
         )
 
 
 def of_samples(each: Mapping[int, float]) -> Estimate:
-    """The mean of samples and its Student interval, from a value by sample.
+    """Mean of samples with Student intervals, from the values by sample.
 
     Source: Student 1908; the interval for one more sample is the usual prediction interval.
     """
@@ -62,13 +61,13 @@ def of_samples(each: Mapping[int, float]) -> Estimate:
 
 
 def student(freedom: float) -> float:
-    """How many standard errors a two-sided 95 % interval reaches."""
+    """Half-width of a two-sided 95 % interval in standard errors."""
     from scipy.special import stdtrit
 
     return float(stdtrit(freedom, 0.5 + CONFIDENCE / 2))
 
 
-# Rows that a loading half has at least, and all halves on average, where a table is in an order.
+# Least number of rows of a loading half, and of all halves on average, in an ordered table.
 _ROWS = 4
 
 
@@ -77,10 +76,10 @@ class Hysteresis(ByValue):
     """One cycle of one sample, both counted from 1.
 
     Attributes:
-        source: the file it comes from.
+        source: its file.
         stroke, force: (n,) of the loading half [m], [N].
-        back_stroke, back_force: (m,) of the unloading half; empty where there is none.
-        steps: in which stroke [m] and force [N] were told; 0 where the digits show none.
+        back_stroke, back_force: (m,) of the unloading half; empty without one.
+        steps: resolution of stroke [m] and force [N]; 0 if unknown.
     """
 
     sample: int
@@ -99,7 +98,7 @@ class Hysteresis(ByValue):
 
     @property
     def loss(self) -> float:
-        """Share of that work which unloading does not give back; NaN without unloading."""
+        """Fraction of that work not recovered in unloading; NaN without unloading."""
         if len(self.back_stroke) < 2 or self.work <= 0:
             return math.nan
         return 1.0 + float(np.trapezoid(self.back_force, self.back_stroke)) / self.work
@@ -108,11 +107,11 @@ class Hysteresis(ByValue):
 def loops_of(
     recordings: Sequence[Recording], left_out: set[int], per_sample: int | None
 ) -> tuple[tuple[Hysteresis, ...], float | None, tuple[str, ...]]:
-    """Every cycle of every sample that is not left out; the mean length at stroke 0 [m]; notes.
+    """Cycles of all samples that are not left out, mean length at stroke 0 [m], and notes.
 
-    Samples are told apart by names such as Samp2_45mm_7; where names only count through, by
-    `per_sample`; else all files of one stem are one sample. Cycles are numbered as the names do
-    where those of a sample agree with the cycles in the files; else they are counted.
+    Samples are identified by names such as Samp2_45mm_7. If names are only numbered, they are
+    identified by `per_sample`, else all files of one stem are one sample. Cycles have the numbers
+    in the names if these agree with the cycles in the files; else they are counted.
     """
     notes: list[str] = []
     by_sample: dict[int, list[Recording]] = defaultdict(list)
@@ -120,9 +119,9 @@ def loops_of(
     odd = batch_warnings(recordings)
     for recording, sample, number in _sorted(recordings, per_sample):
         if recorded.is_baseline(recording.name):
-            notes.append(f"{recording.source}: left out, its name says that no band was on")
+            notes.append(f"{recording.source}: left out, a run without a band by its name")
         elif sample in left_out:
-            notes.append(f"{recording.source}: left out, sample {sample} as asked")
+            notes.append(f"{recording.source}: left out, sample {sample} as requested")
         else:
             by_sample[sample].append(recording)
             numbers[recording.source] = number
@@ -145,19 +144,19 @@ def loops_of(
 
 
 def _gauge(gauges: Sequence[float | None], notes: list[str]) -> float | None:
-    """The mean length of the band [m], where all files hold one; a note where only some do."""
+    """Mean length of the band [m] if all files contain one; adds a note if only some do."""
     known = [gauge for gauge in gauges if gauge is not None]
     if known and len(known) == len(gauges):
         return sum(known) / len(known)
     if known:
-        notes.append("some files hold the length of the band and some do not: it is not used")
+        notes.append("only some files contain the length of the band: it is not used")
     return None
 
 
 def _sorted(
     recordings: Iterable[Recording], per_sample: int | None
 ) -> Iterator[tuple[Recording, int, int | None]]:
-    """Recordings in the natural order of their names, with sample and number by their names."""
+    """Recordings in the natural order of their names, with sample and number from the names."""
     ordered = sorted(recordings, key=lambda r: natural(r.source))
     stems: dict[str, int] = {}
     for recording in ordered:
@@ -165,7 +164,7 @@ def _sorted(
         if per_sample is not None and run is not None:
             yield recording, (run - 1) // per_sample + 1, (run - 1) % per_sample + 1
         elif named is not None:
-            # The number at the end of Samp3 is the sample's own.
+            # The number at the end of Samp3 is that of the sample, not of a run.
             is_run = recorded.stem_of(recording.name).rstrip("_").lower() not in ("samp", "sample")
             yield recording, named, run if is_run else None
         else:
@@ -175,14 +174,14 @@ def _sorted(
 
 
 def _named(numbers: list[int | None], counts: list[int]) -> list[int | None]:
-    """The numbers of the files of a sample where they can be cycles, else none of them."""
+    """Numbers of the files of a sample if they are consistent as cycles, else None for each."""
     ends = [-1 if n is None else n + count for n, count in zip(numbers, counts, strict=True)]
     rises = all(n is not None and end <= n for end, n in zip(ends, numbers[1:], strict=False))
     return numbers if rises and None not in numbers and 0 not in numbers else [None] * len(numbers)
 
 
 def _cycles(recording: Recording) -> Iterator[tuple[Floats, Floats, Floats, Floats]]:
-    """Stroke and force of every loading half and of the unloading half behind it."""
+    """Stroke and force of every loading half and of the unloading half after it."""
     u, force = recording.stroke, recording.force
     if np.ptp(u) == 0:
         return
@@ -196,27 +195,27 @@ def _cycles(recording: Recording) -> Iterator[tuple[Floats, Floats, Floats, Floa
 
 
 def _order(recording: Recording) -> tuple[str, ...]:
-    """What is told of a table without time whose rows are in no order: they are sorted."""
+    """Note for a table without time and with unordered rows, which are then sorted."""
     halves = recording.halves
     rows = [h.stop - h.start for h in halves if recording.direction_of(h) == "loading"]
     mixed = len(halves) > 2 and len(recording) < _ROWS * len(halves)
     if np.all(np.isnan(recording.time)) and (
         not rows or mixed or (len(halves) > 1 and max(rows) < _ROWS)
     ):
-        return ("its rows are sorted by stroke and taken as one loading",)
+        return ("its rows are sorted by stroke and used as one loading half",)
     return ()
 
 
-# What the paper's stiffness was read from: 5 to 35 mm of cycles 5 to 9.
+# The paper's stiffness is that of cycles 5 to 9 from 5 to 35 mm.
 WINDOW = (0.005, 0.035)
 CYCLES = (5, 9)
-REACH = 1e-4  # [m] by which a stroke may miss the end of a window
-_FEW = 20  # readings of a loading half, of which none is given away
-_SLACK = 0.02  # of the largest force, below which a band is not said to be taut
+REACH = 1e-4  # tolerance of a stroke at the end of a window [m]
+_FEW = 20  # readings of a loading half, below which all readings are used
+_SLACK = 0.02  # fraction of the largest force, below which a band counts as slack
 
 
 def usual_cycles(loops: Sequence[Hysteresis]) -> tuple[tuple[int, int], str]:
-    """The paper's cycles, or all but the first, in which rubber softens most; and why."""
+    """The paper's cycles, or all but the first, in which rubber softens most; the reason."""
     samples = {loop.sample for loop in loops}
     first, last = CYCLES
     if not loops or {o.sample for o in loops if first <= o.cycle <= last} == samples:
@@ -229,7 +228,7 @@ def usual_cycles(loops: Sequence[Hysteresis]) -> tuple[tuple[int, int], str]:
 
 
 def usual_window(used: Sequence[Hysteresis]) -> tuple[tuple[float, float], str]:
-    """The paper's window [m], or all strokes of a taut band; and why."""
+    """The paper's window [m], or all strokes of a band in tension; the reason."""
     low, high = WINDOW
     inside = [np.sum((loop.stroke >= low) & (loop.stroke <= high)) for loop in used]
     over = all(np.min(o.stroke) <= low + REACH and np.max(o.stroke) >= high - REACH for o in used)
@@ -237,32 +236,32 @@ def usual_window(used: Sequence[Hysteresis]) -> tuple[tuple[float, float], str]:
     if not used or (over and not few):
         return WINDOW, ""
     usual = f"the usual {to_unit(low, 'mm'):g} to {to_unit(high, 'mm'):g} mm"
-    why = f"{usual} hold few readings" if over else f"the stroke does not reach over {usual}"
+    why = f"{usual} contain few readings" if over else f"the stroke does not cover {usual}"
     window = max(map(_taut_from, used)), min(float(np.max(loop.stroke)) for loop in used)
     shown = " to ".join(f"{to_unit(edge, 'mm'):.4g}" for edge in window)
-    return window, f"{shown} mm of stroke are fitted, from where it is taut on: {why}"
+    return window, f"{shown} mm of stroke are fitted, from the onset of tension on: {why}"
 
 
 def taut(force: Floats, step: float) -> Bools:
-    """Whether the band pulls, at each force (n,) [N] of a loading half told in such steps [N]."""
+    """Mask of the forces (n,) [N] of a loading half, of this resolution [N], in tension."""
     return force > max(_SLACK * float(np.max(force)), 0.5 * step)
 
 
 def _taut_from(loop: Hysteresis) -> float:
-    """The stroke of the last slack reading before the band pulls, or of the first one [m]."""
+    """Stroke of the last slack reading before the onset of tension, or of the first [m]."""
     pulls = np.flatnonzero(taut(loop.force, loop.steps[1]))
     first = int(pulls[0]) if len(pulls) else 0
     return float(loop.stroke[max(first - 1, 0)])
 
 
-# Bands of a kind scatter by 10 %, seldom by 15; two that lie further apart than this factor, with
-# none between them, are of two kinds, or one of the runs is broken.
+# Bands of a kind differ by 10 %, seldom by 15 %. If two differ by more than this factor, with none
+# between them, they are of two kinds, or one of the runs is damaged.
 _APART = 1.4
 # Rubber softens from cycle to cycle and never stiffens: by half in its first cycles, then by a few
-# percent. Past these factors the next cycle is of another band.
+# percent. Beyond these factors the next cycle is that of another band.
 _SOFTER_AT_FIRST, _SOFTER, _STIFFER = 4.0, 1.5, 1.3
 _EARLY = 2
-_ABOUT = 0.12  # between a factor and the count of bands that may explain it
+_ABOUT = 0.12  # tolerance between a factor and a whole number of bands
 
 
 class LoadingRun(NamedTuple):
@@ -275,7 +274,7 @@ class LoadingRun(NamedTuple):
 
 
 class AlikeRuns(NamedTuple):
-    """Runs of bands that are alike: their median stiffness [N/m], and how many bands they are."""
+    """Runs of similar bands, their median stiffness [N/m] and number of bands."""
 
     runs: tuple[LoadingRun, ...]
     stiffness: float
@@ -283,9 +282,9 @@ class AlikeRuns(NamedTuple):
 
 
 def kinds(runs: Iterable[LoadingRun]) -> tuple[AlikeRuns, ...]:
-    """Runs sorted into kinds of bands, the kind of most bands first.
+    """Runs sorted into kinds of bands, the most frequent kind first.
 
-    The runs of a sample are one band as long as its stiffness only drifts from cycle to cycle.
+    Runs of a sample are those of one band while its stiffness changes little between cycles.
     """
     by_sample = grouped((run.sample, run) for run in runs)
     bands = [band for sample in by_sample.values() for band in _one_band_each(sample)]
@@ -299,17 +298,17 @@ def kinds(runs: Iterable[LoadingRun]) -> tuple[AlikeRuns, ...]:
 
 
 def _parted(items: list[T], apart: Callable[[T, T], bool]) -> list[list[T]]:
-    """A list cut where an item is apart from the one before it."""
+    """The list, cut where an item is apart from the previous one."""
     cuts = [k for k, pair in enumerate(pairwise(items), 1) if apart(*pair)]
     return [items[begin:end] for begin, end in pairwise([0, *cuts, len(items)])]
 
 
 def differing(usual: AlikeRuns, other: AlikeRuns) -> str:
-    """How the runs of a kind differ from the usual one, with their files."""
+    """Text on the difference of a kind of band from the usual one, with its files."""
     ratio = other.stiffness / usual.stiffness
     files = listed([run.source for run in other.runs])
     if ratio <= 0:
-        return f"{files}: {other.stiffness:.3g} N/m, which does not pull at all"
+        return f"{files}: {other.stiffness:.3g} N/m, no tension at all"
     factor = ratio if ratio > 1 else 1 / ratio
     times = f"{factor:.3g} times as {'stiff' if ratio > 1 else 'soft'}"
     whole = round(factor)
@@ -321,12 +320,12 @@ def differing(usual: AlikeRuns, other: AlikeRuns) -> str:
 
 
 def listed(names: Sequence[str]) -> str:
-    """A few names, and how many more there are."""
+    """Some file names, and the number of further ones."""
     return join_first([name.replace("\\", "/").rpartition("/")[2] for name in names], 3)
 
 
 def _one_band_each(runs: list[LoadingRun]) -> list[list[LoadingRun]]:
-    """The runs of a sample, parted where the next cycle cannot be of the same band."""
+    """Runs of a sample, cut where the next cycle cannot be that of the same band."""
 
     def other(before: LoadingRun, run: LoadingRun) -> bool:
         softer = _SOFTER_AT_FIRST if before.cycle < _EARLY else _SOFTER
@@ -337,7 +336,7 @@ def _one_band_each(runs: list[LoadingRun]) -> list[list[LoadingRun]]:
 
 
 def _typical(runs: list[LoadingRun]) -> float:
-    """Median stiffness of a band, without its first cycle where it has others."""
+    """Median stiffness of a band, without its first cycle if it has others."""
     later = [run.stiffness for run in runs if run.cycle > 1]
     return float(np.median(later or [run.stiffness for run in runs]))
 

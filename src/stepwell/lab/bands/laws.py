@@ -9,14 +9,13 @@ import numpy as np
 from stepwell.base import ByValue, Floats, InputError, to_unit
 from stepwell.lab.recordings.curve import rms
 
-# Bounds of what is fitted: a band goes taut at most so far before or after stroke 0 [m], and is
-# so long at rest [m].
+# Bounds of the fit: distance of the onset of tension from stroke 0 [m], and rest length [m].
 _ONSET = 0.060
 _LENGTH = (0.002, 0.300)
-_SLACK = 0.05  # of the strokes that are fitted, where a band may still be slack
-_SLACK_FORCE = 0.02  # of the largest force, below which a band is not said to be taut
-_NEXT = 0.9  # of the way from a slack reading to the next
-_EDGE = 1e-4  # of a bound's range
+_SLACK = 0.05  # fraction of the fitted strokes in which a band may still be slack
+_SLACK_FORCE = 0.02  # fraction of the largest force, below which a band counts as slack
+_NEXT = 0.9  # fraction of the distance from a slack reading to the next
+_EDGE = 1e-4  # distance from a bound over its range
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,11 +23,11 @@ class ForceLaw(ByValue):
     """A family of tension curves, T = Σ c_j φ_j, its coefficients entering linearly.
 
     Attributes:
-        coefficients: what the c_j are, with units.
+        coefficients: names and units of the c_j.
         basis: φ (n, m) of extension e [m], rest length L [m] and exponent [1].
         needs_length: whether L shapes the curve.
-        exponents: bounds of an exponent, for Ogden's law.
-        source: where the law comes from.
+        exponents: bounds of the exponent of Ogden's law.
+        source: publication of the law.
     """
 
     name: str
@@ -39,22 +38,22 @@ class ForceLaw(ByValue):
     source: str = ""
 
     def count(self, gauge: float | None) -> int:
-        """How many numbers are fitted; the rest length is one where the gauge is not known."""
+        """Count of the fitted numbers; the rest length is one if the gauge is unknown."""
         length = self.needs_length and gauge is None
         return len(self.coefficients) + 1 + length + (self.exponents is not None)
 
 
 @dataclass(frozen=True, eq=False)
 class Fitted(ByValue):
-    """A law with its numbers.
+    """A fitted law.
 
     Attributes:
         onset: stroke at which its tension is zero [m].
-        length: rest length L that shapes the curve [m]; NaN for laws that have none.
-        exponent: Ogden's α; NaN for the others.
+        length: rest length L that shapes the curve [m]; NaN for laws without it.
+        exponent: Ogden's α; NaN for other laws.
         coefficients: (m,) in the units of the law.
-        rmse: root mean square of what it leaves [N].
-        at_bound: numbers at the limit of what is searched, which the data do not tell.
+        rmse: root mean square of the residuals [N].
+        at_bound: numbers at a bound of the search, which the data do not identify.
     """
 
     law: ForceLaw
@@ -71,11 +70,10 @@ class Fitted(ByValue):
         return self.law.basis(e, self.length, self.exponent) @ self.coefficients
 
     def slopes(self, stroke: Floats, gauge: float | None) -> Floats:
-        """(n, m) how its tension changes with its fitted numbers, the onset first, at strokes (n,)
-        [m].
+        """Derivatives (n, m) of the tension with respect to the fitted numbers, the onset first.
 
-        The strokes lie beyond the onset, `gauge` is the length of the band at stroke 0 [m], where
-        it is known, and numbers at their bounds are left out.
+        Strokes (n,) [m] are beyond the onset. `gauge` is the length of the band at stroke 0 [m], if
+        known. Numbers at their bounds are left out.
         """
         e, length, exponent, basis = stroke - self.onset, self.length, self.exponent, self.law.basis
         base, c, step = basis(e, length, exponent), self.coefficients, 1e-6 * float(np.ptp(stroke))
@@ -88,7 +86,7 @@ class Fitted(ByValue):
 
     @property
     def values(self) -> dict[str, float]:
-        """Every fitted number by its name with its unit, SI."""
+        """Fitted numbers in SI, by name with unit."""
         values = {"onset [m]": self.onset}
         if self.law.needs_length:
             values["rest length [m]"] = self.length
@@ -103,18 +101,18 @@ class Fitted(ByValue):
 
 
 def fit(law: ForceLaw, stroke: Floats, force: Floats, gauge: float | None = None) -> Fitted:
-    """The law that comes nearest to a tension curve, by least squares.
+    """Least-squares fit of a law to a tension curve.
 
-    The coefficients follow from a linear problem for every onset, length and exponent, which
-    alone are searched for (variable projection, Golub and Pereyra 1973).
+    Only onset, length and exponent are searched. The coefficients follow from a linear problem
+    (variable projection, Golub and Pereyra 1973).
 
     Args:
         law: one of LAWS.
         stroke, force: (n,) [m], [N].
-        gauge: length of the band at stroke 0 [m], where it is known.
+        gauge: length of the band at stroke 0 [m], if known.
 
     Raises:
-        ValueError: fewer samples than the law has numbers.
+        ValueError: there are fewer samples than numbers of the law.
     """
     from scipy.optimize import least_squares
 
@@ -122,15 +120,15 @@ def fit(law: ForceLaw, stroke: Floats, force: Floats, gauge: float | None = None
     if len(stroke) < law.count(gauge):
         raise InputError(
             f"{len(stroke)} samples for the {law.count(gauge)} numbers of the {law.name} law: "
-            f"must be as many or more."
+            f"must be at least as many."
         )
-    # A law is zero up to its onset, so nearly all that is fitted lies beyond it.
+    # A law is zero up to its onset, so nearly all data must be beyond it.
     latest = float(np.min(stroke)) + _SLACK * float(np.ptp(stroke))
     if len(stroke) > 1 and force[0] <= _SLACK_FORCE * float(np.max(force)):
-        # But for a first reading without load: the band may go taut up to the next one.
+        # After a first reading without load, the onset may be anywhere up to the next one.
         latest = max(latest, float(stroke[0] + _NEXT * (stroke[1] - stroke[0])))
     earliest = latest - _ONSET if gauge is None else _LENGTH[0] - gauge
-    # Bounds of what is searched for, and the shares of the range at which the search starts.
+    # Bounds of the search, and starts as fractions of the range.
     searched = {"onset [m]": (min(earliest, latest - _LENGTH[0]), latest, (0.3, 0.9))}
     if law.needs_length and gauge is None:
         searched["rest length [m]"] = (*_LENGTH, (0.05, 0.3))

@@ -1,1 +1,1 @@
-"""Recordings of test machines: read, named, looked at for oddities, averaged."""
+"""Recordings of test machines: reading, names, warnings, mean curves."""

@@ -1,4 +1,4 @@
-"""Which column of a table of numbers is what, with the factor that makes it SI."""
+"""Roles of the columns of a table of numbers, with conversion factors to SI."""
 
 import re
 from itertools import product
@@ -8,7 +8,7 @@ from stepwell.base import GRAVITY, UNITS, InputError, Measure, spellings
 
 WEIGHTS = spellings("kg")
 
-# In the order in which they are looked for: "Time" in "Load time" is a time.
+# In the order of the search, so that "Load time" is a time.
 ROLES = {
     "time": ("time", "zeit"),
     "stroke": ("displacement", "stroke", "extension", "position", "crosshead", "travel", "weg"),
@@ -18,21 +18,20 @@ ROLES = {
     "angle": ("angle", "rotation", "twist", "winkel"),
     "torque": ("torque", "moment"),
 }
-# Of each of them, the units that a column may have and the factors that make it SI. A mass is read
-# as the force of its weight.
+# Units that a column of each role may have, with factors to SI. A mass is read as its weight.
 _SI = dict(zip(ROLES, ("s", "m", "N", "m³", "Pa", "rad", "N m"), strict=True))
 FACTORS = {role: {unit: UNITS[unit].size for unit in spellings(si)} for role, si in _SI.items()}
 FACTORS["force"] |= {unit: UNITS[unit].size * GRAVITY for unit in WEIGHTS}
-# What a table made at home calls them, where no column has a name above: a weight pulls, and the
-# length of the band itself takes the place of a stroke.
+# Names in a handmade table, if no column has a name above: a weight is a force, and the length of
+# the band replaces the stroke.
 _AT_HOME = {"force": ("weight", "mass", "gewicht", "masse"), "length": ("length", "länge")}
-# Units that mean one thing in capitals too, where M and m, MN and mN, ML and mL are two.
+# Units that are unambiguous in capitals too, unlike M and m, MN and mN, ML and mL.
 _ANY_CASE = {
     *("mm", "cm", "in", "inch", "inches"),
     *("g", "gf", "kg", "kgf", "oz", "ozf", "lb", "lbf"),
 }
-# What a recording of a test machine has; what the curve of an element may be, and the names that
-# these columns have here where they have others there.
+# Columns of a recording of a test machine; columns of the curve of an element, with the measures
+# that they belong to.
 _RECORDED = ("time", "stroke", "force")
 _TRAVELS = {"stroke": Measure.TRAVEL, "volume": Measure.VOLUME, "angle": Measure.ANGLE}
 _FORCES = {"force": Measure.TRAVEL, "pressure": Measure.VOLUME, "torque": Measure.ANGLE}
@@ -46,13 +45,13 @@ _WORD = re.compile(r"[^\s(\[]+(?:\s*[(\[][^)\]]*[)\]])?|[(\[][^)\]]*[)\]]")
 
 
 def split(line: str, delimiter: str | None) -> list[str]:
-    """The fields of a line, without quotes; None splits at blanks."""
+    """Fields of a line without quotes; None splits at blanks."""
     fields = line.split(delimiter) if delimiter else line.split()
     return [field.strip().strip('"').strip() for field in fields]
 
 
 class FoundColumn(NamedTuple):
-    """A column: its place in a row, the factor that makes it SI, and its unit."""
+    """A column: its index in a row, its factor to SI, and its unit."""
 
     place: int
     factor: float
@@ -60,10 +59,10 @@ class FoundColumn(NamedTuple):
 
 
 def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, FoundColumn]:
-    """Time, stroke or the length of a band, and force among the columns, by names and units.
+    """Columns of time, stroke or band length, and force by role, from names and units.
 
     Raises:
-        ValueError: a column that is needed is not named, or its unit is missing or unknown.
+        ValueError: a necessary column is not named, or its unit is missing or unknown.
     """
     names, units = _named(header, delimiter, count, EXAMPLE)
     by_role: dict[str, FoundColumn] = {}
@@ -94,11 +93,11 @@ def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, F
 def pair(
     header: list[str], delimiter: str | None, count: int
 ) -> tuple[Measure, tuple[int, float], tuple[int, float]]:
-    """The columns of travel and of force of one measure: places and factors that make them SI.
+    """Columns of travel and force of one measure: indices and factors to SI.
 
     Raises:
-        ValueError: a column is missing or twice there, has no unit or one that is not known, or
-            the two do not belong together.
+        ValueError: a column is missing or ambiguous, its unit is missing or unknown, or both
+            columns do not belong together.
     """
     names, units = _named(header, delimiter, count, _PAIR)
     x, travel = _only(_TRAVELS, names, units)
@@ -112,7 +111,7 @@ def pair(
 
 
 def _only(roles: dict[str, Measure], names: list[str], units: list[str]) -> tuple[int, str]:
-    """The one column that is in a unit of these roles; of several the one that is named so."""
+    """Index and role of the one column with a unit of these roles; of several the named one."""
     every = [(k, role) for k, unit in enumerate(units) for role in roles if unit in FACTORS[role]]
     named = [(k, role) for k, role in every if _is_called(names[k], role)]
     matches = every if len(every) < 2 else named or every
@@ -121,7 +120,7 @@ def _only(roles: dict[str, Measure], names: list[str], units: list[str]) -> tupl
     words = " or ".join("travel" if role == "stroke" else role for role in roles)
     if matches:
         both = ", ".join(repr(names[k][:40]) for k, _ in matches)
-        raise InputError(f"columns {both} may each be the {words}: leave one of them.")
+        raise InputError(f"columns {both} could both be the {words}: leave out one of them.")
     for (name, unit), role in product(zip(names, units, strict=True), roles):
         if _is_called(name, role):
             _factor(role, name, unit)
@@ -139,11 +138,11 @@ def _is_called(name: str, role: str) -> bool:
 def _named(
     header: list[str], delimiter: str | None, count: int, example: str
 ) -> tuple[list[str], list[str]]:
-    """Names and units, from one line that holds both or from a line of each."""
+    """Names and units, from one line with both or from two lines."""
     rows = [row for line in header if len(row := _fields(line, delimiter)) == count]
     if not rows:
         raise InputError(
-            f"no line above the numbers names its {count} columns: put one there, as in {example}."
+            f"no line above the numbers names the {count} columns: add one, as in {example}."
         )
     below = rows[-1]
     bare = [_UNIT.sub("", field).strip() for field in below]
@@ -151,7 +150,7 @@ def _named(
         units = [_unit(field) if _UNIT.search(field) else field for field in below]
         names = [_UNIT.sub("", field).strip() for field in rows[-2]]
     else:
-        # Or the unit is in a name such as stroke_mm.
+        # The unit may be in a name such as stroke_mm.
         ends = [field.rpartition("_") for field in below]
         suffixes = [end if blank and _is_unit(end) else "" for _, blank, end in ends]
         names, units = bare, [_unit(f) or end for f, end in zip(below, suffixes, strict=True)]
@@ -174,7 +173,7 @@ def _is_unit(text: str) -> bool:
 
 
 def _spelled(unit: str) -> str:
-    """A unit as `FACTORS` has it, where capitals can mean nothing else."""
+    """A unit as in `FACTORS`, in lower case if that is unambiguous."""
     return unit.lower() if unit.lower() in _ANY_CASE else unit
 
 

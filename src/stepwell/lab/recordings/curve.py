@@ -1,4 +1,4 @@
-"""Force curves: repeats of one test averaged, and any two columns of a file."""
+"""Force curves: mean curves of repeats, and curves from two columns of a file."""
 
 import os
 from collections.abc import Sequence
@@ -47,11 +47,11 @@ class Curve(ByValue):
 
 
 def mean_curve(recordings: Sequence[Recording], full: float) -> Curve:
-    """The mean of some runs over the strokes that all of them reach, counted from state 0.
+    """Mean of some runs over their common strokes, counted from state 0.
 
-    All load (stroke from 0 up), or all unload (stroke from 0 down, the machine having been set to
-    zero with every cell at state 1, at stroke `full` [m]). Forces are `STEP` apart, each the mean
-    over a strip without its spikes.
+    All runs load (stroke from 0 up), or all unload (stroke from 0 down, the machine being set to
+    zero at stroke `full` [m], every cell at state 1). Strokes are `STEP` apart, and each force is a
+    mean over a strip without spikes.
     """
     placed = [(from_zero(r, full), without_spikes(r.force)) for r in recordings]
     low = max(float(np.min(u)) for u, _ in placed)
@@ -63,7 +63,7 @@ def mean_curve(recordings: Sequence[Recording], full: float) -> Curve:
 
 
 def from_zero(recording: Recording, full: float) -> Floats:
-    """Strokes counted from state 0 [m]: an unloading test starts at `full`, set to zero there."""
+    """Strokes counted from state 0 [m]: an unloading test is set to zero at `full`."""
     stroke = recording.stroke
     below = float(np.min(stroke)) < -0.5 * float(np.ptp(stroke))
     return stroke + full if recording.direction == "unloading" and below else stroke
@@ -75,12 +75,12 @@ def rms(values: Floats) -> float:
 
 
 def _strips(u: Floats, force: Floats, grid: Floats) -> Floats:
-    """Mean force in a strip around each stroke; between samples where a strip has none."""
+    """Mean force in a strip around each stroke; interpolated if a strip has no sample."""
     strip = np.floor((u - grid[0]) / STEP + 0.5).astype(int)
     inside = (strip >= 0) & (strip < len(grid))
     count = np.bincount(strip[inside], minlength=len(grid))
     total = np.bincount(strip[inside], force[inside], len(grid))
-    # Means over whole strips sit in the strip's middle, but for the first and the last one.
+    # Means over whole strips are at the middle of the strip, except the first and the last.
     order = np.argsort(u, kind="stable")
     between = np.interp(grid, u[order], force[order])
     return np.where(count > 0, total / np.maximum(count, 1), between)
@@ -88,11 +88,11 @@ def _strips(u: Floats, force: Floats, grid: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredCurve(ByValue):
-    """Force against travel as a file has them, in SI.
+    """Force against travel from a file, in SI.
 
     Attributes:
-        source: the file, as the user called it.
-        measure: what travel and force are.
+        source: the file, as named by the user.
+        measure: quantities of travel and force.
         travel, force: (n,) [m], [N], in the order of the file.
     """
 
@@ -102,14 +102,14 @@ class MeasuredCurve(ByValue):
     force: Floats = field(repr=False)
 
     def rising(self, half: str | None = None) -> tuple[Floats, Floats]:
-        """Travels that rise and their forces; those of rows at one travel are averaged.
+        """Rising travels and their forces; rows of equal travel are averaged.
 
-        `half` is "loading" or "unloading", the first of them in the file; None for a file that
-        holds one alone.
+        `half` is "loading" or "unloading", the first of these in the file; None for a file with
+        one half.
 
         Raises:
-            LabError: both are there and none is asked for, or the one that is asked for is not.
-            ValueError: no such word.
+            LabError: the file has both halves and `half` is None, or the requested half is missing.
+            ValueError: `half` is another word.
         """
         if half not in (None, "loading", "unloading"):
             raise InputError(f"half = {half!r}: must be 'loading', 'unloading' or None.")
@@ -120,16 +120,16 @@ class MeasuredCurve(ByValue):
             raise LabError(
                 self.source,
                 f"row {at + 1}: the {self.measure.travel} turns back at "
-                f"{self.travel[at] * factor:.6g} {unit}, so the file holds loading and unloading: "
+                f"{self.travel[at] * factor:.6g} {unit}, so the file has loading and unloading: "
                 f"keep one of them, or load it by stepwell.load_element with half='loading' or "
-                f"'unloading'; if the curve truly folds back, it is a curve and no table.",
+                f"'unloading'. A curve that folds back needs form='curve', not a table.",
             )
         x, y = self.travel, self.force
         if half is not None:
             parts = [slice(a, b + 1) for a, b in pairwise([0, *turns, len(x) - 1])]
             matching = [p for p in parts if (x[p][-1] < x[p][0]) == (half == "unloading")]
             if not matching:
-                raise LabError(self.source, f"half = {half!r}: there is no such half in the file.")
+                raise LabError(self.source, f"half = {half!r}: the file has no such half.")
             x, y = x[matching[0]], y[matching[0]]
         rising, place = np.unique(x, return_inverse=True)
         count = np.bincount(place)
@@ -137,21 +137,21 @@ class MeasuredCurve(ByValue):
 
 
 def read_curve(file: str | os.PathLike[str]) -> MeasuredCurve:
-    """A force curve.
+    """The force curve in a file.
 
     Args:
         file: text whose header names columns and units, such as "travel_mm,force_N", "Displacement
             [mm];Force [N]", "volume_mL,pressure_kPa" or "Angle (deg), Torque (N mm)", then rows of
-            numbers; other columns may stand beside them.
+            numbers; other columns are allowed.
 
     Raises:
-        LabError: the file is missing, broken, binary, empty, or in units that are not known or do
-            not belong together.
+        LabError: the file is missing, broken, binary or empty, or its units are unknown or do not
+            belong together.
     """
     name = os.fspath(file)
     try:
         measure, *columns = parse_pair(content_of(Path(file), "recording_bytes"))
-        # 0.3 mm is 0.0003 m and not its neighbour.
+        # Rounded, so that 0.3 mm is exactly 0.0003 m.
         travel, force = (np.array([float(f"{x:.15g}") for x in column]) for column in columns)
         return MeasuredCurve(name, measure, travel, force)
     except FileNotFoundError:

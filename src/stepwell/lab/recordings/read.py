@@ -1,4 +1,4 @@
-"""Recordings from files, each with a line about it, and all as one tidy table."""
+"""Reading of recordings from files, and one tidy table of all recordings."""
 
 import hashlib
 import os
@@ -31,11 +31,10 @@ SAMPLE: Schema = (
 
 
 def table(recordings: Sequence[Recording]) -> "xr.Dataset":
-    """Every sample of every recording as one row.
+    """Dataset with a row for every sample of every recording.
 
-    Dataset over "row": of (the number of its recording), half (counted from 0 in each recording),
-    direction (+1 loading, -1 unloading), time [s], stroke [m], force [N]; and over "recording" the
-    source.
+    Variables over "row": of (number of the recording), half (from 0 in each recording), direction
+    (+1 loading, -1 unloading), time [s], stroke [m], force [N]; over "recording": the source.
     """
     base.need("tables")
     import xarray as xr
@@ -50,7 +49,7 @@ def table(recordings: Sequence[Recording]) -> "xr.Dataset":
 
 
 def _rows(recordings: Sequence[Recording]) -> tuple[Ints, dict[Quantity, Any]]:
-    """Every sample of every recording: the number of its recording, and its columns in SI."""
+    """Number of the recording and columns in SI, for every sample of every recording."""
     parts = [np.zeros((6, 0))]
     for number, recording in enumerate(recordings):
         # A turning point belongs to the half that it ends.
@@ -72,7 +71,7 @@ def to_csv(recordings: Sequence[Recording], file: str | os.PathLike[str]) -> Non
 
 
 def hashes(recordings: Sequence[Recording]) -> dict[str, str]:
-    """The SHA-256 of each recording's file by its name: what a result was computed from."""
+    """SHA-256 of each recording's file by name, for provenance."""
     return {recording.source: recording.sha256 for recording in recordings}
 
 
@@ -83,13 +82,12 @@ _NOT_DATA = re.compile(r"manifest|readme|licen[cs]e|requirements", re.IGNORECASE
 
 @dataclass(frozen=True, eq=False)
 class Batch(ByValue):
-    """What became of a number of files: every one of them is in one of the three.
+    """Result of reading files; each file is in one of the three lists.
 
     Attributes:
-        recordings: what could be read, in the natural order of the names.
-        refused: for each other file one line that says why.
-        ignored: files of a folder that were not tried, having another ending or a name such as
-            manifest or readme.
+        recordings: read files, in the natural order of the names.
+        refused: an error for each file that could not be read.
+        ignored: files of a folder with another suffix or a name such as manifest or readme.
     """
 
     recordings: tuple[Recording, ...]
@@ -98,7 +96,7 @@ class Batch(ByValue):
 
     @cached_property
     def odd(self) -> tuple[tuple[str, ...], ...]:
-        """What is odd in each recording, by itself and beside the others, a line for each thing."""
+        """Warnings for each recording, by itself and compared with the others, a line each."""
         beside = batch_warnings(self.recordings)
         return tuple(
             (*recording_warnings(one), *beside.get(one.source, ())) for one in self.recordings
@@ -109,10 +107,10 @@ class Batch(ByValue):
 
 
 def read(file: str | os.PathLike[str]) -> Recording:
-    """One recording, in SI, from a Bluehill "Raw Data" export or CSV with columns and units named.
+    """One recording, in SI, from a Bluehill "Raw Data" export or a CSV file with units.
 
     Raises:
-        LabError: the file is missing, broken, binary, empty, or in a unit that is not known.
+        LabError: the file is missing, broken, binary or empty, or has an unknown unit.
     """
     name = os.fspath(file)
     try:
@@ -128,7 +126,7 @@ def read_bytes(content: bytes, name: str) -> Recording:
     """One recording, in SI, from the content of a file as for `read`; `name` is not opened.
 
     Raises:
-        LabError: the content is broken, binary, empty, or in a unit that is not known.
+        LabError: the content is broken, binary or empty, or has an unknown unit.
     """
     try:
         export = parse(content)
@@ -140,11 +138,11 @@ def read_bytes(content: bytes, name: str) -> Recording:
 def read_all(
     files: Iterable[str | os.PathLike[str]], progress: Callable[[int, int], None] | None = None
 ) -> Batch:
-    """Recordings from files and folders, and a line for every file that is none.
+    """Recordings from files and folders, and an error for every other file.
 
     Args:
-        files: files, and folders in which .txt, .csv, .tsv and .raw files are looked for at any
-            depth. A file that is named is always tried.
+        files: files, and folders that are searched for .txt, .csv, .tsv and .raw files at any
+            depth. A named file is always read.
         progress: called with (done, total) files.
     """
     recordings: list[Recording] = []
@@ -161,7 +159,7 @@ def read_all(
 
 
 def natural(name: str) -> tuple[tuple[int, str], ...]:
-    """A key that sorts run_2 before run_10."""
+    """Sort key that places run_2 before run_10."""
     return tuple(
         (int(part), "") if part.isdecimal() and part.isascii() else (-1, part)
         for part in re.split(r"(\d{1,18})", name)

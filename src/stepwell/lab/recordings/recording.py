@@ -1,4 +1,4 @@
-"""One recording of a test machine: time, stroke, force, spikes, and what its file's name says."""
+"""One recording of a test machine: time, stroke, force, spikes, and setup from its name."""
 
 import math
 import re
@@ -13,11 +13,11 @@ from stepwell.base import Bools, ByValue, Drawn, Floats, InputError, Vec2, print
 
 
 class LabError(InputError):
-    """Measured data that cannot be used; `str` of it is what to show the user.
+    """Measured data that cannot be used; `str` of it is the message for the user.
 
     Args:
-        name: the file or folder, as the user called it.
-        problem: one line: what came, what is allowed, what to do.
+        name: the file or folder, as named by the user.
+        problem: one line: the value, the allowed values, and an action.
     """
 
     def __init__(self, name: str, problem: str):
@@ -26,13 +26,14 @@ class LabError(InputError):
         super().__init__(f"{self.name}: {self.problem}")
 
 
-# Of the range of the force; and so many times what all but a fiftieth of the samples are off the
-# median of three. A snap stays where it has jumped to, so its samples are not off it.
+# A spike deviates from the median of three samples by more than 5 % of the force range and 5 times
+# the 98 % quantile of that deviation. The force stays at its new value after a snap, so the samples
+# of a snap do not deviate.
 _SHARE, _TIMES, _MOST = 0.05, 5.0, 0.98
 
 
 def spikes(force: Floats) -> Bools:
-    """Which samples (n,) of a force [N] are off both beside them, far beyond the others."""
+    """Mask of the samples (n,) of a force [N] that are spikes."""
     middle = _median_of_three(force)
     off = np.abs(force - middle)
     usual = float(np.quantile(off, _MOST)) if len(off) else 0.0
@@ -40,13 +41,13 @@ def spikes(force: Floats) -> Bools:
 
 
 def without_spikes(force: Floats) -> Floats:
-    """The force (n,) [N], the median of three in place of every spike."""
+    """The force (n,) [N] with spikes replaced by the median of three samples."""
     is_spike = spikes(force)
     return np.where(is_spike, _median_of_three(force), force) if np.any(is_spike) else force
 
 
 def _median_of_three(force: Floats) -> Floats:
-    """Median of every sample and the two beside it; an end, which has one beside it, as it is."""
+    """Median of every sample and its two neighbours; the first and the last are unchanged."""
     if len(force) < 3:
         return force
     low, high = np.minimum(force[:-1], force[1:]), np.maximum(force[:-1], force[1:])
@@ -54,7 +55,7 @@ def _median_of_three(force: Floats) -> Floats:
     return np.concatenate([force[:1], inner, force[-1:]])
 
 
-# A reversal smaller than this share of the stroke is the machine settling, not a turning point.
+# A reversal below this fraction of the stroke is settling of the machine, not a turning point.
 _TURN = 0.02
 
 
@@ -63,17 +64,17 @@ class Recording(ByValue, Drawn):
     """One recording of a test machine, in SI.
 
     Attributes:
-        source: the file, as the user called it.
-        time: (n,) [s]; NaN where it was not recorded.
-        stroke, force: (n,) displacement of the machine [m], and [N], positive where it pulls.
-        remarks: what the reader had to leave out.
-        sha256: of the file; "" where there is none.
-        gauge: length of the band at stroke 0 [m], where the file holds its length; else None.
-        steps: in which stroke [m] and force [N] are told; 0 where the digits show none.
+        source: the file, as named by the user.
+        time: (n,) [s]; NaN if not recorded.
+        stroke, force: (n,) displacement of the machine [m], and [N], positive in tension.
+        remarks: notes of the reader, such as rows left out.
+        sha256: of the file; "" without a file.
+        gauge: length of the band at stroke 0 [m] if the file contains its length; else None.
+        steps: resolution of stroke [m] and force [N]; 0 if unknown.
 
     Raises:
-        ValueError: arrays that are not as long as each other, fewer than two samples, or a stroke
-            or a force that is no finite number.
+        ValueError: arrays differ in length, have fewer than two samples, or contain a stroke or a
+            force that is not finite.
     """
 
     source: str
@@ -89,13 +90,13 @@ class Recording(ByValue, Drawn):
         lengths = len(self.time), len(self.stroke), len(self.force)
         if len(set(lengths)) > 1 or lengths[0] < 2:
             raise InputError(
-                f"time, stroke and force have {lengths} samples: must be as many each, 2 or more."
+                f"time, stroke and force have {lengths} samples: must be equal, 2 or more."
             )
         for name, values in (("stroke", self.stroke), ("force", self.force)):
             if not np.all(good := np.isfinite(values)):
                 k = int(np.argmin(good))
                 raise InputError(
-                    f"{name}[{k}] = {values[k]}: must be finite; leave such samples out."
+                    f"{name}[{k}] = {values[k]}: must be finite; leave out such samples."
                 )
 
     def __len__(self) -> int:
@@ -108,12 +109,12 @@ class Recording(ByValue, Drawn):
 
     @property
     def group(self) -> str:
-        """The folder it lies in: recordings of one folder are one batch."""
+        """The folder of the file: recordings of one folder are one batch."""
         return str(PurePath(self.source).parent)
 
     @property
     def rate(self) -> float:
-        """Samples a second [Hz]; NaN without time."""
+        """Sampling rate [Hz]; NaN without time."""
         step = float(np.median(np.diff(self.time)))
         return 1.0 / step if step > 0 else math.nan
 
@@ -127,18 +128,18 @@ class Recording(ByValue, Drawn):
 
     @cached_property
     def turns(self) -> tuple[int, ...]:
-        """Samples where the stroke turns back, between its first and its last."""
+        """Indices of the samples at turning points, without the ends."""
         return turns_of(self.stroke)
 
     @property
     def halves(self) -> tuple[slice, ...]:
-        """The samples between turning points: loading and unloading halves, in order."""
+        """Slices between turning points: loading and unloading halves in order."""
         ends = [0, *self.turns, len(self) - 1]
         return tuple(slice(a, b + 1) for a, b in pairwise(ends))
 
     @property
     def direction(self) -> str:
-        """What it shows: loading, unloading, or both in turn."""
+        """Loading, unloading, or both in turn."""
         return " and ".join(dict.fromkeys(self.direction_of(half) for half in self.halves))
 
     def direction_of(self, half: slice) -> str:
@@ -154,11 +155,11 @@ class Recording(ByValue, Drawn):
 
 
 def turns_of(stroke: Floats) -> tuple[int, ...]:
-    """Samples where strokes of any unit turn back, between the first and the last."""
+    """Indices of the turning points of strokes in any unit, without the ends."""
     threshold = _TURN * float(np.ptp(stroke))
     back = np.maximum.accumulate(stroke) - stroke, stroke - np.minimum.accumulate(stroke)
     if any(float(np.max(one)) <= threshold for one in back):
-        return ()  # one way only, as most
+        return ()  # one direction only, the usual case
     turns: list[int] = []
     low = high = 0
     bottom = top = float(stroke[0])
@@ -187,13 +188,13 @@ _BASELINE = re.compile(r"friction|baseline|no_?band", re.IGNORECASE)
 _P = {"M": (-0.010, 0.0), "T": (0.0, 0.0)}
 _QX = {"B": 0.0, "M": 0.010, "T": 0.020}
 _QY = {"L": 0.015, "M": 0.0, "R": -0.015}
-# Every q that a name can say [m].
+# Every q that a name can encode [m].
 PLACES: tuple[Vec2, ...] = tuple((x, y) for x in _QX.values() for y in _QY.values())
 
 
 @dataclass(frozen=True)
 class Setup:
-    """Letters and marks of a name, p and q of each cell, inner first [m], and the marks alone."""
+    """Configuration code of a name, p and q of each cell, inner first [m], and its marks."""
 
     code: str
     anchors: tuple[tuple[Vec2, Vec2], ...]
@@ -213,23 +214,23 @@ def run_number(name: str) -> int | None:
 
 
 def is_baseline(name: str) -> bool:
-    """Whether a name says that no band was on: friction, baseline, no_band."""
+    """Whether a name is that of a run without a band: friction, baseline, no_band."""
     return _BASELINE.search(name) is not None
 
 
 def sample_number(name: str) -> int | None:
-    """The sample in a name such as Samp2_45mm_7."""
+    """Number of the sample in a name such as Samp2_45mm_7."""
     match = _SAMPLE.match(name)
     return int(match["sample"][:18]) if match else None
 
 
 def setup_of(name: str) -> Setup | None:
-    """The configuration in a name such as 1unit_MLT_3 or 2unit_TMTBM_5; None where there is none.
+    """The configuration in a name such as 1unit_MLT_3 or 2unit_TMTBM_5; None without one.
 
     The first letter of a cell is its p: M for (-10, 0) mm, T for (0, 0). The others are its q:
-    x of B, M, T is 0, 10, 20 mm, y of L, M, R is 15, 0, -15 mm, what is not said is x = 10, y = 0.
-    In a pair the inner cell has two letters; the outer one repeats p or, being one letter, takes it
-    over.
+    x of B, M, T is 0, 10, 20 mm, y of L, M, R is 15, 0, -15 mm; the defaults are x = 10, y = 0.
+    In a pair the inner cell has two letters. The outer one starts with its p, or has one letter
+    and the same p.
 
     Source: file names of the recordings published with Kamp et al. 2024.
     """
@@ -247,11 +248,11 @@ def setup_of(name: str) -> Setup | None:
 
 
 def _anchors(letters: str) -> tuple[Vec2, Vec2] | None:
-    """p and q of one cell; None for letters that do not say one thing each."""
+    """p and q of one cell; None for ambiguous letters."""
     p, rest = _P.get(letters[:1]), letters[1:]
     if p is None or not 1 <= len(rest) <= 2:
         return None
-    # M is the middle of x where it stands alone or beside L or R, of y beside B or T.
+    # M is the middle of x alone or with L or R, and the middle of y with B or T.
     x: float | None = None
     y: float | None = None
     for letter in sorted(rest, key="BTLRM".index):

@@ -1,4 +1,4 @@
-"""What is odd in a recording, by itself and beside its neighbours."""
+"""Warnings about a recording, by itself and compared with others."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain, pairwise
@@ -8,49 +8,49 @@ import numpy as np
 from stepwell.base import grouped, to_unit
 from stepwell.lab.recordings.recording import Recording, run_number, spikes, stem_of
 
-LATE = 0.02e-3  # [m] of stroke at the first sample
+LATE = 0.02e-3  # largest stroke at the first sample [m]
 SETTLE = 0.5e-3  # [m] of stroke in which a rig takes up its slack
 END = 0.1e-3  # [m] before the end of a stroke, where blocks may touch
-SHORT = 0.99  # of the samples that the neighbours have
-TIME_GAP = 3.0  # steps
+SHORT = 0.99  # least stroke over that of other repeats
+TIME_GAP = 3.0  # time steps
 FEWEST = 30  # rows
-BACK = 0.01  # of the steps in time
-LEAP = 0.15  # of the stroke, in one step
+BACK = 0.01  # fraction of the time steps that may be negative
+LEAP = 0.15  # fraction of the stroke in one step
 
 
 def recording_warnings(recording: Recording) -> tuple[str, ...]:
-    """What is odd in one recording, a line for each thing; empty where nothing is."""
+    """Warnings about one recording, a line each."""
     checks = (_start, _clock, _spikes, _ends)
     return (*recording.remarks, *chain.from_iterable(look(recording) for look in checks))
 
 
 def unusable(recording: Recording) -> str:
-    """Why a recording is no run of a test: "" where it may be one."""
+    """Reason why a recording is no run of a test; "" if it may be one."""
     if len(recording) < FEWEST:
-        return f"it has {len(recording)} rows, too few to see a motion"
+        return f"it has {len(recording)} rows, too few for a motion"
     steps, moved = np.diff(recording.time), np.abs(np.diff(recording.stroke))
     reach = float(np.ptp(recording.stroke))
     if reach == 0.0:
-        return "its stroke never changes"
+        return "its stroke is constant"
     if np.all(np.isfinite(steps)) and float(np.mean(steps < 0)) > BACK:
-        return "its time runs back: its rows are not in the order in which they were measured"
-    # Where rows are missing the clock leaps as well, and the rest is a run with a hole.
+        return "its time decreases: its rows are not in the order of the measurement"
+    # If rows are missing, the time jumps too, and the rest is a run with a gap.
     usual = float(np.median(steps)) if np.all(np.isfinite(steps)) else 0.0
     at_once = moved[steps < TIME_GAP * usual] if usual > 0 else moved
     farthest = float(np.max(at_once, initial=0.0))
     if len(recording) >= 100 and farthest > LEAP * reach:
         return (
-            f"its stroke leaps by {to_unit(farthest, 'mm'):.4g} mm from one row to the next: two "
-            f"runs in one file, or rows that are lost or not in order"
+            f"its stroke jumps by {to_unit(farthest, 'mm'):.4g} mm between two rows: two runs in "
+            f"one file, or rows that are missing or not in order"
         )
     return ""
 
 
 def batch_warnings(recordings: Iterable[Recording]) -> dict[str, tuple[str, ...]]:
-    """What is odd in recordings beside others of the same folder and name, a line for each thing.
+    """Warnings about recordings compared with others of the same folder and name, by source.
 
-    Run numbers are the digits at the end of a name; those that are missing are told of the
-    recording that follows the gap. By source, without sources of which nothing is odd.
+    Run numbers are the digits at the end of a name. A missing number is reported for the recording
+    after the gap. Sources without a warning are left out.
     """
     beside = ((*unlike(family), *_jumps(family)) for family in _families(recordings))
     warnings = grouped((*missing(recordings).items(), *chain.from_iterable(beside)))
@@ -58,11 +58,11 @@ def batch_warnings(recordings: Iterable[Recording]) -> dict[str, tuple[str, ...]
 
 
 def missing(recordings: Iterable[Recording]) -> dict[str, str]:
-    """Gaps in the numbers of each folder and name, told of the recording that follows the gap."""
+    """Gaps in the run numbers of each folder and name, by the source after the gap."""
     warnings: dict[str, str] = {}
     for family in _families(recordings):
         if len(family) == 1:
-            continue  # the 2 of a lone scale2.csv counts nothing
+            continue  # the 2 of a single scale2.csv is no run number
         expected = 1
         for number, recording in _numbered(family):
             if number > expected:
@@ -73,7 +73,7 @@ def missing(recordings: Iterable[Recording]) -> dict[str, str]:
 
 
 def unlike(repeats: Sequence[Recording]) -> Iterator[tuple[str, str]]:
-    """Repeats that are shorter, slower, stronger or weaker than the others, three or more."""
+    """Warnings about repeats, three or more, that differ in stroke, speed or force."""
     if len(repeats) < 3:
         return
     spans = np.array([float(np.ptp(r.stroke)) for r in repeats])
@@ -91,7 +91,7 @@ def unlike(repeats: Sequence[Recording]) -> Iterator[tuple[str, str]]:
             own, usual = (f"{to_unit(one, 'mm/s'):.3g} mm/s" for one in (speed, usual_speed))
             yield source, f"{own} {others} {usual}"
         if abs(force) > max(4 * spread, 0.05 * float(np.ptp(recording.force))):
-            yield source, f"mean force {force:+.2g} N beside the median run"
+            yield source, f"mean force {force:+.2g} N from that of the median run"
 
 
 def _families(recordings: Iterable[Recording]) -> list[list[Recording]]:
@@ -108,7 +108,7 @@ def _start(recording: Recording) -> Iterator[str]:
     if abs(first) > LATE:
         yield f"starts late, at a stroke of {to_unit(first, 'mm'):.4g} mm"
     if np.ptp(recording.stroke) == 0:
-        yield "the stroke never changes"
+        yield "the stroke is constant"
 
 
 def _clock(recording: Recording) -> Iterator[str]:
@@ -117,7 +117,7 @@ def _clock(recording: Recording) -> Iterator[str]:
         return
     back = int(np.sum(steps <= 0))
     if back:
-        yield f"time stands still or runs back at {back} samples"
+        yield f"time is constant or decreases at {back} samples"
     elif (widest := float(np.max(steps)) * recording.rate) > TIME_GAP:
         yield f"a gap of {widest:.0f} time steps"
 
@@ -128,11 +128,11 @@ def _spikes(recording: Recording) -> Iterator[str]:
         first = f"{to_unit(recording.stroke[at[0]], 'mm'):.4g} mm"
         several = f"{len(at)} samples, from {first}, are"
         samples = f"1 sample, at {first}, is" if len(at) == 1 else several
-        yield f"{samples} far off those beside: spikes, which do not count"
+        yield f"{samples} far from their neighbours: spikes, which are ignored"
 
 
 def _ends(recording: Recording) -> Iterator[str]:
-    """A force that climbs at the start, from slack or a jam, or leaves its course at the end."""
+    """Warnings about a force that settles at the start, or deviates at the end."""
     u, force = recording.stroke, recording.force
     gone, left = np.abs(u - u[0]), np.abs(u - u[-1])
     if recording.turns:
@@ -142,7 +142,7 @@ def _ends(recording: Recording) -> Iterator[str]:
         level = float(np.median(force[settled]))
         if abs(force[0] - level) > 0.15 * float(np.ptp(force)):
             settles = f"{to_unit(SETTLE, 'mm'):g} mm"
-            yield f"the force takes {settles} or so to settle: slack in the rig, or a jam"
+            yield f"the force settles over about {settles}: slack in the rig, or a jam"
     last, before = left < END, (left >= END) & (left < 6 * END)
     if len(recording) >= 100 and np.sum(last) >= 4 and np.sum(before) >= 10:
         course = np.polyfit(u[before], force[before], 1)
@@ -150,11 +150,11 @@ def _ends(recording: Recording) -> Iterator[str]:
         off = float(force[-1] - np.polyval(course, u[-1]))
         if abs(off) > max(8 * noise, 0.05 * float(np.ptp(force))):
             end = f"{to_unit(END, 'mm'):g} mm: end stop?"
-            yield f"the force leaves its course by {off:+.2g} N in the last {end}"
+            yield f"the force deviates by {off:+.2g} N in the last {end}"
 
 
 def _jumps(family: list[Recording]) -> Iterator[tuple[str, str]]:
-    """A load-and-unload cycle with a higher peak than the one before: another sample, probably."""
+    """Warnings about cycles with a higher peak than the one before: probably another sample."""
     cycles = [recording for _, recording in _numbered(family) if recording.turns]
     for before, recording in pairwise(cycles):
         peak, last = float(np.max(recording.force)), float(np.max(before.force))

@@ -1,4 +1,4 @@
-"""The numbers in the text that a test machine exports."""
+"""Numbers in the text export of a test machine."""
 
 import re
 from typing import NamedTuple
@@ -9,24 +9,24 @@ from stepwell.base import GRAVITY, Floats, InputError, Measure, to_unit
 from stepwell.lab.recordings.columns import WEIGHTS, columns, pair, split
 
 _NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d{1,3})?")
-# What programs write where a number is missing is no note.
+# Programs write these words for missing numbers.
 _MISSING = re.compile(r"[-+]?(?:nan|inf(?:inity)?)", re.IGNORECASE)
-# Blanks last: a comma between blanks is a decimal comma.
+# Blanks last: a comma within a field between blanks is a decimal comma.
 _DELIMITERS = (";", "\t", ",", None)
 _HEADER_AT_MOST = 200
 _SHOWN = 40
-_DIGITS = 6  # behind the point, more than anyone reads
-_BLOCK = 5000  # rows read at once, or one by one where one of them needs a look
+_DIGITS = 6  # decimal places, more than any reading has
+_BLOCK = 5000  # rows read at once, or one by one if one of them is irregular
 
 
 _Lines = list[tuple[int, str]]  # with their numbers
 
 
 class Export(NamedTuple):
-    """What the text holds, in SI; `time` is NaN where it is not recorded.
+    """Content of the text in SI; `time` is NaN if not recorded.
 
-    `gauge` is the least length where the length of a band was read, from which its stroke counts;
-    `steps` are those in which its digits can tell stroke and force, 0 where they show none.
+    `gauge` is the least length if the file contains the length of a band; the stroke counts from
+    it. `steps` are the resolutions of stroke and force from their digits, 0 if unknown.
     """
 
     time: Floats
@@ -38,10 +38,10 @@ class Export(NamedTuple):
 
 
 def parse(data: bytes) -> Export:
-    """The recording in a Bluehill "Raw Data" text or CSV, whose header names columns and units.
+    """The recording in a Bluehill "Raw Data" text or CSV whose header names columns and units.
 
     Raises:
-        ValueError: no text, no header, no numbers, or a unit that is none; says what to do.
+        ValueError: the data are no text, without a header or numbers, or with an unknown unit.
     """
     lines, words = _without_words(_lines(data))
     header, delimiter, count, body = _parts(lines, "time, displacement and force")
@@ -53,17 +53,17 @@ def parse(data: bytes) -> Export:
     values = {role: rows[:, one.place] * one.factor for role, one in columns_by_role.items()}
     time = values.get("time", np.full(len(rows), np.nan))
     if "time" not in values:
-        remarks += ("no time column, so its rate is not known",)
+        remarks += ("no time column, so its rate is unknown",)
     gauge, way = None, "stroke"
     if "length" in values:
         gauge, way = float(np.min(values["length"])), "length"
         values["stroke"] = values["length"] - gauge
         remarks += (
-            f"its length is the band's own: stroke counts from {to_unit(gauge, 'mm'):.5g} mm",
+            f"its length is that of the band: stroke counts from {to_unit(gauge, 'mm'):.5g} mm",
         )
     unit = columns_by_role["force"].unit
     if unit in WEIGHTS:
-        remarks += (f"{unit} are weights: each kg pulls with {GRAVITY} N, positive pulls",)
+        remarks += (f"{unit} are weights: 1 kg is {GRAVITY} N, positive pulls",)
     u, force = (
         _step(rows[:, one.place]) * one.factor
         for one in (columns_by_role[way], columns_by_role["force"])
@@ -72,17 +72,17 @@ def parse(data: bytes) -> Export:
 
 
 def parse_pair(data: bytes) -> tuple[Measure, Floats, Floats]:
-    """The curve in a table as for `parse`: its travels and forces in SI.
+    """Measure, travels and forces in SI of the curve in a table, as for `parse`.
 
     Raises:
-        ValueError: as `parse`; or a row that is no row of numbers, for none is left out here.
+        ValueError: as `parse`; also for any row without numbers, since no row is left out.
     """
     header, delimiter, count, body = _parts(_lines(data), "travel and force")
-    # What names columns has no number for a field: a row of which one cannot be read has.
+    # A header has no number for a field, but an unreadable row has.
     if header and any(map(_NUMBER.fullmatch, split(header[-1], delimiter))):
         raise InputError(
-            f"the line before the first row of {count} numbers is none ({header[-1][:_SHOWN]!r}): "
-            f"correct it or take it out."
+            f"the line before the first row of {count} numbers is no header "
+            f"({header[-1][:_SHOWN]!r}): correct it or take it out."
         )
     measure, (x, x_factor), (y, y_factor) = pair(header, delimiter, count)
     rows, bad = _rows(body, delimiter, count)
@@ -96,9 +96,9 @@ def parse_pair(data: bytes) -> tuple[Measure, Floats, Floats]:
 
 
 def _step(values: Floats) -> float:
-    """The step in which the digits of a column go: of 12.5, 14.0, 15.5 it is 0.5; 0 for none.
+    """Resolution of the digits of a column, such as 0.5 for 12.5, 14.0, 15.5; 0 for none.
 
-    Nothing coarser than a last digit that is read in halves: weights of 50 g are set, not read.
+    It is the last digit, or half of the digit before: weights of 50 g are set, not read.
     """
     for digits in range(_DIGITS + 1):
         counts = values * 10.0**digits
@@ -110,7 +110,7 @@ def _step(values: Floats) -> float:
 
 
 def _without_words(lines: list[str]) -> tuple[list[str], tuple[str, ...]]:
-    """The lines without columns of notes, where no row holds numbers alone; and what is told."""
+    """The lines without columns of words, if no row has numbers alone; and notes."""
     if _row_of_numbers(lines) is not None:
         return lines, ()
     for delimiter in (";", "\t", ","):
@@ -126,18 +126,18 @@ def _without_words(lines: list[str]) -> tuple[list[str], tuple[str, ...]]:
             delimiter.join(row[k] for k in kept) if len(row) == width else line
             for row, line in zip(fields, lines, strict=True)
         ]
-        return cut, (f"column {notes} holds words: not read",)
+        return cut, (f"column {notes} contains words: not read",)
     return lines, ()
 
 
 def _begin(rows: list[list[str]]) -> int:
-    """The first row of which two fields or more are numbers; 0 where there is none."""
+    """Index of the first row with two numbers or more; 0 for none."""
     ahead = enumerate(rows[:_HEADER_AT_MOST])
     return next((n for n, row in ahead if sum(map(_is_number, row)) >= 2), 0)
 
 
 def _numeric(rows: list[list[str]], width: int) -> list[int]:
-    """The columns of which more than half of the fields are numbers or missing numbers."""
+    """Indices of the columns in which more than half of the fields are numbers, or missing."""
 
     def numbers(k: int) -> int:
         return sum(_is_number(row[k]) or bool(_MISSING.fullmatch(row[k])) for row in rows)
@@ -150,7 +150,7 @@ def _is_number(field: str) -> bool:
 
 
 def _parts(lines: list[str], example: str) -> tuple[list[str], str | None, int, _Lines]:
-    """The lines above the numbers, how they are split, and those from the first numbers on."""
+    """Header lines, delimiter, number of columns, and lines from the first numbers on."""
     first = _row_of_numbers(lines)
     if first is None:
         raise InputError(f"holds no row of two or more numbers: a recording is rows of {example}.")
@@ -169,13 +169,13 @@ def _lines(data: bytes) -> list[str]:
     try:
         text = data.decode("utf-16" if utf_16 else "utf-8-sig")
     except UnicodeDecodeError:
-        # A degree sign or a micro sign in the encoding of an old Windows program.
+        # Old Windows programs encode a degree sign or a micro sign so.
         text = data.decode("latin-1")
     return re.split(r"\r\n|\r|\n", text)
 
 
 def _row_of_numbers(lines: list[str]) -> tuple[int, str | None] | None:
-    """The first line of numbers alone, two or more, and what parts them."""
+    """Index and delimiter of the first line of numbers alone, two or more."""
     for at, line in enumerate(lines[:_HEADER_AT_MOST]):
         for delimiter in _DELIMITERS:
             fields = split(line, delimiter)
@@ -185,7 +185,7 @@ def _row_of_numbers(lines: list[str]) -> tuple[int, str | None] | None:
 
 
 def _rows(body: _Lines, delimiter: str | None, count: int) -> tuple[Floats, _Lines]:
-    """The rows that can be read, and the others with their numbers."""
+    """Readable rows, and the other lines with their numbers."""
     pieces: list[Floats] = []
     bad: _Lines = []
     for first in range(0, len(body), _BLOCK):
@@ -203,7 +203,7 @@ def _rows(body: _Lines, delimiter: str | None, count: int) -> tuple[Floats, _Lin
 
 
 def _one_by_one(block: _Lines, delimiter: str | None, count: int, bad: _Lines) -> Floats:
-    """The rows of a block that can be read; the others are added to `bad`."""
+    """Readable rows of a block; other lines are added to `bad`."""
     good: list[list[float]] = []
     for number, line in block:
         fields = split(line, delimiter)
@@ -217,7 +217,7 @@ def _one_by_one(block: _Lines, delimiter: str | None, count: int, bad: _Lines) -
 
 
 def _at_once(lines: list[str], delimiter: str | None, count: int) -> Floats | None:
-    """All rows by NumPy's own reader, ten times as fast; None where one of them needs a look."""
+    """All rows by NumPy's reader, ten times as fast; None if a row is irregular."""
     try:
         rows = np.loadtxt(lines, delimiter=delimiter, ndmin=2, comments=None)
     except ValueError:
