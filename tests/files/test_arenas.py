@@ -93,7 +93,7 @@ def test_every_key_is_read_in_its_unit():
         ),
         (
             "cell 100 mm\n",
-            "arena.toml: has no map below its first line: draw one with # (wall), o (cylinder), "
+            "arena.toml: has no map below its first line: add rows of # (wall), o (cylinder), "
             "S > < ^ v (start), G (goal), a point or a space (floor).",
         ),
         (
@@ -103,15 +103,15 @@ def test_every_key_is_read_in_its_unit():
         ),
         (
             "cell 100 mm\n#.#",
-            "arena.toml: has no start: put S on the floor, or > < ^ v for where the robot faces.",
+            "arena.toml: has no start: put S on the floor, or > < ^ v for a start with a heading.",
         ),
         (
             "cell 100 mm\nS.#\n.^#",
-            "arena.toml: line 3, column 2: a second start: the first stands in line 2, column 1.",
+            "arena.toml: line 3, column 2: a second start: the first one is in line 2, column 1.",
         ),
         (
             "cell 100 mm\nS.GG",
-            "arena.toml: line 2, column 4: a second goal: the first stands in line 2, column 3.",
+            "arena.toml: line 2, column 4: a second goal: the first one is in line 2, column 3.",
         ),
         (
             "cell 20 mm\nSo",
@@ -120,8 +120,8 @@ def test_every_key_is_read_in_its_unit():
         (
             "cell 100 mm\nS" + 160_000 * ".",
             "arena.toml: has 160001 letters of a map: at most 160000 are taken; "
-            "STEPWELL_LIMITS=letters=160001 in the environment allows as many. Or let a letter "
-            "stand for more.",
+            "STEPWELL_LIMITS=letters=160001 in the environment allows as many. Or use a larger "
+            "size of a letter.",
         ),
     ],
 )

@@ -251,11 +251,11 @@ def test_a_file_in_a_folder_below_is_read(written):
         ),
         (
             '[chain]\ntable_csv = "dome.csv"\n',
-            'chain.table_csv = "dome.csv": stands in the table of a cell, or table_csv in that',
+            'chain.table_csv = "dome.csv": belongs in the table of a cell, or table_csv in that',
         ),
         (
             '[chain]\nband = { points_csv = "dome.csv" }\n',
-            'chain.band.points_csv = "dome.csv": stands in the table of a cell, or table_csv in',
+            'chain.band.points_csv = "dome.csv": belongs in the table of a cell, or table_csv in',
         ),
         (
             '[chain]\n[[chain.cell]]\nband = { table_csv = "balloon.csv" }\n',
@@ -263,20 +263,20 @@ def test_a_file_in_a_folder_below_is_read(written):
         ),
         (
             CELL.format("table_csv") + "table = {}",
-            'chain.cell[0].table_csv = "dome.csv": cannot stand with table: keep one of them.',
+            'chain.cell[0].table_csv = "dome.csv": cannot be combined with table: keep one of',
         ),
         ('[chain]\ncell = [{ table_csv\\u0020 = "dome.csv" }]', "line 2, column 20: "),
         (
             '[chain]\ncell = [{ "table_csv" = "dome.csv" }]',
-            "names CSV files in a way that is not understood: write each such key in the table of",
+            "names CSV files in an unsupported way: write each such key once",
         ),
         (
             '[chain]\ncell = [{ table_csv = """dome.csv""" }]',
-            "names CSV files in a way that is not understood",
+            "names CSV files in an unsupported way",
         ),
         (
             f'{CELL.format("table_csv")}x = """\ntable_csv = "dome.csv"\n"""',
-            "names CSV files in a way that is not understood",
+            "names CSV files in an unsupported way",
         ),
     ],
 )

@@ -203,16 +203,16 @@ def test_units_are_those_of_the_keys():
         ("points = {}", "chain.cell[0].points: has no columns: must hold travel_mm and force_N"),
         (
             "points = { travel_mm = [0, 1], pressure_kPa = [0, 1] }",
-            "chain.cell[0].points: gives travel_mm and pressure_kPa: must hold travel_mm and",
+            "chain.cell[0].points: has travel_mm and pressure_kPa: must hold travel_mm and",
         ),
         (
             "points = { travel_mm = [0, 1, 2], force_N = [0, 1] }",
-            "chain.cell[0].points.travel_mm = [0, 1, 2]: has 3 numbers, force_N 2: must be as many",
+            "chain.cell[0].points.travel_mm = [0, 1, 2]: has 3 numbers, force_N 2: must be equal",
         ),
         (
             "table = { travel_mm = [0, 2, 1], force_N = [0, 1, 2] }",
-            "chain.cell[0].table.travel_mm = [0, 2, 1]: number 3, 1, must lie 0.000001 or more "
-            "above the one before, 2. Sort the rows",
+            "chain.cell[0].table.travel_mm = [0, 2, 1]: number 3, 1, must be at least "
+            "0.000001 above the one before, 2. Sort the rows",
         ),
         (
             "table = { travel_mm = [0, 'x'], force_N = [0, 1] }",
@@ -237,20 +237,20 @@ def test_units_are_those_of_the_keys():
         ),
         (
             f"{POINTS}\np_mm = [0, 0]",
-            "chain.cell[0].p_mm = [0, 0]: cannot stand with points: an element has no levers and",
+            "chain.cell[0].p_mm = [0, 0]: cannot be combined with points: an element has no levers",
         ),
         (
             f"{POINTS}\nload_N = 1",
-            "chain.cell[0].load_N = 1: cannot stand with points: an element has no levers",
+            "chain.cell[0].load_N = 1: cannot be combined with points: an element has no levers",
         ),
         (
             "p_mm = [-10, 0]\nq_mm = [10, 0]\nstops = true",
-            "chain.cell[0].stops = true: goes with the curve of an element: table, points, curve",
+            "chain.cell[0].stops = true: needs the curve of an element: table, points, curve",
         ),
         (f"{POINTS}\nstops = 1", "chain.cell[0].stops = 1: must be true or false, or two of them"),
         (
             f"{POINTS}\nnoise_N = 0.1",
-            "chain.cell[0].noise_N = 0.1: goes with table alone; leave it out.",
+            "chain.cell[0].noise_N = 0.1: is for table only; leave it out.",
         ),
         (
             f"{POINTS}\nfriction_kPa = 0.1",
@@ -260,7 +260,7 @@ def test_units_are_those_of_the_keys():
         (f"{POINTS}\nmobility = 0", "chain.cell[0].mobility = 0: must be from 0.01 to 100."),
         (
             'table_csv = "dome.csv"',
-            'chain.cell[0].table_csv = "dome.csv": names a file, which is read where a design file',
+            'chain.cell[0].table_csv = "dome.csv": names a file, which is only read for a design',
         ),
         (f"{POINTS}\nstop = true", "chain.cell[0].stop: unknown key. Did you mean stops?"),
         (
@@ -269,7 +269,7 @@ def test_units_are_those_of_the_keys():
         ),
         (
             f"beside = [{{ {POINTS} }}, {{ name = 'x' }}]",
-            "chain.cell[0].beside[1]: is no element: give it one of table, points, curve",
+            "chain.cell[0].beside[1]: is no element: add one of table, points, curve",
         ),
         (
             INSIDE.replace("20", "1e7"),
@@ -289,7 +289,7 @@ def test_units_are_those_of_the_keys():
         (
             "sheets = [{ travel_m = [0, 1, 2], cubics_SI = [[0, 1, 0, 0, 0], [5, 1, 0, 0, 0.5]] }]",
             "chain.cell[0]: sheets[0].cubics_SI: row 2 begins with the force 5, where row 1 ends "
-            "with 1: a curve has no gaps.",
+            "with 1: both must be equal.",
         ),
         (
             "sheets = [{ travel_m = [0, 1], cubics_SI = [[0, 1, 0, 0, 0]], above = 2 }]",
@@ -302,7 +302,7 @@ def test_units_are_those_of_the_keys():
         ),
         (
             "sheets = [{ travel_m = [0, 3], cubics_SI = [[0, 1, -0.5, 0, 0]] }]\nstops = true",
-            "chain.cell[0]: sheets[0].cubics_SI: force or stiffness turn at 1, within a row",
+            "chain.cell[0]: sheets[0].cubics_SI: force or stiffness have an extremum at 1, within",
         ),
     ],
 )

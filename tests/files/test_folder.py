@@ -303,5 +303,5 @@ def test_the_manifest_holds_what_anyone_can_check(tmp_path):
     (out / "design.toml").unlink()
     with pytest.raises(IncompleteError, match=r"design\.toml is missing"):
         manifest(out)
-    with pytest.raises(IncompleteError, match="holds no results"):
+    with pytest.raises(IncompleteError, match="no complete results"):
         manifest(Path(tmp_path))

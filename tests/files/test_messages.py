@@ -136,8 +136,8 @@ def answer(text: str) -> str:
         ),
         (
             f"[chain]\n{CELL}bands = []",
-            "forward.toml: chain.cell[0].p_mm = [-10, 0]: cannot stand with bands, where every "
-            "band has its own anchors.",
+            "forward.toml: chain.cell[0].p_mm = [-10, 0]: cannot be combined with bands, "
+            "which have their own anchors.",
         ),
         (
             "[chain]\n[[chain.cell]]\nbands = []",
@@ -150,18 +150,18 @@ def answer(text: str) -> str:
         ),
         (
             f"[chain]\n{CELL}load_N = 1\nload_mm_N = [[0, 1]]",
-            "forward.toml: chain.cell[0].load_mm_N = [[0, 1]]: cannot stand with load_N: a cell "
-            "has one load.",
+            "forward.toml: chain.cell[0].load_mm_N = [[0, 1]]: cannot be combined with load_N: a "
+            "cell has one load.",
         ),
         (
             f"[chain]\n{CELL}load_mm_N = [[0, 1], [0, 2]]",
-            "forward.toml: chain.cell[0].load_mm_N = [[0, 1], [0, 2]]: row 2 must lie 0.000001 mm "
-            "or more above the row before it.",
+            "forward.toml: chain.cell[0].load_mm_N = [[0, 1], [0, 2]]: row 2 must be at least "
+            "0.000001 mm above the row before it.",
         ),
         (
             f"[chain]\nband = {{ table_mm_N = [[1, 0], [2, 1]] }}\n{CELL}",
             "forward.toml: chain.band.table_mm_N = [[1, 0], [2, 1]]: row 1 must be [0, 0]: a band "
-            "carries nothing at its rest length.",
+            "has no tension at its rest length.",
         ),
         (
             f"[chain]\nband = {{ table_mm_N = [[0, 0], [2, 0]] }}\n{CELL}",
@@ -181,8 +181,8 @@ def answer(text: str) -> str:
         (
             f"[chain]\nband = {{ table_mm_N = [[0, 0], [2, 1]] }}\n{CELL}"
             "band = { stiffness_N_per_m = 3 }",
-            "forward.toml: chain.cell[0].band.stiffness_N_per_m = 3: cannot stand with table_mm_N, "
-            "which sets the stiffness itself; leave it out, or give the law as shape_mm.",
+            "forward.toml: chain.cell[0].band.stiffness_N_per_m = 3: cannot be combined with "
+            "table_mm_N, which sets the stiffness; leave it out, or give the law as shape_mm.",
         ),
         # TOML itself
         ("[chain]\nlever_mm = = 3", "forward.toml: line 2, column 12: Invalid value."),

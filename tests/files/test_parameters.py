@@ -127,35 +127,35 @@ def test_the_text_of_a_file_does_as_well_as_a_robot():
     [
         (
             {"foot.link": 30},
-            "foot.link: means none of this robot's numbers. Did you mean foot.link_mm?",
+            "foot.link: selects none of this robot's numbers. Did you mean foot.link_mm?",
         ),
         (
             {"fot.link_mm": 30},
-            "fot.link_mm: means none of this robot's numbers. Did you mean foot.link_mm?",
+            "fot.link_mm: selects none of this robot's numbers. Did you mean foot.link_mm?",
         ),
         (
             {"leg.left.chain.cell.iner.q_mm[0]": 1},
-            "leg.left.chain.cell.iner.q_mm[0]: means none of this robot's numbers. Did you mean "
+            "leg.left.chain.cell.iner.q_mm[0]: selects none of this robot's numbers. Did you mean "
             "leg.left.chain.cell.inner.q_mm[0]?",
         ),
         (
             {"leg[2].at_mm[0]": 1},
-            "leg[2].at_mm[0]: means none of this robot's numbers. Known after leg: left, right.",
+            "leg[2].at_mm[0]: selects none of this robot's numbers. Known after leg: left, right.",
         ),
         (
             {"foot.link_mm[0]": 1},
-            "foot.link_mm[0]: means none of this robot's numbers: foot.link_mm is one number, "
-            "leave out what follows.",
+            "foot.link_mm[0]: selects none of this robot's numbers: foot.link_mm is one number, "
+            "leave out the rest.",
         ),
         (
             {"leg.left.at_mm": 1},
-            "leg.left.at_mm: 1 is not what leg.left.at_mm holds: name one number of it, such as "
-            "leg.left.at_mm[0], or give as many as it has.",
+            "leg.left.at_mm: 1 does not match leg.left.at_mm: name one number of it, such as "
+            "leg.left.at_mm[0], or give all of its numbers.",
         ),
         (
             {"leg.left.at_mm": [1, 2, 3]},
-            "leg.left.at_mm: [1, 2, 3] is not what leg.left.at_mm holds: name one number of it, "
-            "such as leg.left.at_mm[0], or give as many as it has.",
+            "leg.left.at_mm: [1, 2, 3] does not match leg.left.at_mm: name one number of it, "
+            "such as leg.left.at_mm[0], or give all of its numbers.",
         ),
         (
             {"foot..link": 1},

@@ -99,12 +99,12 @@ def test_a_compliant_actuator_turns_at_positions_past_the_stops():
         ),
         (
             "[program]\nstart = '010'\nturning_points_mm = [0, 60]",
-            "program.turning_points_mm[0] = 0: must be 20, the stroke where 010 stands.",
+            "program.turning_points_mm[0] = 0: must be 20, the equilibrium stroke of 010.",
         ),
         (
             "[program]\nturning_points_mm = [0]\nturning_points_N = [0]",
-            "program.turning_points_N = [0]: cannot stand with turning_points_mm: keep one of "
-            "them.",
+            "program.turning_points_N = [0]: cannot be combined with turning_points_mm: keep one "
+            "of them.",
         ),
         (
             "[program]\nturning_points_N = [0, 1]",

@@ -260,17 +260,17 @@ def test_a_leg_may_have_cells_of_its_own_and_takes_the_rest_from_the_chain():
         ),
         (
             f'{LEAST}[source]\npaper = ["chain", "foot.link"]',
-            'robot.toml: source.paper[1] = "foot.link": means none of this robot\'s numbers. Did '
+            'robot.toml: source.paper[1] = "foot.link": selects none of this robot\'s numbers. Did '
             "you mean foot.link_mm?",
         ),
         (
             f'{LEAST}[source]\nmeasured = ["leg.lft.at_mm[0]"]',
-            'robot.toml: source.measured[0] = "leg.lft.at_mm[0]": means none of this robot\'s '
+            'robot.toml: source.measured[0] = "leg.lft.at_mm[0]": selects none of this robot\'s '
             "numbers. Did you mean leg.left.at_mm[0]?",
         ),
         (
             f'{LEAST}[source]\npaper = ["chain"]\nassumed = ["leg.*.chain"]',
-            'robot.toml: source.assumed[0] = "leg.*.chain": paper has that too; keep one of them.',
+            'robot.toml: source.assumed[0] = "leg.*.chain": paper lists it too; keep one of them.',
         ),
     ],
 )

@@ -169,7 +169,7 @@ def test_one_direction_says_what_it_cannot_tell():
     without = [run for run in everything(ways=(False,)) if "friction" not in run.source]
     bare = lab.calibrate(lab.prepare(lab.sort_series(without).series), "linear")
     assert bare.weighing is None and bare.weight == 0.0
-    says(bare.open, "weight", "block", "none", "without a band", "loading and unloading")
+    says(bare.open, "weight", "block", "zero", "without a band", "loading and unloading")
 
 
 def test_a_chain_with_the_calibration_carries_all_of_it():

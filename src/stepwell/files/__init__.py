@@ -1,4 +1,4 @@
-"""Design files in and out, and results as files: read, check, write."""
+"""Reading, checking and writing of design files, and folders of results."""
 
 from typing import TYPE_CHECKING
 
@@ -93,7 +93,7 @@ __all__ = [
     "write_atomic",
 ]
 
-# What reads robots and arenas and writes files opens when it is asked for.
+# Modules for robots, arenas and writing are imported at first use.
 _LATE = {
     "arena": (
         "arena_tables",

@@ -1,4 +1,4 @@
-"""Arenas by name or from a file: their keys, tables in millimetres, or a map drawn with letters."""
+"""Arenas by name or from a file with tables in millimetres or a map of letters."""
 
 import math
 import os
@@ -50,7 +50,7 @@ class ArenaKeys(keys.Keys):
     cylinder: Annotated[tuple[RoundKeys, ...], keys.at_most("obstacles")] = ()
 
 
-# Where a reader may come from when a path holds one of these keys.
+# Tables by path, used in messages on unknown keys.
 TABLES = keys.tables_of(ArenaKeys)
 
 CYLINDER_RADIUS = 0.025
@@ -74,7 +74,7 @@ class _Rectangle(NamedTuple):
 
 
 def drawn(map_text: str, name: str) -> Arena:
-    """The arena that a map shows; its origin is the map's lower left corner."""
+    """The arena of a map; its origin is the lower left corner of the map."""
     size, title, rest, skipped = _map_parts(map_text, name)
     text.refuse_any(name, _problems(rest, skipped))
     squares: defaultdict[str, list[Square]] = defaultdict(list)
@@ -85,7 +85,7 @@ def drawn(map_text: str, name: str) -> Arena:
     try:
         walls, posts = _walls(set(squares["#"]), size), squares["o"]
         limits.require("obstacles", len(walls) + len(posts), "has")
-        # A map says the size of a letter, within bounds of its own.
+        # The size of a letter in a map has bounds of its own.
         made = Arena(
             walls=walls,
             cylinders=[Cylinder(_middle(square, size), CYLINDER_RADIUS) for square in posts],
@@ -101,7 +101,7 @@ def drawn(map_text: str, name: str) -> Arena:
 
 
 def _map_parts(text: str, name: str) -> tuple[Decimal, str, list[str], int]:
-    """The side of a square [mm], the title, the rows, and how many lines stand above them."""
+    """Side of a square [mm], title, rows, and number of lines above the rows."""
     lines = [line.rstrip() for line in text.removeprefix("\ufeff").splitlines()]
     lines = list(dropwhile(lambda line: not line, lines))
     size = _size(lines[0] if lines else "", name)
@@ -128,10 +128,10 @@ def _size(line: str, name: str) -> Decimal:
 
 def _problems(rows: list[str], skipped: int) -> list[str]:
     if not rows:
-        return [f"has no map below its first line: draw one with {_LETTERS}."]
+        return [f"has no map below its first line: add rows of {_LETTERS}."]
     letters = sum(map(len, rows))
     if letters > limits.most("letters"):
-        return [f"has {limits.problem('letters', letters)} Or let a letter stand for more."]
+        return [f"has {limits.problem('letters', letters)} Or use a larger size of a letter."]
     problems = []
     places: dict[str, list[str]] = {"start": [], "goal": []}
     for j, line in enumerate(rows):
@@ -144,10 +144,10 @@ def _problems(rows: list[str], skipped: int) -> list[str]:
             elif letter not in "#o. ":
                 problems.append(f"{place}: {text.value_text(letter)}: must be one of {_LETTERS}.")
     if not places["start"]:
-        problems.append("has no start: put S on the floor, or > < ^ v for where the robot faces.")
+        problems.append("has no start: put S on the floor, or > < ^ v for a start with a heading.")
     for what, marked in places.items():
         if len(marked) > 1:
-            problems.append(f"{marked[1]}: a second {what}: the first stands in {marked[0]}.")
+            problems.append(f"{marked[1]}: a second {what}: the first one is in {marked[0]}.")
     return problems
 
 
@@ -162,11 +162,11 @@ def _walls(squares: set[Square], size: Decimal) -> list[Wall]:
 
 
 def _slanted(squares: set[Square]) -> tuple[list[tuple[Square, Square]], set[Square]]:
-    """Lines of squares that touch at corners alone, by their left and right end; and the rest."""
+    """Lines of squares that touch only at corners, by left and right end; and the other squares."""
     beside = ((1, 0), (-1, 0), (0, 1), (0, -1))
     alone = {(i, j) for i, j in squares if not any((i + a, j + b) in squares for a, b in beside)}
     ends = []
-    free = set(alone)  # those in no line yet
+    free = set(alone)  # squares in no line yet
     for up in (1, -1):
         for i, j in sorted(alone):
             if (i, j) not in free or (i - 1, j - up) in free:
@@ -181,7 +181,7 @@ def _slanted(squares: set[Square]) -> tuple[list[tuple[Square, Square]], set[Squ
 
 
 def _rectangles(squares: set[Square]) -> list[_Rectangle]:
-    """Rectangles that together cover the squares, large ones first; they may overlap."""
+    """Rectangles that together cover the squares, large ones first, possibly overlapping."""
     flipped = _stacked({(j, i) for i, j in squares})
     candidates = [*_stacked(squares), *(_Rectangle(r[1], r[0], r[3], r[2]) for r in flipped)]
     left, chosen = set(squares), []
@@ -194,7 +194,7 @@ def _rectangles(squares: set[Square]) -> list[_Rectangle]:
 
 
 def _stacked(squares: set[Square]) -> Iterator[_Rectangle]:
-    """Runs along rows; equal ones above each other are one rectangle."""
+    """Rectangles of runs along rows; equal runs in consecutive rows are one rectangle."""
     rows = grouped((j, i) for i, j in sorted(squares))
     begun: dict[tuple[int, int], int] = {}  # left and columns of a run: its first row
     for j in range(min(rows, default=0), max(rows, default=-1) + 2):
@@ -235,19 +235,19 @@ _SUFFIXES = (".toml", ".txt")
 
 
 def arenas() -> dict[str, str]:
-    """The name of every arena that comes with the package, and its title."""
+    """Titles of the arenas in the package, by name."""
     return {name: loads_arena(text, f"arena {name}").title for name, text in _texts().items()}
 
 
 def load_arena(arena: str | os.PathLike[str]) -> Arena:
-    """The arena of a name, or the one that a file describes, in SI.
+    """The arena with this name or in this file, in SI.
 
     Args:
         arena: a name that `arenas` lists, for example "three-walls"; or a file that ends in
-            .toml or .txt, as docs/design-files.md describes them.
+            .toml or .txt, in the format of docs/design-files.md.
 
     Raises:
-        DesignError: there is none, or its file is wrong; a line for every problem.
+        DesignError: there is none, or its file is invalid; a line for every problem.
     """
     name = os.fspath(arena)
     if name not in _texts() and name.endswith(_SUFFIXES):
@@ -258,10 +258,10 @@ def load_arena(arena: str | os.PathLike[str]) -> Arena:
 
 
 def arena_text(name: str) -> str:
-    """The file of an arena that comes with the package, a map or TOML, with its comments.
+    """Text of the file of an arena in the package, a map or TOML, with its comments.
 
     Raises:
-        DesignError: there is none of that name; the text says which is nearest.
+        DesignError: there is none of that name; the message has the nearest name.
     """
     return _text(name, "no such arena")
 
@@ -274,14 +274,14 @@ def _text(name: str, problem: str) -> str:
 
 
 def loads_arena(text: str, name: str = "arena") -> Arena:
-    """The arena that a text describes, in SI.
+    """The arena in a text, in SI.
 
     Args:
-        text: TOML; or a map, where it starts with the word cell or `name` ends in .txt.
-        name: what messages call it.
+        text: TOML, or a map if it starts with the word cell or `name` ends in .txt.
+        name: its name in messages.
 
     Raises:
-        DesignError: the text is neither, or asks for what no arena can be.
+        DesignError: the text is neither, or has invalid values.
     """
     if name.endswith(".txt") or re.match(r"\s*cell\b(?!\s*=)", text):
         return drawn(text, name)
@@ -289,20 +289,20 @@ def loads_arena(text: str, name: str = "arena") -> Arena:
 
 
 def loads_arena_tables(tables: Any, name: str = "arena") -> Arena:
-    """The arena that a file describes whose tables are Python values, as out of JSON.
+    """The arena in tables of Python values, as from JSON.
 
     Args:
-        tables: what JSON can hold, with the keys of the file; none at all are a bare floor.
-        name: what messages call it.
+        tables: JSON values with the keys of the file; an empty table is a bare floor.
+        name: its name in messages.
 
     Raises:
-        DesignError: as `loads_arena`, with the same words; or a value that no file can hold.
+        DesignError: as for `loads_arena`, or a value is not possible in a file.
     """
     return _arena(text.in_decimals(tables, name), name)
 
 
 def arena_tables(arena: Arena) -> dict[str, Any]:
-    """The tables of an arena's file as Python values; `loads_arena_tables` takes them."""
+    """Tables of an arena's file as Python values, for `loads_arena_tables`."""
     return text.in_floats(parsed(arena_toml(arena), "arena", _EMPTY))
 
 
@@ -323,7 +323,7 @@ def _arena(tables: dict[str, Any], name: str) -> Arena:
 
 
 def arena_toml(arena: Arena) -> str:
-    """The file of an arena: start and goal first, then what stands in the way."""
+    """Text of the file of an arena: start and goal first, then obstacles."""
     left_out = ["goal", "wall", "cylinder", "unusual", *([] if arena.title else ["title"])]
     odd = ["unusual = true"] if arena.unusual or any(of_arena(arena)) else []
     text = [*odd, *keys.table_lines(ArenaKeys, arena, left_out), ""]

@@ -1,4 +1,4 @@
-"""The tables of a design file about its cells and elements, as values, and back."""
+"""Conversion of the tables of cells and elements in a design file to values and back."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -15,20 +15,20 @@ from stepwell.files.schema import chain as chain_schema, elements as element_sch
 from stepwell.files.schema.keys import field_of, fields, key_of, si, slip_text, written
 from stepwell.files.text import Written, array, inline, lines, parsed, value_text
 
-# How an element is made of two columns of numbers, by the key that holds them.
+# Constructors of an element from two columns of numbers, by key.
 MAKE = {
     "table": mechanism.Element.from_table,
     "points": mechanism.Element.from_points,
     "curve": mechanism.Element.from_curve,
 }
-# Forces at a joint of two cubics that differ by more than this share of the largest are no curve.
+# Relative tolerance of force and energy at a joint of two cubics.
 _JOINT_TOLERANCE = 1e-9
-# A turn as near to a joint as this share of the travel is the one that was cut there.
+# Tolerance between a turning point and the joint that was cut there, over the travel.
 _CUT_TOLERANCE = 1e-6
 
 
 def element_of(keys: element_schema.ElementKeys) -> mechanism.Element:
-    """The element that a table describes, or a ValueError."""
+    """The element in a table, or a ValueError."""
     (form,) = keys.forms
     given = getattr(keys, form)
     stops = False if keys.stops is None else keys.stops
@@ -49,7 +49,7 @@ def element_of(keys: element_schema.ElementKeys) -> mechanism.Element:
 
 
 def with_options(element: mechanism.Element, keys: element_schema.ElementKeys) -> mechanism.Element:
-    """An element with what the table says beside its curve."""
+    """The element with the options in its table: name, stops, friction, scales."""
     given: dict[str, Any] = {"name": keys.name, "stops": keys.stops}
     for word in ("friction", "error_band"):
         given[word] = _of_measure(keys, word, element.measure)
@@ -59,7 +59,7 @@ def with_options(element: mechanism.Element, keys: element_schema.ElementKeys) -
 
 
 def _of_measure(keys: element_schema.ElementKeys, word: str, measure: Measure) -> float | None:
-    """A force under the key that names its unit; ValueError where it names another one's."""
+    """A force under the key with the unit of its measure; ValueError for another unit."""
     right = element_schema.key_in(word, measure.force_unit)
     for key in sorted(keys.model_fields_set):
         if key.startswith(f"{word}_") and key != right:
@@ -86,7 +86,7 @@ def _sheets(tables: tuple[element_schema.SheetKeys, ...]) -> tuple[mechanism.She
 
 
 def _refuse_gaps(rows: Floats, joints: Floats, where: str) -> None:
-    """Raise ValueError where force or energy jump between two cubics, or there is no force."""
+    """Raise ValueError if force or energy jump between two cubics, or forces are out of range."""
     steps = np.diff(joints)[:, None] ** np.arange(5)
     force = np.sum(rows[:, 1:5] * steps[:, :4], axis=1)
     energy = rows[:, 5] + np.sum(rows[:, 1:5] * steps[:, 1:] / np.arange(1, 5), axis=1)
@@ -101,24 +101,24 @@ def _refuse_gaps(rows: Floats, joints: Floats, where: str) -> None:
             k = int(np.argmax(off))
             raise InputError(
                 f"{where}: row {k + 2} begins with the {what} {begins[k + 1]:.9g}, where row "
-                f"{k + 1} ends with {ends[k]:.9g}: a curve has no gaps."
+                f"{k + 1} ends with {ends[k]:.9g}: both must be equal."
             )
 
 
 def _refuse_turns(sheet: mechanism.Sheet, joints: Floats, where: str) -> None:
-    """Raise ValueError where force or stiffness turn within a cubic: the engine needs it cut."""
+    """Raise ValueError if force or stiffness have an extremum within a cubic."""
     cut = mechanism.Sheet.of(sheet.rows, sheet.end).rows[:, 0]
-    # A cut may come out a little beside the joint where it was made.
+    # The computed cut may differ a little from the joint where it was made.
     after = np.clip(np.searchsorted(joints, cut), 1, len(joints) - 1)
     off = np.minimum(np.abs(cut - joints[after - 1]), np.abs(cut - joints[after]))
     beside = off > _CUT_TOLERANCE * (joints[-1] - joints[0])
     if beside.any():
-        at = f"{where}: force or stiffness turn at {cut[beside][0]:.9g}, within a row"
-        raise InputError(f"{at}: must begin a new row there.")
+        at = f"{where}: force or stiffness have an extremum at {cut[beside][0]:.9g}, within a row"
+        raise InputError(f"{at}: a new row must begin there.")
 
 
 def _refuse_wrong_neighbours(element: mechanism.Element) -> None:
-    """Raise ValueError where a sheet leads to one that does not hold its end, or not lower."""
+    """Raise ValueError if a sheet leads to one without its end, or not of less energy."""
     unit, factor = display_unit(element.measure.travel_unit)
     sheets = element.sheets
     for k, sheet in enumerate(sheets):
@@ -134,12 +134,12 @@ def _refuse_wrong_neighbours(element: mechanism.Element) -> None:
 
 
 def element_lines(element: mechanism.Element) -> list[str]:
-    """The keys of a [[chain.cell]] table, without its name."""
+    """Lines of the keys of a [[chain.cell]] table, without its name."""
     return lines(_written(element))
 
 
 def _written(element: mechanism.Element) -> Written:
-    """A table or points where they give this very element again, else its cubics."""
+    """Keys of a table or points if they reproduce the element exactly, else of its cubics."""
     options, wanted = _options(element), element.renamed("")
     for curve in _as_columns(element):
         if _reads_as(keys := curve | options, wanted):
@@ -162,26 +162,26 @@ def _options(element: mechanism.Element) -> Written:
 
 
 def _in_force(element: mechanism.Element, word: str) -> Written:
-    """A force of an element under the key that names its unit; nothing where it is 0."""
+    """A force of an element under the key with its unit; empty if it is 0."""
     key, value = element_schema.key_in(word, element.measure.force_unit), getattr(element, word)
     return {key: written(key, value)} if value else {}
 
 
 def _as_columns(element: mechanism.Element) -> Iterator[Written]:
-    """Tables and points that may give the element's curve; the roundest numbers first."""
+    """Tables and points that may reproduce the element's curve; the roundest numbers first."""
     sheet, *others = element.sheets
     if others or element.error_band:
         return
     rows = sheet.rows
     bent = bool(np.any(rows[:, 3:5]))
-    # Where one cubic goes on past a cut, no point was given.
+    # A cut within one cubic is not a given point.
     new = np.append(True, np.any(np.diff(rows[:, 4:5], axis=0) != 0.0, axis=1))
     every = np.ones(len(rows), bool)
     for form, chosen in (("points", every), ("table", new), ("table", every)):
         if bent is (form == "table"):
             x = np.append(rows[chosen, 0], sheet.end)
             y = np.append(rows[chosen, 1], mechanism.value(rows, np.array(sheet.end)))
-            # The last force is computed: with fewer digits it may be the one that was given.
+            # The last force is computed; with fewer digits it may be the given one.
             largest = math.floor(math.log10(element.largest_force / element.force_scale))
             for digits in (12, 14, 15, 16, 17):
                 last = round(float(y[-1]), digits - 1 - largest)
@@ -210,14 +210,14 @@ def _reads_as(keys: Written, wanted: mechanism.Element) -> bool:
 
 
 class Shared(NamedTuple):
-    """What the cells of a chain share: fields of a cell, and keys of its band."""
+    """Values common to the cells of a chain: fields of a cell, and keys of its band."""
 
     cell: dict[str, Any]
     band: dict[str, Any]
 
     @classmethod
     def of(cls, band: dict[str, Any], *tables: chain_schema.SharedKeys) -> "Shared":
-        """What `band` says of all bands and the tables of all cells, the last one above all."""
+        """Common values from `band` and the tables; later tables have priority."""
         given = {key: value for table in tables for key, value in table.given().items()}
         names = given.keys() & {"lever_mm", "limit_deg", "unusual"}
         return cls({field_of(key): si(key, given[key]) for key in names}, band)
@@ -226,7 +226,7 @@ class Shared(NamedTuple):
 def cells_of(
     tables: Sequence[chain_schema.OneCellKeys], shared: Shared, where: str, problems: list[str]
 ) -> tuple[mechanism.Cell | mechanism.Element, ...]:
-    """The cells of a list; `problems` gets a line for all that is wrong with each."""
+    """Cells of a list of tables; a line is added to `problems` for every problem."""
     made = (
         (_element if one.forms else _cell)(shared, one, f"{where}[{i}]", problems)
         for i, one in enumerate(tables)
@@ -237,7 +237,7 @@ def cells_of(
 def chain_of(
     cells: Sequence[mechanism.Cell | mechanism.Element], keys: chain_schema.ChainKeys, title: str
 ) -> mechanism.Chain:
-    """The chain of these cells and its actuator; ValueError if they do not belong together."""
+    """The chain of these cells and its actuator; ValueError if they are inconsistent."""
     rigid = mechanism.Chain(cells, title=title)
     right = chain_schema.ACTUATORS[rigid.measure]
     for key in chain_schema.ACTUATORS.values():
@@ -304,13 +304,13 @@ def _key(slip: mechanism.Slip, cell: chain_schema.OneCellKeys, band: dict[str, A
     return "table_mm_N" if "table_mm_N" in band else "shape_mm"
 
 
-UNUSUAL = "If it is meant so, set unusual = true in the table of the cell."
+UNUSUAL = "If the value is intended, set unusual = true in the table of the cell."
 
 
 def merged(
     shared: dict[str, Any], own: dict[str, Any], where: str, problems: list[str]
 ) -> dict[str, Any]:
-    """The shared band with its own keys over it; a law of its own replaces the shared law."""
+    """The shared band updated by its own keys; an own law replaces the shared law."""
     laws = set[str]().union(*chain_schema.LAWS.values())
     replaced = {*(laws if laws & own.keys() else ())}
     if "table_mm_N" in own:

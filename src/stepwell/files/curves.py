@@ -1,4 +1,4 @@
-"""Force curves from CSV files: as elements, and in place of their names in a design file."""
+"""Force curves from CSV files, as elements or inserted into a design file."""
 
 import os
 import re
@@ -17,7 +17,7 @@ from stepwell.mechanism import Element
 if TYPE_CHECKING:
     from stepwell.lab import MeasuredCurve
 
-# A key that names a file, as it stands on one line; other text and comments are passed over.
+# A key that names a file, on one line; other strings and comments match without a group.
 _KEYS = r"(?:table|points|curve)_csv"
 _TEXT = r"""(?:"(?:[^"\\\n]|\\.)*"|'[^'\n]*')"""
 _NAMED = re.compile(
@@ -36,32 +36,32 @@ def load_element(
     friction: float = 0.0,
     mobility: float = 1.0,
 ) -> Element:
-    """An element whose force curve is in a file; its measure is what the units say.
+    """An element with the force curve in a file; its measure follows from the units.
 
     Args:
         file: text whose header names columns and units, such as "travel_mm,force_N", "Displacement
             [mm];Force [N]", "volume_mL,pressure_kPa" or "Angle (deg), Torque (N mm)", then rows of
-            numbers; other columns may stand beside them.
-        name: what messages and figures call it; the file's by default.
+            numbers; other columns are allowed.
+        name: its name in messages and figures; by default that of the file.
         form: "table" for a smooth curve through the points, "points" for straight lines between
-            them, "curve" for one that folds back, its points along the arc.
-        half: "loading" or "unloading", to take that half of a recording which holds both.
-        stops: whether it is stopped at the low and at the high end of its curve.
-        noise: standard deviation of the forces of a table [N], to be smoothed.
+            them, "curve" for a curve that folds back, with points along the arc.
+        half: "loading" or "unloading", to select a half of a recording with both.
+        stops: whether it has stops at the low and at the high end of its curve.
+        noise: standard deviation of the forces of a table [N], for smoothing.
         friction: Coulomb friction against travel [N], >= 0.
-        mobility: how fast it moves for a given force, beside the other cells of its chain.
+        mobility: speed per force, relative to the other cells of its chain.
 
     Raises:
-        LabError: the file is missing or broken, its units are not known or do not belong together,
-            or it holds loading and unloading and no half is asked for.
-        ValueError: the curve is none that an element can have.
+        LabError: the file is missing or broken, its units are unknown or do not belong together, or
+            it has loading and unloading and `half` is None.
+        ValueError: the curve is not valid for an element.
     """
     from stepwell import lab
 
     if form not in MAKE:
         raise InputError(f"form = {form!r}: must be one of {', '.join(map(repr, MAKE))}.")
     if noise is not None and form != "table":
-        raise InputError(f"noise goes with form='table' alone, which is smoothed; form = {form!r}.")
+        raise InputError(f"noise is for form='table' only, which is smoothed; form = {form!r}.")
     curve = lab.read_curve(file)
     options: dict[str, Any] = {"noise": noise} if form == "table" else {}
     options |= {"stops": stops, "friction": friction, "mobility": mobility}
@@ -75,10 +75,10 @@ def load_element(
 
 
 def with_curves(text: str, name: str) -> str:
-    """The text of a design file with the numbers in place of the CSV files that it names.
+    """The text of a design file with the numbers of its CSV files instead of their names.
 
-    So a text says all of a design, wherever it is copied to, and its hash changes with a curve.
-    CSV files lie in the folder of the file of that name, or below it; others are a DesignError.
+    Such a text is complete without other files, and its hash changes with a curve. CSV files must
+    be in the folder of the design file or below it; others raise a DesignError.
     """
     tables = _tables(text) if "_csv" in text else {}
     if not tables:
@@ -107,8 +107,8 @@ def with_curves(text: str, name: str) -> str:
 
 
 _UNCLEAR_CSV = (
-    "names CSV files in a way that is not understood: write each such key in the table of its cell "
-    'or band, as in table_csv = "dome.csv", once, and not inside other text.'
+    "names CSV files in an unsupported way: write each such key once, in the table of its cell or "
+    'band, as in table_csv = "dome.csv", and not inside other text.'
 )
 _Path = tuple[str | int, ...]
 
@@ -120,12 +120,12 @@ class _Curves:
         self._bytes = 0
 
     def of(self, path: _Path, name: str) -> tuple[str, str]:
-        """The key and the value to be written in place of a file's name, or a ValueError."""
+        """Key and value that replace the name of a file, or a ValueError."""
         form = str(path[-1]).removesuffix("_csv")
         home = next(step for step in reversed(path[:-1]) if isinstance(step, str))
         of_band = home in ("band", "bands")
         if home not in ("cell", "beside", "inside") and not (of_band and form == "table"):
-            raise InputError("stands in the table of a cell, or table_csv in that of a band.")
+            raise InputError("belongs in the table of a cell, or table_csv in that of a band.")
         curve = self._curve(name)
         x, y = _columns(curve, form, None)
         require("rows", len(x), "the file has")
@@ -153,7 +153,7 @@ class _Curves:
         return self._read[name]
 
     def _place(self, name: str) -> Path:
-        """Where the file lies; ValueError where that is not beside the design or below."""
+        """Path of the file; ValueError if it is not in the folder of the design or below."""
         place, inside = self._folder / name, False
         with suppress(ValueError):  # a name with a zero byte in it
             inside = Path(os.path.realpath(place)).is_relative_to(os.path.realpath(self._folder))
@@ -166,14 +166,14 @@ class _Curves:
 def _columns(
     curve: "MeasuredCurve", form: str, half: str | None
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Travels and forces: along the arc for what folds back, else rising."""
+    """Travels and forces, along the arc for a curve that folds back, else rising."""
     along = form == "curve" and half is None
     x, y = (curve.travel, curve.force) if along else curve.rising(half)
     return tuple(x.tolist()), tuple(y.tolist())
 
 
 def _tables(text: str) -> dict[str, Any]:
-    """What the text says; nothing where it is no TOML, which is refused where it is read."""
+    """Tables of the text; empty if it is no TOML, which raises an error later."""
     with suppress(DesignError):
         return parsed(text, "", "")
     return {}
@@ -200,6 +200,6 @@ def _replace_key(tables: Any, path: _Path, key: str, numbers: str) -> None:
     for step in path[:-1]:
         place = place[step]
     if key in place:
-        raise InputError(f"cannot stand with {key}: keep one of them.")
+        raise InputError(f"cannot be combined with {key}: keep one of them.")
     del place[path[-1]]
     place[key] = parsed(f"x = {numbers}", "", "")["x"]

@@ -1,4 +1,4 @@
-"""Design files in: a chain, its program or a robot, from a text, a file or the package."""
+"""Reading of design files: a chain, its program or a robot, from text, file or package."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ _EMPTY = "is empty: a design file starts with a [chain] table."
 
 @dataclass(frozen=True, eq=False)
 class DesignFile(ByValue):
-    """A design file: its text, and the chain or the robot that it describes.
+    """A design file: its text, and its chain or robot.
 
     Attributes:
-        text: TOML; "" where only its tables were given.
-        name: what messages call it.
-        subject: a Chain, or a Robot where the file has [[leg]]; in SI.
-        program: the program of the actuator that the file of a chain holds; None for none.
+        text: TOML; "" if only tables were given.
+        name: its name in messages.
+        subject: a Chain, or a Robot if the file has [[leg]]; in SI.
+        program: program of the actuator in the file of a chain; None for none.
     """
 
     text: str = field(repr=False)
@@ -52,7 +52,7 @@ class DesignFile(ByValue):
 
     @property
     def chain(self) -> Chain:
-        """The chain; DesignError if the file describes a robot."""
+        """The chain; DesignError if the file has a robot."""
         if isinstance(self.subject, Chain):
             return self.subject
         problem = (
@@ -62,7 +62,7 @@ class DesignFile(ByValue):
 
     @property
     def robot(self) -> Robot:
-        """The robot; DesignError if the file describes a chain."""
+        """The robot; DesignError if the file has a chain."""
         if not isinstance(self.subject, Chain):
             return self.subject
         way = "`stepwell new robot.toml --preset robot-forward` writes one to start from."
@@ -74,12 +74,12 @@ def load(design: str | os.PathLike[str]) -> DesignFile:
     """A design file, read and checked.
 
     Args:
-        design: a TOML file, whose keys docs/design-files.md lists; or "preset:" and a name that
-            `presets` lists, for example "preset:paper-forward".
+        design: a TOML file with the keys of docs/design-files.md; or "preset:" and a name in
+            `presets`, for example "preset:paper-forward".
 
     Raises:
-        DesignError: the file is missing, no text, no TOML, or asks for what no mechanism can
-            be; a line for every problem.
+        DesignError: the file is missing, no text or no TOML, or has invalid values; a line for
+            every problem.
     """
     return loads(text_of(design), os.fspath(design))
 
@@ -88,24 +88,24 @@ def loads(text: str, name: str = "design") -> DesignFile:
     """The text of a design file, read and checked.
 
     Args:
-        text: TOML; with [[leg]] it describes a robot.
-        name: what messages call it.
+        text: TOML; with [[leg]] it is a robot.
+        name: its name in messages.
 
     Raises:
-        DesignError: the text is no TOML, or asks for what no mechanism can be.
+        DesignError: the text is no TOML, or has invalid values.
     """
     return DesignFile(text, name, *_made(parsed(text, name, _EMPTY), name))
 
 
 def loads_tables(tables: Any, name: str = "design") -> DesignFile:
-    """A design file whose tables are Python values, as out of JSON.
+    """A design file from tables of Python values, as from JSON.
 
     Args:
-        tables: what JSON can hold, with the keys of the file; `tables_in` makes them of a text.
-        name: what messages call it.
+        tables: JSON values with the keys of the file; `tables_in` returns those of a text.
+        name: its name in messages.
 
     Raises:
-        DesignError: as `loads`, with the same words; or a value that no file can hold.
+        DesignError: as for `loads`, or a value is not possible in a file.
     """
     if not isinstance(tables, dict) or not tables:
         raise DesignError(name, [_EMPTY])
@@ -113,13 +113,13 @@ def loads_tables(tables: Any, name: str = "design") -> DesignFile:
 
 
 def tables_in(text: str, name: str = "design") -> dict[str, Any]:
-    """The tables of a design file as Python values, checked; `loads_tables` takes them.
+    """Checked tables of a design file as Python values, for `loads_tables`.
 
     Returns:
-        What JSON can hold; numbers are floats in the units of the file.
+        JSON values; numbers are floats in the units of the file.
 
     Raises:
-        DesignError: as `loads`.
+        DesignError: as for `loads`.
     """
     tables = parsed(text, name, _EMPTY)
     _made(tables, name)
@@ -127,14 +127,14 @@ def tables_in(text: str, name: str = "design") -> dict[str, Any]:
 
 
 def text_of(design: str | os.PathLike[str]) -> str:
-    """The text of a design file, whatever it says, with the numbers of the CSV files it names.
+    """The unchecked text of a design file, with the numbers of its CSV files inserted.
 
     Args:
-        design: a file's path, or "preset:" and a name that `presets` lists.
+        design: path of a file, or "preset:" and a name in `presets`.
 
     Raises:
         DesignError: there is none, it is not UTF-8 text, a command was stopped while it replaced
-            it, or a CSV file that it names cannot be used.
+            the file, or a CSV file in it cannot be used.
     """
     name = os.fspath(design)
     if name.startswith(PRESET):
@@ -159,19 +159,19 @@ def text_of(design: str | os.PathLike[str]) -> str:
 
 
 class Presets(dict[str, str], Shown):
-    """The name of every design that comes with the package, and its title."""
+    """Titles of the designs in the package, by name."""
 
 
 def presets() -> Presets:
-    """The name of every design that comes with the package, and its title."""
+    """Titles of the designs in the package, by name."""
     return Presets({name: tomllib.loads(text)["title"] for name, text in _texts().items()})
 
 
 def preset_text(name: str) -> str:
-    """The design file of a name that `presets` lists, TOML with its comments, to be edited.
+    """Text of a design file in the package, TOML with comments, for editing.
 
     Raises:
-        DesignError: there is none of that name; the text says which is nearest.
+        DesignError: there is none of that name; the message has the nearest name.
     """
     texts = _texts()
     if name not in texts:
@@ -180,20 +180,20 @@ def preset_text(name: str) -> str:
 
 
 def preset(name: str) -> Any:
-    """The design of that name that comes with the package: a Chain or a Robot, in SI.
+    """The design of that name in the package: a Chain or a Robot, in SI.
 
     Args:
-        name: as `presets` lists it, for example "paper-forward"; "robot-..." are robots.
+        name: as in `presets`, for example "paper-forward"; "robot-..." are robots.
 
     Raises:
-        DesignError: there is none of that name; the text says which is nearest.
+        DesignError: there is none of that name; the message has the nearest name.
     """
     return loads(preset_text(name), f"preset {name}").subject
 
 
 def _made(tables: dict[str, Any], name: str) -> tuple[Chain | Robot, WrittenProgram | None]:
     if not tables.keys() <= schema.FileKeys.model_fields.keys():
-        # The keys of a robot are many: a chain does not wait for them.
+        # The many keys of a robot are imported only for robots.
         from stepwell.files.robots import robot
         from stepwell.files.schema import robot as robot_schema
 
@@ -232,6 +232,6 @@ def _texts() -> dict[str, str]:
     folder = files("stepwell.files") / "presets"
     preset_files = (file for file in folder.iterdir() if file.name.endswith(".toml"))
     texts = {file.name.removesuffix(".toml"): file.read_text("utf-8") for file in preset_files}
-    # The paper's first, as a reader of the paper looks for them; robots last.
+    # The paper's designs first, robots last.
     turn = {"paper": 0, "robot": 2}
     return dict(sorted(texts.items(), key=lambda one: (turn.get(one[0].split("-")[0], 1), one[0])))

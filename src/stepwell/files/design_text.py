@@ -1,4 +1,4 @@
-"""A chain or a robot as the text of its design file: what cells share first, then each cell."""
+"""Text of the design file of a chain or a robot: common values first, then each cell."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -13,18 +13,18 @@ from stepwell.robot import Robot, of_robot
 
 
 class Common(NamedTuple):
-    """What is written once for several cells."""
+    """Keys that are written once for several cells."""
 
     keys: Written
     band: Written
 
     def lines(self) -> list[str]:
-        """The keys of a [chain] table."""
+        """Lines of the [chain] table."""
         return lines(self.keys) + ([f"band = {inline(self.band)}"] if self.band else [])
 
 
 def chain_text(chain: Chain) -> str:
-    """The design file of a chain."""
+    """Text of the design file of a chain."""
     shared = _shared_by(chain.cells)
     text = [*_title(chain.title), ""] if chain.title else []
     text += ["[chain]", *lines(shared.keys)]
@@ -91,7 +91,7 @@ def _cell(cell: Cell) -> Written:
         keys["friction_N"] = cell.friction
     if cell.mobility != 1.0:
         keys["mobility"] = cell.mobility
-    if cell.unusual or slips(cell):  # what the program made is read again, however odd
+    if cell.unusual or slips(cell):  # so that every chain can be read again
         keys["unusual"] = True
     return _written(keys)
 
@@ -120,7 +120,7 @@ def _written(keys: dict[str, Any]) -> Written:
 
 
 def _tension(band: Band, law: Table) -> tuple[float, ...] | None:
-    """The law in newtons, if reading it gives this very band again; round numbers first."""
+    """The law in newtons if it reproduces the band exactly, with few digits; else None."""
     for digits in (15, 16, 17):
         tension = tuple(float(f"{band.stiffness * y:.{digits}g}") for y in law.shape)
         if tension[-1] < 1e-9:
@@ -132,7 +132,7 @@ def _tension(band: Band, law: Table) -> tuple[float, ...] | None:
 
 
 def robot_text(robot: Robot) -> str:
-    """The file as a person would write it: what legs and cells share stands once."""
+    """Text of the file of a robot; values common to legs and cells are written once."""
     chains = [leg.chain for leg in robot.legs]
     shared = _shared_by([cell for chain in chains for cell in chain.cells])
     alike = all(chain == chains[0] for chain in chains)
@@ -143,7 +143,7 @@ def robot_text(robot: Robot) -> str:
 
 
 def whole_text(robot: Robot) -> str:
-    """The file in which every leg and every cell has all its keys to itself."""
+    """Text of the file of a robot in which every leg and every cell has all its keys."""
     return _text(robot, [], Common({}, {}), own_chains=True)
 
 

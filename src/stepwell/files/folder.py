@@ -1,4 +1,4 @@
-"""A folder of results: files that belong together, all of one run, by one writer at a time."""
+"""Folders of results: consistent files of one run, with one writer at a time."""
 
 from __future__ import annotations
 
@@ -22,22 +22,22 @@ if TYPE_CHECKING:
     from filelock import BaseFileLock
 
 
-# How long a command waits for another one [s], and after how long it reports that it waits [s].
+# Longest wait for another command [s], and time after which the wait is reported [s].
 PATIENCE, _QUIET = 300.0, 0.5
-# What file systems without locks answer, such as some network folders.
+# Errors of file systems without locks, such as some network folders.
 _NO_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EINVAL}
 
 
 class BusyError(base.StepwellError, TimeoutError):
-    """Another process has been writing there for too long; nothing was written."""
+    """Another process holds the lock of the target for too long; nothing was written."""
 
 
 @contextmanager
 def only_writer(file: Path, shown: str, patience: float = PATIENCE) -> Iterator[None]:
-    """Hold a lock while the block runs, or raise BusyError if another process held it too long [s].
+    """Hold a lock while the block runs; raise BusyError after `patience` [s].
 
-    A process that dies gives its lock back. The file vanishes with the lock; `shown` names what is
-    written.
+    The lock of a process that ends is released. The lock file is removed with the lock. `shown` is
+    the name of the target in messages.
     """
     from filelock import Timeout
 
@@ -60,8 +60,8 @@ def only_writer(file: Path, shown: str, patience: float = PATIENCE) -> Iterator[
     try:
         yield
     finally:
-        # Before it is given back: a process that waits for a file that is gone opens a new one.
-        # Windows keeps open files, and there the lock removes its own.
+        # Removed before the release: a process that waits for a removed file opens a new one.
+        # Windows does not remove open files; there the lock removes its file.
         try:
             with suppress(OSError):
                 os.unlink(lock.lock_file)
@@ -70,7 +70,7 @@ def only_writer(file: Path, shown: str, patience: float = PATIENCE) -> Iterator[
 
 
 def _locked(file: Path, timeout: float) -> BaseFileLock:
-    """A lock that the system holds; where it has none, the file itself is the lock."""
+    """A lock of the operating system; without these, the file itself is the lock."""
     from filelock import FileLock, SoftFileLock, Timeout
 
     try:
@@ -87,61 +87,61 @@ def _locked(file: Path, timeout: float) -> BaseFileLock:
 
 
 FOLDER_SCHEMA = "stepwell.folder/1"
-# What is in a folder that is whole; and what may be in one whose files are being replaced.
+# Manifest of a complete folder, and of one whose files are being replaced.
 MANIFEST, UNFINISHED = "stepwell.json", "stepwell.unfinished.json"
-# What drafts and lock are named after in a folder that is there.
+# Stem of the names of drafts and lock in an existing folder.
 _INSIDE = "stepwell"
 _MOST_BYTES, _MOST_NAMED = 1 << 20, 6
 
 
 class OverwriteError(base.StepwellError, FileExistsError):
-    """Files that this command did not write stand where results should go; nothing was written."""
+    """Files of others exist at the target of the results; nothing was written."""
 
 
 class IncompleteError(base.InputError):
-    """A folder that does not hold one whole set of results."""
+    """The folder does not contain one complete set of results."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Note:
-    """What a command has left in a folder: the hashes that its files may have, by name."""
+    """Content of a manifest: the command, and possible hashes of its files by name."""
 
     command: str
     files: Mapping[str, tuple[str, ...]]
 
 
 def digest(data: str | bytes) -> str:
-    """The SHA-256 of bytes, or of text as UTF-8, as `sha256sum` prints it."""
+    """SHA-256 of bytes, or of text as UTF-8, in the format of `sha256sum`."""
     return hashlib.sha256(data.encode("utf-8") if isinstance(data, str) else data).hexdigest()
 
 
 def manifest(folder: str | os.PathLike[str]) -> dict[str, Any]:
-    """The record of a folder of results, as docs/commands.md describes it, if the folder is whole.
+    """Manifest of a complete folder of results, in the format of docs/commands.md.
 
     Returns:
         `command`, `design_sha256`, `seed`, and the SHA-256 of every file.
 
     Raises:
         IncompleteError: a run was stopped while it replaced the files, or a file is missing or
-            is another one than was written.
+            was changed.
     """
     place, shown = Path(folder), base.printable(str(folder))
     note = _note(place / MANIFEST)
     if note is None:
-        why = _interrupted(place) or "holds no results of Stepwell, or not all of them"
+        why = _interrupted(place) or "contains no complete results of Stepwell"
         raise IncompleteError(f"{shown}: {why}.")
     for name, hashes in note.files.items():
         if _digest_of(place / name) not in hashes:
-            what = "is not the one that was written" if (place / name).exists() else "is missing"
+            what = "was changed after it was written" if (place / name).exists() else "is missing"
             raise IncompleteError(f"{shown}: {base.printable(name)} {what}.")
     return json.loads((place / MANIFEST).read_text("utf-8"))
 
 
 def mixed_results(file: Path) -> str | None:
-    """Why a file must not be read, its folder holding parts of two results; None if it may."""
+    """Reason why a file must not be read: its folder may mix two results; else None."""
     whole, note = (_note(file.parent / name) for name in (MANIFEST, UNFINISHED))
-    # A file that both results have in common may be read: so the run that was stopped can be
-    # repeated on the design in its own folder.
+    # A file common to both results may be read, so the stopped run can be repeated on the design in
+    # its own folder.
     mixed = whole is None and note is not None and len(note.files.get(file.name, ())) > 1
     return _interrupted(file.parent) if mixed else None
 
@@ -154,18 +154,18 @@ def check_folder(
     force: bool = False,
     texts: Mapping[str, str] | None = None,
 ) -> None:
-    """Raise, before the work begins, if its results could not be written into a folder.
+    """Raise an error before a computation if its results cannot be written into a folder.
 
     Args:
         folder: it may be missing.
-        command: whose results they are, such as "run".
+        command: the command with these results, such as "run".
         names: of the files that may be written; those of OUTPUTS by default.
-        force: replace what others wrote.
-        texts: of files whose content is known; one that is there already is no obstacle.
+        force: replace files of others.
+        texts: of files with known content; an existing equal file is no obstacle.
 
     Raises:
-        OverwriteError: a file there is neither what this command wrote nor what it would write,
-            or the folder holds what another command wrote.
+        OverwriteError: a file there was not written by this command and differs from its result,
+            or the folder contains results of another command.
         OSError: `folder` is no folder, or cannot be made or written.
     """
     request = _write_request(folder, command, names, force)
@@ -175,7 +175,7 @@ def check_folder(
         place = next(one for one in (request.target, *request.target.parents) if one.exists())
         trial = base.draft_beside(place / "stepwell")
         trial.mkdir()
-        with suppress(FileNotFoundError):  # a command that ends here removes all drafts
+        with suppress(FileNotFoundError):  # another command may have removed all drafts
             trial.rmdir()
 
 
@@ -188,21 +188,21 @@ def staged_folder(
     names: Iterable[str] | None = None,
     force: bool = False,
 ) -> Iterator[Path]:
-    """A draft folder whose files become `folder`'s when the block ends without error.
+    """A draft folder whose files are moved into `folder` when the block ends without error.
 
-    They appear together with the manifest, `stepwell.json`. Files of an earlier result of the
-    same command are replaced, or removed where there is no new one; all others stay. One process
-    writes into a folder at a time: the next one waits, and its results stay.
+    They appear together with the manifest, `stepwell.json`. Files of an earlier result of the same
+    command are replaced, or removed if there is no new file; other files are kept. One process at
+    a time writes into a folder; the next one waits.
 
     Args:
         folder: made if missing.
-        command: whose results they are, such as "run".
+        command: the command with these results, such as "run".
         record: of the result, for its `design_sha256` and `seed`.
         names: of the files that may be written; those of OUTPUTS by default.
-        force: replace files that others wrote or changed, and the results of other commands.
+        force: replace files of others, changed files, and results of other commands.
 
     Raises:
-        OverwriteError: as `check_folder`; nothing has changed then.
+        OverwriteError: as for `check_folder`; nothing has changed.
         BusyError: another process has been writing into the folder for too long.
         OSError: `folder` is no folder, or cannot be made or written.
     """
@@ -220,7 +220,7 @@ def staged_folder(
                 yield draft
                 with ExitStack() as also:
                     if place != _place(target):
-                        # Another process made the folder meanwhile: others now write inside it.
+                        # Another process made the folder meanwhile, so the lock is now inside.
                         also.enter_context(_only_writer(shown, target))
                     _commit(request, draft, record or {})
         finally:
@@ -230,7 +230,7 @@ def staged_folder(
 
 @contextmanager
 def _only_writer(shown: str, target: Path) -> Iterator[Path]:
-    """Keep others out of a folder; gives what drafts are named after."""
+    """Hold the lock of a folder; yields the path from which names of drafts follow."""
     while True:
         place = _place(target)
         with ExitStack() as held:
@@ -242,9 +242,9 @@ def _only_writer(shown: str, target: Path) -> Iterator[Path]:
 
 
 def _place(target: Path) -> Path:
-    """What drafts and lock of a folder stand beside and are named after."""
-    # A folder that is missing appears in one step, of a draft beside it. One that is there may be a
-    # file system of its own, into which nothing can be renamed from beside it.
+    """Path from which location and names of drafts and lock follow."""
+    # A missing folder is renamed in one step from a draft next to it. An existing folder may be a
+    # separate file system, so its drafts are inside it.
     return target / _INSIDE if target.exists() else target
 
 
@@ -270,10 +270,10 @@ def _write_request(
 
 
 def _commit(request: _WriteRequest, draft: Path, record: Mapping[str, Any]) -> None:
-    """Put a draft in its place; `manifest` reports what a kill after any step leaves."""
+    """Move a draft to its target; after an interruption `manifest` reports the state."""
     shown, target, command, known, _ = request
     if not draft.is_dir():
-        raise OSError(f"{shown}: its draft was removed while results were written: run it again.")
+        raise OSError(f"{shown}: its draft was removed during the writing: run the command again.")
     files = sorted(filter(Path.is_file, draft.rglob("*")))
     new = {file.relative_to(draft).as_posix(): _synced_digest(file) for file in files}
     if not new.keys() <= known:
@@ -317,32 +317,34 @@ def _commit(request: _WriteRequest, draft: Path, record: Mapping[str, Any]) -> N
 
 
 def _check(request: _WriteRequest, new: Mapping[str, str | None]) -> None:
-    """Refuse to write where others' work would be lost; `new` has a hash for each file, or ""."""
+    """Raise an error if files of others would be lost; `new` has a hash of each file, or ""."""
     shown, target, command, _, force = request
     if target.exists() and not target.is_dir():
-        raise NotADirectoryError(f"{shown} is a file: give a folder to write into.")
+        raise NotADirectoryError(f"{shown} is a file: give a folder for the results.")
     for name in (*new, MANIFEST, UNFINISHED):
         if (target / name).is_dir():
-            raise OverwriteError(f"{shown}: {name} is a folder in the way: move it away.")
+            raise OverwriteError(f"{shown}: {name} is a folder: move it to another place.")
     if force:
         return
     notes = [note for name in (MANIFEST, UNFINISHED) if (note := _note(target / name))]
     if notes and notes[0].command != command:
-        holds = f"holds what `stepwell {notes[0].command}` wrote"
+        holds = f"contains results of `stepwell {notes[0].command}`"
         way = "Name another folder, or replace them with --force (in Python force=True)."
-        raise OverwriteError(f"{shown}: {holds}, and a folder is for one command's results. {way}")
+        raise OverwriteError(
+            f"{shown}: {holds}, and a folder can contain those of one command. {way}"
+        )
     if theirs := _foreign_files(target, new):
         named = base.join_first(list(map(base.printable, theirs)), _MOST_NAMED)
         it = "it" if len(theirs) == 1 else "them"
         raise OverwriteError(
-            f"{shown}: `stepwell {command}` did not write {named} like this, so nothing is "
-            f"replaced. Name another folder, move {it} away, or "
+            f"{shown}: `stepwell {command}` did not write {named} with this content, so "
+            f"nothing is replaced. Name another folder, move {it} away, or "
             f"replace {it} with --force (in Python force=True)."
         )
 
 
 def _foreign_files(target: Path, new: Mapping[str, str | None]) -> list[str]:
-    """The files in the way that Stepwell did not write, or that were changed since."""
+    """Names of existing files that Stepwell did not write, or that were changed."""
     owned = _recorded_hashes(target)
     changed = [
         name
@@ -358,7 +360,7 @@ def _foreign_files(target: Path, new: Mapping[str, str | None]) -> list[str]:
 
 
 def _was_there_unchanged(target: Path, name: str, content: str | None) -> bool:
-    """Whether a file of others says what ours would: it stays theirs, and is never removed."""
+    """Whether a file of others has the content to write; it is then kept and never removed."""
     hash_there = _digest_of(target / name)
     return (
         hash_there is not None
@@ -368,7 +370,7 @@ def _was_there_unchanged(target: Path, name: str, content: str | None) -> bool:
 
 
 def _recorded_hashes(target: Path) -> dict[str, tuple[str, ...]]:
-    """The hashes that files in a folder may have which Stepwell wrote."""
+    """Possible hashes of the files that Stepwell wrote into a folder, by name."""
     notes = [_note(target / name) for name in (MANIFEST, UNFINISHED)]
     recorded = [note.files for note in notes if note]
     return {
@@ -377,7 +379,7 @@ def _recorded_hashes(target: Path) -> dict[str, tuple[str, ...]]:
 
 
 def _note(file: Path) -> _Note | None:
-    """A manifest, or the note of an unfinished one; None where there is none of ours."""
+    """Content of a manifest; None if the file is no manifest of Stepwell."""
     try:
         if file.is_symlink() or file.stat().st_size > _MOST_BYTES:
             return None
@@ -390,7 +392,7 @@ def _note(file: Path) -> _Note | None:
         }
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
-    # Files are removed by these names: none may lead out of the folder.
+    # Files are removed by these names, so none may point outside the folder.
     return _Note(base.printable(data["command"]), files) if all(map(_is_inside, files)) else None
 
 
@@ -416,8 +418,8 @@ def _synced_digest(file: Path) -> str:
 def _interrupted(folder: Path) -> str | None:
     note = _note(folder / UNFINISHED)
     return note and (
-        f"is incomplete: `stepwell {note.command}` was stopped while it replaced the files here, "
-        f"which may be of two results. Run it again, or remove the folder"
+        f"is incomplete: `stepwell {note.command}` was stopped while it replaced the files, so "
+        f"the folder may mix two results. Run the command again, or remove the folder"
     )
 
 
@@ -428,7 +430,7 @@ def _write(file: Path, about: Mapping[str, Any], hashes: Mapping[str, str | list
 
 @contextmanager
 def _naming_folder_errors(shown: str) -> Iterator[None]:
-    """Turn an OSError about a folder into advice on what is to be done."""
+    """Add advice to an OSError about a folder."""
     try:
         yield
     except OSError as error:
@@ -439,7 +441,7 @@ def _naming_folder_errors(shown: str) -> Iterator[None]:
 
 
 def _remove_leftovers(target: Path) -> None:
-    """Remove what killed commands left of this folder: drafts and locks that no process holds."""
+    """Remove drafts and locks of interrupted commands."""
     for place in (target / _INSIDE, target):
         with suppress(OSError):
             if _leftover_drafts(place) or _lock(place).exists():
@@ -449,7 +451,7 @@ def _remove_leftovers(target: Path) -> None:
 
 
 def _leftover_drafts(place: Path) -> list[Path]:
-    """Drafts that are there; those of a process that is alive only while it holds the lock."""
+    """Existing drafts; a draft of a running process exists only while it holds the lock."""
     draft = re.compile(rf"\.{re.escape(place.name[:80])}\.[0-9a-f]{{12}}\.tmp")
     return [
         draft_folder

@@ -1,4 +1,4 @@
-"""Every number that a chain's tables may hold: its unit, its bounds, what it is where left out."""
+"""Keys of the numbers in a chain's tables, with units, bounds and defaults."""
 
 import dataclasses
 import tomllib
@@ -18,22 +18,22 @@ Path = tuple[str | int, ...]
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class KnownKey:
-    """A key that a table may hold."""
+    """A possible key of a table."""
 
-    path: Path  # from the chain's table on
+    path: Path  # from the table of the chain
     label: str
-    units: tuple[str, ...]  # of each of its numbers; "" where one has none
-    default: Any  # as a file has it; None for nothing
-    bounds: tuple[float, float] | None  # None where it is not just a number
+    units: tuple[str, ...]  # of each of its numbers; "" for none
+    default: Any  # as in a file; None for no default
+    bounds: tuple[float, float] | None  # None if it is not a single number
 
 
 def known_keys(
     chain: Table, common: Table | None = None
 ) -> tuple[list[KnownKey], list[list[KnownKey]]]:
-    """The keys of a chain, and those of each of its cells, whether they stand there or not.
+    """All possible keys of a chain, and those of each of its cells.
 
-    Nothing is checked: what is wrong with a table hides no key of it. `common` is the table that
-    the chains of all legs of a robot share; None for a chain.
+    Nothing is checked, so errors in a table hide none of its keys. `common` is the table common to
+    the chains of all legs of a robot; None for a chain.
     """
     cells = [_table(one) for one in _list(chain.get("cell"))]
     shared = _defaults(Cell, ("lever_mm", "limit_deg", "unusual")) | _numbers_of(_table(common))
@@ -42,7 +42,7 @@ def known_keys(
     if any(_form(cell) is None for cell in cells):
         own += _keys((), schema.SharedKeys, shared)
         own += _band_keys(("band",), band, _table(chain.get("band")))
-    # Robots have one actuator for all legs, in a table of its own.
+    # Robots have one actuator for all legs, in a separate table.
     if common is None:
         own += _keys((), schema.ChainKeys, {schema.ACTUATORS[_measure(cells)]: "rigid"})
     shared |= _numbers_of(chain)
@@ -51,7 +51,7 @@ def known_keys(
 
 
 def columns_of(cell: Any) -> tuple[str, str, str] | None:
-    """The form of an element's curve, and the keys of travel and force; None without points."""
+    """Form of an element's curve and keys of travel and force; None without points."""
     table = _table(cell)
     form = next((one for one in MAKE if one in table), None)
     held = _table(table.get(form)) if form else {}
@@ -63,7 +63,7 @@ def columns_of(cell: Any) -> tuple[str, str, str] | None:
 
 
 def new_cells() -> dict[str, dict[str, Any]]:
-    """A table for every kind of cell that can be added to a chain, by what it is."""
+    """Initial table of every kind of cell that can be added to a chain, by name."""
     tables: dict[str, dict[str, Any]] = {"levers and a band": {"p_mm": [-10, 0], "q_mm": [10, 0]}}
     tables |= {form.replace("_", " "): {form: {}} for form in elements.LibraryKeys.model_fields}
     # A force that rises, falls and rises again, in round numbers of each unit.
@@ -104,7 +104,7 @@ def _of_cell(cell: Table, path: Path, shared: Table, band: Table) -> Iterator[Kn
 
 
 def _keys(path: Path, table: type[Keys], defaults: Table) -> Iterator[KnownKey]:
-    """The keys of a table of which a default is known."""
+    """Keys of a table that have a default."""
     for key, field in table.model_fields.items():
         if key not in defaults:
             continue
@@ -125,7 +125,7 @@ def _bounds(annotation: Any) -> Iterator[tuple[float, float]]:
 
 
 def _band_keys(path: Path, shared: Table, own: Table) -> Iterator[KnownKey]:
-    """The keys of a band, but for those that its law leaves no room for."""
+    """Keys of a band without those that its law excludes."""
     law = merged({**shared}, {**own}, "", []).keys()
     hidden: set[str] = set()
     if law & {"table_mm_N", "table_csv", "shape_mm"}:
@@ -172,7 +172,7 @@ def _form(cell: Table) -> str | None:
 
 
 def _measure(cells: Sequence[Table]) -> Measure:
-    """What travel and force of the first cell are that says so."""
+    """Measure of the first cell that defines one."""
     for cell in cells:
         form = _form(cell)
         if form is None or form in elements.LibraryKeys.model_fields:
@@ -185,7 +185,7 @@ def _measure(cells: Sequence[Table]) -> Measure:
 
 @cache
 def _usual(form: str) -> Element:
-    """The element of the library that is told nothing."""
+    """The element of the library with its default arguments."""
     return LIBRARY[form.replace("_", "-")].make()
 
 

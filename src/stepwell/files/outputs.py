@@ -1,15 +1,15 @@
-"""The names of all files that each command may write into the folder of --out."""
+"""Names of all files that each command may write into the folder of --out."""
 
 from pathlib import Path
 from types import MappingProxyType
 
 
 def pictures(*names: str) -> tuple[str, ...]:
-    """The files of figures, each by its name."""
+    """File names of figures."""
     return tuple(f"{name}{suffix}" for name in names for suffix in (".png", ".svg"))
 
 
-# Of every command but one, which has a page of its own.
+# Of every command except one with another page.
 _PAGE = "report.html"
 # By command: files, and figures by their names.
 _OF_COMMANDS = {
@@ -44,7 +44,7 @@ _OF_COMMANDS = {
         "calibration",
     ),
 }
-# What writes a file, by the end of its name. An MP4 is left out where its encoder is not there.
+# Extra that is necessary for a file, by suffix. An MP4 is left out without its encoder.
 _EXTRAS = {".png": "figures", ".svg": "figures", ".gif": "figures", ".nc": "tables"}
 OUTPUTS: MappingProxyType[str, tuple[str, ...]] = MappingProxyType(
     {
@@ -59,6 +59,6 @@ OUTPUTS: MappingProxyType[str, tuple[str, ...]] = MappingProxyType(
 
 
 def extras_of(command: str) -> tuple[str, ...]:
-    """The extras without which a command's files cannot be written, such as ("figures",)."""
+    """Extras that are necessary for the files of a command, such as ("figures",)."""
     ends = [Path(name).suffix for name in OUTPUTS[command]]
     return tuple(dict.fromkeys(_EXTRAS[end] for end in sorted(ends) if end in _EXTRAS))

@@ -1,4 +1,4 @@
-"""Key paths: how a number of a design file is called by name.
+"""Key paths: names of the numbers in a design file.
 
     foot.link_mm                            a key of a table
     leg.left.at_mm[0]                       the first number of a list
@@ -9,7 +9,7 @@
     chain.band.stiffness_N_per_m            what cells share, short for leg.*.chain.cell.*.band
     leg."hind left"                         other characters than letters, digits, - and _
 
-A path that stops early means everything below it.
+A path that ends early selects all numbers below it.
 """
 
 import json
@@ -24,7 +24,7 @@ from stepwell.base import InputError, nearest_word
 
 @dataclass(frozen=True)
 class Item:
-    """One of several: its number from 0, and its name where it has one of its own."""
+    """An item of a list: its index from 0, and its name if it is unique."""
 
     index: int
     name: str | None = None
@@ -32,7 +32,7 @@ class Item:
 
 Steps = tuple[str | Item, ...]
 
-ALL = ...  # what stands for every item of a list
+ALL = ...  # every item of a list
 Token = str | int | EllipsisType
 
 _TOKEN = re.compile(
@@ -45,20 +45,20 @@ _TOKEN = re.compile(
 _NO_PATH = (
     "is no key path; one looks like foot.link_mm, leg.left.at_mm[0] or chain.cell.inner.q_mm[0]."
 )
-_NONE = "means none of this robot's numbers"
-# Keys that a chain may give once for all its cells.
+_NONE = "selects none of this robot's numbers"
+# Keys that are common to all cells of a chain.
 _OF_EVERY_CELL = ("lever_mm", "limit_deg", "band")
 
 
 def spelled(steps: Iterable[str | Item]) -> str:
-    """The path of a number as `parameters` lists it."""
+    """Key path of a number, as in `parameters`."""
     return _shown(map(_token, steps))
 
 
 def find(path: str, known: Iterable[Steps]) -> list[tuple[Steps, Steps]]:
-    """The known numbers that a path means, each with what is left below the path.
+    """Known numbers that a path selects, each with its steps below the path.
 
-    ValueError where it means none of them; the text says what was probably meant.
+    ValueError if it selects none; the message suggests a path.
     """
     known, tokens = list(known), _tokens(path)
     matches = [(steps, rest) for steps in known if (rest := _below(tokens, steps)) is not None]
@@ -96,7 +96,7 @@ def _unquoted(text: str) -> str:
 
 
 def _below(tokens: list[Token], steps: Steps) -> Steps | None:
-    """What is left of `steps` below the tokens; None where they mean something else."""
+    """The part of `steps` below the tokens; None if the tokens do not match."""
     at = 0
     for k, token in enumerate(tokens):
         if at == len(steps):
@@ -107,7 +107,7 @@ def _below(tokens: list[Token], steps: Steps) -> Steps | None:
             if token is not ALL and token not in (step.index, step.name):
                 return None
         elif (token, step) == ("band", "bands") and isinstance(_get(tokens, k + 1), str | None):
-            at += 1  # what a cell's bands share
+            at += 1  # common to the bands of a cell
         elif token != step:
             return None
     return steps[at:]
@@ -118,7 +118,7 @@ def _get(tokens: list[Token], index: int) -> Token | None:
 
 
 def _advice(tokens: list[Token], known: list[Steps]) -> str:
-    """Where a path leaves the known ones, and how it could go on."""
+    """Message on the first unknown step of a path, with possible steps."""
     for k in range(len(tokens) - 1, -1, -1):
         rests = [rest for steps in known if (rest := _below(tokens[:k], steps)) is not None]
         if rests:
@@ -128,7 +128,7 @@ def _advice(tokens: list[Token], known: list[Steps]) -> str:
     before, wrong = tokens[:k], _shown(tokens[k : k + 1])
     heads = [rest[0] for rest in rests if rest]
     if not heads:
-        return f"{_NONE}: {_shown(before)} is one number, leave out what follows."
+        return f"{_NONE}: {_shown(before)} is one number, leave out the rest."
     options = _options(heads, before)
     near = nearest_word(wrong.strip(".[]"), options)
     if near:
@@ -141,7 +141,7 @@ def _advice(tokens: list[Token], known: list[Steps]) -> str:
 
 
 def _options(heads: Iterable[str | Item], before: list[Token]) -> dict[str, Token]:
-    """How a path can go on, each as it is shown."""
+    """Possible next steps of a path, by their text."""
     options: dict[str, Token] = {_shown([_token(head)]): _token(head) for head in heads}
     more = ["chain"] if not before else _OF_EVERY_CELL if before[-1] == "chain" else []
     return options | {key: key for key in more}

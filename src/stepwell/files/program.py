@@ -1,4 +1,4 @@
-"""What a design file says the actuator is to do, and what it is for."""
+"""The program of the actuator in a design file: turning points and target."""
 
 import math
 from collections.abc import Iterator
@@ -16,21 +16,21 @@ from stepwell.mechanism import Chain
 if TYPE_CHECKING:
     from stepwell.sequences import Program
 
-# Of the chain's stroke: what the engine takes for the same place, a tenth of it, and how far a
-# program that does nothing reaches at most.
+# Fractions of the chain's stroke: tolerance of equal strokes in the engine, a tenth of it, and the
+# largest stroke of a program that is probably a unit error.
 _SAME, _EXACT, NOTHING = 1e-9, 1e-10, 1 / 200
-# How far off the middle of its window a turning point may be written, over half the window.
+# Tolerance for rounding a turning point, over half its window.
 _ROUND = 0.01
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WrittenProgram(ByValue):
-    """Turning points of the actuator as the table [program] of a design file holds them.
+    """Turning points of the actuator in the table [program] of a design file.
 
     Attributes:
         start: the state at the beginning, such as "000".
         turning_points: drives from the beginning to the end [m], or [N] under force control.
-        ends: the state in which it is to end; None where the file does not say.
+        ends: the target state; None if the file has none.
     """
 
     start: str
@@ -39,7 +39,7 @@ class WrittenProgram(ByValue):
 
     @classmethod
     def of(cls, program: "Program") -> "WrittenProgram":
-        """A program that was found, with no more digits than its windows ask for."""
+        """A computed program, rounded within its windows."""
         points = program.turning_points
         slacks = [0.0, *(turn.slack for turn in program.turns), (program.high - program.low) / 2]
         least = _EXACT * max(program.chain.full_stroke, *map(abs, points))
@@ -50,21 +50,21 @@ class WrittenProgram(ByValue):
         return cls(program.start, tuple(tidy), program.target)
 
     def on(self, chain: Chain) -> "Program":
-        """The program on the chain of the same file, with the window of every turn.
+        """The program on the chain of the same file, with the window of every turning point.
 
-        Without `ends`, its target is the state in which it ends. With friction, no turn has
-        a window.
+        Without `ends`, its target is its last state. With friction, no turning point has a
+        window.
 
         Raises:
-            ValueError: the chain cannot stand at the start.
-            StaticsError: the engine could not go on; its text says what to do.
+            ValueError: the chain has no equilibrium at the start.
+            StaticsError: the path could not be computed; the message has advice.
         """
         from stepwell.sequences import Program
 
         return Program.given(chain, self.turning_points, start=self.start, target=self.ends)
 
     def text(self, chain: Chain) -> str:
-        """The table [program] in the design file of the chain."""
+        """Text of the table [program] in the design file of the chain."""
         key = _key(chain)
         points = written(key, self.turning_points)
         ends = "" if self.ends is None else f"ends = {quoted(self.ends)}\n"
@@ -73,7 +73,7 @@ class WrittenProgram(ByValue):
 
 
 def program_of(keys: schema.ProgramKeys, chain: Chain, problems: list[str]) -> WrittenProgram:
-    """The program of a file; `problems` gets a line for everything the chain cannot do."""
+    """The program of a file; a line is added to `problems` for each impossible value."""
     for key, state in (("start", keys.start), ("ends", keys.ends)):
         problems += [] if state is None else _wrong_state(key, state, chain)
     start = keys.start or chain.first_state
@@ -96,8 +96,8 @@ def program_of(keys: schema.ProgramKeys, chain: Chain, problems: list[str]) -> W
             problems.append(
                 f"program.{key} = {value_text(drives)}: stays within {share:.2g} of the chain's "
                 f"{chain.measure.stroke}, {chain.full_stroke * factor:.12g} {unit}."
-                f"{f' Did you mean {meant}?' * fits} If it is meant so, set unusual = true in "
-                f"[program]."
+                f"{f' Did you mean {meant}?' * fits} If the value is intended, set unusual = "
+                f"true in [program]."
             )
     return WrittenProgram(start, points, keys.ends)
 
@@ -117,13 +117,13 @@ def _wrong_state(key: str, state: str, chain: Chain) -> list[str]:
 
 
 def _near_nothing(points: tuple[float, ...], chain: Chain) -> bool:
-    """Whether a rigid actuator hardly moves, as it would for strokes in m under a key in mm."""
+    """Whether a rigid actuator hardly moves, as for strokes in m under a key in mm."""
     farthest = max(map(abs, points), default=0.0)
     return math.isinf(chain.actuator_stiffness) and 0 < farthest < NOTHING * chain.full_stroke
 
 
 def _out_of_reach(points: tuple[float, ...], start: str, chain: Chain) -> list[str]:
-    """Strokes that no rigid actuator can take this chain to."""
+    """Problems with strokes that a rigid actuator cannot reach with this chain."""
     full, near = chain.full_stroke, _SAME * chain.full_stroke
     phases = [phases[int(digit)] for phases, digit in zip(chain.phases, start, strict=True)]
     begins = sum(phase.low for phase in phases), sum(phase.high for phase in phases)
@@ -139,7 +139,7 @@ def _out_of_reach(points: tuple[float, ...], start: str, chain: Chain) -> list[s
             at, to = (f"{end * factor:.12g}" for end in begins)
             at = f"from {at} to {to} {unit}" if begins[0] < begins[1] else at
             problems.append(
-                f"{place}: must be {at}, the {chain.measure.stroke} where {start} stands."
+                f"{place}: must be {at}, the equilibrium {chain.measure.stroke} of {start}."
             )
         elif not ends[0] - near <= point <= ends[1] + near:
             meant = f" Did you mean {point:.12g}?" if 10 * full < point <= 1e3 * full else ""
@@ -151,7 +151,7 @@ def _out_of_reach(points: tuple[float, ...], start: str, chain: Chain) -> list[s
 
 
 def _tidy(value: float, within: float, key: str) -> float:
-    """The number of fewest digits near enough to `value`, counted in the unit of the file."""
+    """The number with the fewest digits in the unit of the file, `within` of `value`."""
     exact = Decimal(written(key, value))
     tried: Iterator[float] = (si(key, round(exact, digits)) for digits in range(13))
     # A zero has no sign.

@@ -1,4 +1,4 @@
-"""Every number of a robot by name: where it comes from, and the same robot with another value."""
+"""The numbers of a robot by name, with their sources; robots with changed numbers."""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -20,13 +20,13 @@ _SEVERAL = (re.compile(rf"^leg{_ITEM}"), re.compile(rf"(?<=chain\.cell){_ITEM}")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RobotParameter(ByValue):
-    """A number of a robot, or several that belong together, and where they come from.
+    """A number of a robot, or several of one list, and their source.
 
     Attributes:
-        path: the key path, such as "foot.link_mm" or "leg.left.chain.cell.inner.q_mm[0]"; `vary`
-            takes it.
-        values: (n,) in the unit that the key names.
-        unit: that unit, such as "mm", "deg" or "N s/m"; "" where there is none.
+        path: the key path for `vary`, such as "foot.link_mm" or
+            "leg.left.chain.cell.inner.q_mm[0]".
+        values: (n,) in the unit of the key.
+        unit: of the key, such as "mm", "deg" or "N s/m"; "" for none.
         source: "paper", "authors' notes", "measured" or "assumed".
     """
 
@@ -42,7 +42,7 @@ class RobotParameter(ByValue):
 
 
 def parameters(robot: Robot) -> tuple[RobotParameter, ...]:
-    """Every number of a robot by itself, also those that its file leaves out, in its order."""
+    """Each number of a robot separately, also defaults, in the order of its file."""
     of, _ = sources(robot, _paths_by_source(robot))
     return tuple(
         RobotParameter(spelled(steps), (float(value),), _unit(steps), of[steps])
@@ -52,18 +52,18 @@ def parameters(robot: Robot) -> tuple[RobotParameter, ...]:
 
 
 def vary(robot: Robot | str, values: Mapping[str, Any]) -> Robot:
-    """The same robot with other values, checked like a design file that has them.
+    """The same robot with other values, checked like a design file.
 
-    A number that is changed counts as assumed from then on.
+    The source of a changed number is "assumed".
 
     Args:
         robot: any robot, or the text of its design file.
-        values: key path to value, in the unit that the key names. A path may mean several
-            numbers, "leg.*.at_mm[0]", which all get the value; or a list, "leg.left.at_mm",
-            which gets as many values as it has. Of two paths to one number the later counts.
+        values: key path to value, in the unit of the key. A path may select several numbers,
+            "leg.*.at_mm[0]", which all get the value; or a list, "leg.left.at_mm", which
+            needs a value for each number. Of two paths to one number the later has priority.
 
     Raises:
-        DesignError: a path that means no number, or values no robot can have.
+        DesignError: a path selects no number, or values are invalid for a robot.
     """
     if isinstance(robot, str):
         robot = loads(robot, "robot").robot
@@ -80,18 +80,18 @@ def vary(robot: Robot | str, values: Mapping[str, Any]) -> Robot:
             problems.append(f"{path}: {error}")
     name = robot.title or "robot"
     refuse_any(name, problems)
-    # A number as `parameters` lists it may lack the last digit of an angle in degrees.
+    # A number from `parameters` may lack the last digit of an angle in degrees.
     changed = {steps: value for steps, value in changed.items() if not _same(value, before[steps])}
     for steps, value in changed.items():
         set_leaf(tree, steps, value)
-    # What is said of sources may need paths of its own, and is checked as it stands.
+    # Sources may need other paths after the change, and are set separately.
     tree.pop("source", None)
     made = robot_of(wording.checked(schema.RobotKeys, tree, name), name)
     return replace(made, sources=_changed_sources(robot, list(changed)))
 
 
 def key_unit(robot: Robot, path: str) -> str:
-    """The unit that a key path of a robot names, "" for none; ValueError if it is no number's."""
+    """Unit of a key path of a robot, "" for none; ValueError if it selects no number."""
     steps, rest = find(path, dict(leaves(tree_of(robot))))[0]
     if rest:
         raise InputError(f"{path} is a list: name one of its numbers, such as {path}[0].")
@@ -143,20 +143,20 @@ def _sizes(known: Iterable[Steps]) -> dict[Steps, int]:
 
 
 def _part(value: Any, rest: Steps, steps: Steps, sizes: Mapping[Steps, int]) -> Any:
-    """What of a value belongs at the end of a path: all of it, or one of its numbers."""
+    """The part of a value for the end of a path: all of it, or one of its numbers."""
     above = len(steps) - len(rest)
     for i, step in enumerate(rest, above):
         several = not isinstance(value, str | Mapping) and hasattr(value, "__len__")
         if not isinstance(step, Item) or not several or len(value) != sizes[steps[:i]]:
-            way = f"name one number of it, such as {spelled(steps)}, or give as many as it has."
-            holds = f"is not what {spelled(steps[:above])} holds"
+            way = f"name one number of it, such as {spelled(steps)}, or give all of its numbers."
+            holds = f"does not match {spelled(steps[:above])}"
             raise InputError(f"{value_text(value)} {holds}: {way}")
         value = value[step.index]
     return value
 
 
 def _file_value(value: Any) -> Any:
-    """A value as a file holds it: with its decimals, as it is written."""
+    """A value as in a file, a number as a decimal."""
     if isinstance(value, bool | str | int | Decimal):
         return value
     try:
@@ -166,9 +166,9 @@ def _file_value(value: Any) -> Any:
 
 
 def provenance(robot: Robot) -> tuple[RobotParameter, ...]:
-    """Every number of a robot with its source, in the order of a design file.
+    """The numbers of a robot with their sources, in the order of a design file.
 
-    Coordinates stand together, and what legs and cells share stands once, with `*` in its path.
+    Coordinates are grouped. Numbers common to legs or cells are listed once, with `*` in the path.
     """
     numbers = _merged_lists(parameters(robot))
     for several in _SEVERAL:
@@ -189,7 +189,7 @@ def _merged_lists(numbers: Iterable[RobotParameter]) -> list[RobotParameter]:
 
 
 def _merged_alike(numbers: list[RobotParameter], several: re.Pattern[str]) -> list[RobotParameter]:
-    """Numbers that are alike in every leg or cell, once."""
+    """The numbers, with those common to every leg or cell only once."""
     alike = grouped((several.sub(_with_star, one.path), one) for one in numbers)
     count = max((len(items) for path, items in alike.items() if "*" in path), default=0)
     shared: list[RobotParameter] = []

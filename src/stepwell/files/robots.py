@@ -1,4 +1,4 @@
-"""The tables of a robot's design file as a robot, and a robot as tables that leave nothing out."""
+"""A robot from the tables of its design file, and complete tables of a robot."""
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -18,7 +18,7 @@ Tree = dict[str, Any]
 
 
 def tree_of(robot: Robot) -> Tree:
-    """The tables of the robot's file, with every key of every leg and every cell."""
+    """Tables of the robot's file, with every key of every leg and every cell."""
     tree = parsed(whole_text(robot), "this robot, written as a design file", "is empty.")
     for leg in tree["leg"]:
         for cell in leg["chain"]["cell"]:
@@ -27,17 +27,17 @@ def tree_of(robot: Robot) -> Tree:
 
 
 def leaves(tree: Tree) -> Iterator[tuple[Steps, Any]]:
-    """The path and the value of everything but names, titles and sources."""
+    """Path and value of every key except names, titles and sources."""
     return _leaves((), {key: value for key, value in tree.items() if key != "source"})
 
 
 def is_number(value: Any) -> bool:
-    """Whether a value counts or measures something, and is not a name or a switch."""
+    """Whether a value is a number, not a name or a switch."""
     return isinstance(value, int | Decimal) and not isinstance(value, bool)
 
 
 def set_leaf(tree: Tree, steps: Steps, value: Any) -> None:
-    """Set what stands at a path."""
+    """Set the value at a path."""
     place: Any = tree
     *before, last = (step.index if isinstance(step, Item) else step for step in steps)
     for step in before:
@@ -52,7 +52,7 @@ def _leaves(steps: Steps, value: Any) -> Iterator[tuple[Steps, Any]]:
                 yield from _leaves((*steps, key), below)
     elif isinstance(value, list):
         names = [one.get("name") if isinstance(one, dict) else None for one in value]
-        if steps[-1] == "cell" and len(value) == 2:  # what `Chain.names` calls a pair
+        if steps[-1] == "cell" and len(value) == 2:  # the names of a pair in `Chain.names`
             names = [name or other for name, other in zip(names, ("inner", "outer"), strict=True)]
         for i, (one, name) in enumerate(zip(value, names, strict=True)):
             alone = name if name and names.count(name) == 1 else None
@@ -62,15 +62,15 @@ def _leaves(steps: Steps, value: Any) -> Iterator[tuple[Steps, Any]]:
 
 
 class _SourcePath(NamedTuple):
-    size: int  # how many numbers the path means
+    size: int  # count of the numbers that the path selects
     label: str
     where: str
 
 
 def sources(robot: Robot, lists: Mapping[str, Sequence[str]]) -> tuple[dict[Steps, str], list[str]]:
-    """The source of every number by lists of key paths, one for each source; what is wrong there.
+    """Source of every number from lists of key paths, one for each source; and problems.
 
-    Of several paths that mean a number, the one that means the fewest numbers counts.
+    Of several paths that select a number, the one with the fewest numbers has priority.
     """
     named_by, problems = _paths_by_number(robot, lists)
     of: dict[Steps, str] = {}
@@ -80,14 +80,14 @@ def sources(robot: Robot, lists: Mapping[str, Sequence[str]]) -> tuple[dict[Step
         label = narrow[0].label if narrow else schema.ASSUMED
         of[steps] = label
         others = [one.where for one in narrow if one.label != label]
-        problems += [f"{where}: {label} has that too; keep one of them." for where in others]
+        problems += [f"{where}: {label} lists it too; keep one of them." for where in others]
     return of, list(dict.fromkeys(problems))
 
 
 def _paths_by_number(
     robot: Robot, lists: Mapping[str, Sequence[str]]
 ) -> tuple[dict[Steps, list[_SourcePath]], list[str]]:
-    """Of every number of a robot the paths that mean it, and the paths that mean none."""
+    """Paths that select each number of a robot, and problems with other paths."""
     named_by: dict[Steps, list[_SourcePath]] = {
         steps: [] for steps, value in leaves(tree_of(robot)) if is_number(value)
     }
@@ -96,7 +96,7 @@ def _paths_by_number(
         table = label if label.isalpha() else quoted(label)
         for i, path in enumerate(paths):
             if not robot.antennas and re.match(r"antenna([.\[]|$)", path):
-                continue  # said of antennas that were taken off
+                continue  # sources of antennas that were removed
             where = f"source.{table}[{i}] = {value_text(path)}"
             try:
                 matches = find(path, named_by)
@@ -112,7 +112,7 @@ T = TypeVar("T")
 
 
 def robot(keys: schema.RobotKeys, name: str) -> Robot:
-    """The robot, with every check; DesignError where that is none, with every reason found."""
+    """The checked robot; DesignError with all problems."""
     problems: list[str] = []
     parts: dict[str, Any] = {
         part: part_of(part, make, fields(getattr(keys, part)), problems)
@@ -134,14 +134,14 @@ def robot(keys: schema.RobotKeys, name: str) -> Robot:
             problems += sources(made, keys.source.lists())[1]
             if not problems:
                 return made
-    # A chain that several legs share has its problems once.
+    # Problems of a chain common to several legs are reported once.
     raise DesignError(name, dict.fromkeys(problems))
 
 
 def part_of(
     where: str, make: Callable[..., T], values: dict[str, Any], problems: list[str]
 ) -> T | None:
-    """A part, or None and a line more in `problems`."""
+    """A part, or None with a line added to `problems`."""
     try:
         return make(**values)
     except ValueError as error:

@@ -1,4 +1,4 @@
-"""The text of design files: TOML in and out, exact decimals, and what is wrong with a file."""
+"""Text of design files: reading and writing TOML, exact decimals, error messages."""
 
 import json
 import re
@@ -10,19 +10,19 @@ from typing import Any
 from stepwell.base import UNITS, InputError, limits, nearest_word, printable
 
 MOST_LINES = 40
-# More digits than a float can have (767), so that moving the decimal point never rounds.
+# More digits than a float can have (767), so a shift of the decimal point never rounds.
 _EXACT = Context(prec=800, Emax=MAX_EMAX, Emin=MIN_EMIN, traps=[])
 _ENOUGH = Context(prec=60, Emax=MAX_EMAX, Emin=MIN_EMIN, traps=[])
 _PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459")
 
 
 class DesignError(InputError):
-    """A design file that cannot be used; `str` of it is what to show the user.
+    """A design file that cannot be used; `str` of it is the message for the user.
 
     Args:
-        name: the file, as the user called it.
-        problems: one line each: where, what came, what is allowed, what was probably meant.
-        more: how many other problems there are.
+        name: the file, as named by the user.
+        problems: one line each: place, value, allowed values, probable intention.
+        more: number of further problems.
     """
 
     def __init__(self, name: str, problems: Iterable[str], more: int = 0):
@@ -30,7 +30,7 @@ class DesignError(InputError):
         self.problems = tuple(problems)
         lines = [f"{self.name}: {problem}" for problem in self.problems[:MOST_LINES]]
         if (unlisted := len(self.problems) + more - len(lines)) > 0:
-            lines.append(f"{self.name}: and {unlisted} more like these.")
+            lines.append(f"{self.name}: and {unlisted} more problems.")
         super().__init__("\n".join(lines))
 
 
@@ -54,7 +54,7 @@ def key_path(keys: Sequence[str | int]) -> str:
 
 
 def value_text(value: Any) -> str:
-    """A value as the file would write it, on one short line."""
+    """A value as in a file, on one short line."""
     if isinstance(value, dict | list | tuple):
         keyed, more = isinstance(value, dict), ["..."] * (len(value) > 4)
         first = [key_path([str(one)]) if keyed else value_text(one) for one in [*value][:4]]
@@ -73,7 +73,7 @@ def value_text(value: Any) -> str:
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """A sentence that names the nearest known word, or all of them where none is near."""
+    """A sentence with the nearest known word, or with all if none is near."""
     near = nearest_word(word, known := list(known))
     return f"Did you mean {near}?" if near else f"Known here: {', '.join(known)}."
 
@@ -83,7 +83,7 @@ def _cut(text: str, most: int = 60) -> str:
 
 
 def in_decimals(value: Any, name: str) -> Any:
-    """A value as a file holds it, its numbers the decimals that Python shows; or a DesignError."""
+    """A value as in a file, with numbers as the decimals that Python prints; or a DesignError."""
     problems: list[str] = []
     decimals = _in_decimals(value, problems, ())
     refuse_any(name, problems)
@@ -107,13 +107,13 @@ def _in_decimals(value: Any, problems: list[str], keys: Sequence[str | int]) -> 
         shown = "null" if value is None else value_text(value)
         problems.append(
             f"{key_path(keys)} = {shown}: must be text, a number, true, false, a list or a table; "
-            f"leave the key out where nothing is meant."
+            f"leave out the key for no value."
         )
     return None
 
 
 def in_floats(value: Any) -> Any:
-    """A value of a file as JSON can hold it, its decimals as floats."""
+    """A value of a file as a JSON value, with decimals as floats."""
     if isinstance(value, Decimal):
         return float(value)
     if isinstance(value, dict):
@@ -123,20 +123,21 @@ def in_floats(value: Any) -> Any:
     return value
 
 
-# The keys of a table, each with its value as it stands in the file.
+# Keys of a table with their values as text.
 Written = dict[str, str]
 
-# Where a key can begin; the reader below takes the square of its depth. Nothing is tried twice.
+# Possible begin of a key. The time of the reader below is quadratic in the depth of a key; these
+# patterns never backtrack.
 _KEY = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
 _BEGIN = r"(?:^|[\[{,])[ \t]*+"
 
 
 def parsed(text: str, name: str, empty: str) -> dict[str, Any]:
-    """The tables of a file; DesignError where it is no TOML, or `empty` where it is empty."""
+    """Tables of a file; DesignError if it is no TOML, with the message `empty` if it is empty."""
     if not text.strip():
         raise DesignError(name, [empty])
     _refuse_deep(text, name)
-    # Counted before they are read, which takes far longer: every key has its sign.
+    # Keys are counted by their signs before the much slower reading.
     if (keys := text.count("=")) > limits.most("keys"):
         raise DesignError(name, [f"has {limits.problem('keys', keys)}"])
     try:
@@ -161,7 +162,7 @@ def _decimal(text: str) -> Decimal:
 
 
 def _refuse_deep(text: str, name: str) -> None:
-    """DesignError where a key is of more names than any design has."""
+    """Raise DesignError if a key is nested more deeply than in any design."""
     most = limits.most("depth")
     if text.count(".") <= most:
         return
@@ -173,7 +174,7 @@ def _refuse_deep(text: str, name: str) -> None:
 
 
 def array(items: Iterable[str]) -> str:
-    """A list of what is written already."""
+    """A list of items in TOML."""
     return f"[{', '.join(items)}]"
 
 
@@ -194,9 +195,9 @@ def quoted(text: str) -> str:
 
 
 def exact_si(number: Decimal, unit: str) -> float:
-    """The float in SI that is nearest to a decimal in a unit of files: 45 deg is `math.pi / 4`.
+    """The float in SI nearest to a decimal in a unit of files: 45 deg is `math.pi / 4`.
 
-    The point is moved in the decimal and the result rounded once: 10 mm is the float 0.01.
+    The decimal point is shifted and the result rounded once: 10 mm is the float 0.01.
     """
     if unit == "deg":
         return float(_ENOUGH.divide(_ENOUGH.multiply(number, _PI), Decimal(180)))
@@ -220,7 +221,7 @@ def _places(unit: str) -> int:
 
 
 def toml(number: Decimal) -> str:
-    """A decimal as TOML writes it: an integer where it is one, plain where that is short."""
+    """A decimal in TOML: an integer if it is one, without an exponent if short."""
     number = number.normalize(_EXACT)
     if number.is_zero():
         return "-0.0" if number.is_signed() else "0"

@@ -1,4 +1,4 @@
-"""A chain, a robot, an arena or a rig in, its file out; and a rig from its file."""
+"""Writing of chains, robots, arenas and rigs to files, and reading of rigs."""
 
 import math
 import os
@@ -21,7 +21,7 @@ from stepwell.robot import Arena, Robot
 if TYPE_CHECKING:
     from stepwell.lab import Rig
 
-# The table from its head to the next one or to what is said above that; checked afterwards.
+# The table from its head to the next table with its comments; the result is checked.
 _PROGRAM = re.compile(
     r"^\[ *program *\].*?(?=^(?:#[^\n]*\n|\n)*\[[a-z\[]|\Z)", re.MULTILINE | re.DOTALL
 )
@@ -33,34 +33,34 @@ def save(
     *,
     program: WrittenProgram | None = None,
 ) -> None:
-    """Write a chain, a robot or an arena as its file, whole or not at all.
+    """Write a chain, a robot or an arena to a file, completely or not at all.
 
     Args:
-        design: any.
-        path: where to, as TOML; an existing file is replaced.
+        design: chain, robot or arena.
+        path: of the TOML file; an existing file is replaced.
         program: of a chain's actuator, for a table [program].
 
     Raises:
-        ValueError: the design lies outside what its file may hold, or an arena is to be a map.
+        ValueError: the design is outside the limits of its file, or `path` is that of a map.
         OSError: the folder is missing or cannot be written.
     """
     if isinstance(design, Arena) and os.fspath(path).endswith(".txt"):
-        raise InputError(f"{os.fspath(path)}: an arena is written as TOML: let it end in .toml.")
+        raise InputError(f"{os.fspath(path)}: an arena is written as TOML: use the suffix .toml.")
     write_atomic(path, dumps(design, program=program))
 
 
 def dumps(design: Chain | Robot | Arena, *, program: WrittenProgram | None = None) -> str:
-    """The file of a chain, a robot or an arena; reading it gives an equal one, to the last bit.
+    """Text of the file of a chain, a robot or an arena; reading returns an equal value.
 
-    TOML: what cells and legs share first, then each of them, innermost first; at the end the
+    TOML: common values of cells and legs first, then each of them, innermost first; at the end the
     program of a chain's actuator.
 
     Raises:
-        ValueError: the design lies outside what its file may hold, such as a name of two lines
-            or a lever of a thousand kilometres; or it is no chain and has a program.
+        ValueError: the design is outside the limits of its file, such as a name of two lines or a
+            lever of a thousand kilometres; or it is no chain and has a program.
     """
     if program is not None and not isinstance(design, Chain):
-        raise InputError("program: only the design file of a chain holds one; leave it out.")
+        raise InputError("program: only the design file of a chain has one; leave it out.")
     if isinstance(design, Arena):
         text = arena_toml(design)
         again = loads_arena(text, "this arena, written as a file")
@@ -76,7 +76,7 @@ def dumps(design: Chain | Robot | Arena, *, program: WrittenProgram | None = Non
 
 
 def with_program(text: str, program: WrittenProgram) -> str:
-    """The design file of a chain as TOML with another table [program], all else as it was.
+    """The design file of a chain with another table [program], otherwise unchanged.
 
     Raises:
         DesignError: the text is no chain's design file.
@@ -87,7 +87,7 @@ def with_program(text: str, program: WrittenProgram) -> str:
     with suppress(DesignError):
         if loads(changed).chain == chain and loads(changed).program == program:
             return changed
-    # A table that stood there in another form, such as program = { ... } on one line.
+    # The table had another form, such as program = { ... } on one line.
     return dumps(chain, program=program)
 
 
@@ -95,7 +95,7 @@ Start = Annotated[Decimal, bounded("-10", "10")]
 
 
 class RigKeys(Keys):
-    """What lies between a test machine and a mechanism."""
+    """The rig between a test machine and a mechanism."""
 
     bar_mm: Annotated[Decimal, bounded("20", "1e6")] | None = None
     stretch: Annotated[Decimal, above_zero("0.5", "2")] | None = None
@@ -109,15 +109,15 @@ _EMPTY = "is empty: a rig is what `stepwell lab calibrate` writes, as in stretch
 
 
 def loads_rig(text: str, name: str = "rig") -> "Rig":
-    """The rig that a text describes, in SI.
+    """The rig in a text, in SI.
 
     Args:
         text: TOML, as `stepwell lab calibrate` writes it; without bar_mm the machine moves with
             the block.
-        name: what messages call it.
+        name: its name in messages.
 
     Raises:
-        DesignError: the text is none, or asks for what no rig can be; a line for every problem.
+        DesignError: the text is no TOML, or has invalid values; a line for every problem.
     """
     from stepwell.lab import Rig
 
@@ -125,6 +125,6 @@ def loads_rig(text: str, name: str = "rig") -> "Rig":
 
 
 def rig_toml(rig: "Rig") -> str:
-    """The file of a rig; an infinite bar is left out."""
+    """Text of the file of a rig; an infinite bar is left out."""
     lines = table_lines(RigKeys, rig, ["bar_mm"] if math.isinf(rig.bar) else [])
     return "\n".join(lines) + "\n"

@@ -1,1 +1,1 @@
-"""The keys of design files: what each may hold, and in which unit."""
+"""The keys of design files with their values and units."""

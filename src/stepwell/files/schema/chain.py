@@ -1,4 +1,4 @@
-"""The keys of a design file: what each may hold, and in which unit."""
+"""The keys of a design file with their values and units."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def _rows(value: Any, least: int, example: str) -> tuple[tuple[Decimal, Decimal]
         must = f"row {i} must be two numbers from -1e6 to 1e6, as in {example}."
         x, y = keys.lengths(row, 2, must)
         if rows and x - rows[-1][0] < ROW_STEP_MM:
-            keys.refuse(f"row {i} must lie {ROW_STEP_MM} mm or more above the row before it.")
+            keys.refuse(f"row {i} must be at least {ROW_STEP_MM} mm above the row before it.")
         rows.append((x, y))
     return tuple(rows)
 
@@ -29,7 +29,7 @@ def _rows(value: Any, least: int, example: str) -> tuple[tuple[Decimal, Decimal]
 def _law_rows(value: Any) -> tuple[tuple[Decimal, Decimal], ...]:
     rows = _rows(value, 2, "[[0, 0], [10, 0.3], [30, 0.8]]")
     if rows[0] != (0, 0):
-        keys.refuse("row 1 must be [0, 0]: a band carries nothing at its rest length.")
+        keys.refuse("row 1 must be [0, 0]: a band has no tension at its rest length.")
     for i, (_, pull) in enumerate(rows):
         if pull < 0:
             keys.refuse(f"row {i + 1} must not be negative: bands pull. Did you mean {-pull}?")
@@ -87,7 +87,7 @@ Drives = Annotated[tuple[Decimal, ...], PlainValidator(_drives)]
 
 
 class BandKeys(keys.Keys):
-    """What a band is made of, without its anchors."""
+    """Properties of a band without its anchors."""
 
     stiffness_N_per_m: Stiffness | None = None
     rest_length_mm: RestLength | None = None
@@ -109,15 +109,15 @@ class BandKeys(keys.Keys):
         return self
 
 
-# The keys of each law, of which a band has one.
+# The keys of each law; a band has one law.
 LAWS = {
     "quadratic_per_mm or cubic_per_mm2": {"quadratic_per_mm", "cubic_per_mm2"},
     "table_mm_N": {"table_mm_N", "table_csv"},
     "shape_mm": {"shape_mm"},
 }
 TABLE_OWNS_STIFFNESS = (
-    "cannot stand with table_mm_N, which sets the stiffness itself; leave it out, or give the "
-    "law as shape_mm."
+    "cannot be combined with table_mm_N, which sets the stiffness; leave it out, or give the law "
+    "as shape_mm."
 )
 
 
@@ -129,7 +129,7 @@ class PlacedBandKeys(BandKeys):
 
 
 class LeverKeys(keys.Keys):
-    """A cell of levers and bands; what it leaves out it takes from the chain."""
+    """A cell of levers and bands; missing keys are those of the chain."""
 
     name: keys.Line = ""
     p_mm: keys.Point | None = None
@@ -146,13 +146,13 @@ class LeverKeys(keys.Keys):
 
 
 class OneCellKeys(elements.ElementKeys, LeverKeys):
-    """A cell of levers and bands, or an element that holds no chain."""
+    """A cell of levers and bands, or an element without a chain inside."""
 
     beside: Annotated[tuple[elements.PartKeys, ...], keys.at_most("bands")] | None = None
 
     @property
     def forms(self) -> list[str]:
-        """The keys that give a curve; none of them where it has levers."""
+        """The keys of a curve; empty for a cell of levers."""
         return [key for key in self.model_fields_set if key in FORMS]
 
     @model_validator(mode="after")
@@ -160,19 +160,19 @@ class OneCellKeys(elements.ElementKeys, LeverKeys):
         given = self.model_fields_set
         for form in self.forms:
             for key in _OF_LEVERS & given:
-                keys.refuse(f"cannot stand with {form}: an element has no levers and bands.", key)
+                keys.refuse(f"cannot be combined with {form}: an element has no levers.", key)
             return self
         for key in _OF_ELEMENTS & given:
-            keys.refuse(f"goes with the curve of an element: {', '.join(FORMS)}.", key)
+            keys.refuse(f"needs the curve of an element: {', '.join(FORMS)}.", key)
         for key in ("p_mm", "q_mm"):
             if self.bands is None and key not in given:
                 keys.refuse("is missing: two numbers in mm, as in [10, 0].", key)
             if self.bands is not None and key in given:
-                keys.refuse("cannot stand with bands, where every band has its own anchors.", key)
+                keys.refuse("cannot be combined with bands, which have their own anchors.", key)
         if self.bands == ():
             keys.refuse("must hold one band or more.", "bands")
         if self.load_N is not None and self.load_mm_N is not None:
-            keys.refuse("cannot stand with load_N: a cell has one load.", "load_mm_N")
+            keys.refuse("cannot be combined with load_N: a cell has one load.", "load_mm_N")
         return self
 
 
@@ -182,14 +182,14 @@ class CellKeys(OneCellKeys):
     inside: Annotated[tuple[OneCellKeys, ...], keys.at_most("graph_cells")] | None = None
 
 
-# The forms that the curve of an element may have, and what only levers or only elements have.
+# Forms of the curve of an element, and keys of levers only and of elements only.
 FORMS = (*elements.CurveKeys.model_fields, "beside", "inside")
 _OF_LEVERS = LeverKeys.model_fields.keys() - elements.ElementKeys.model_fields.keys()
 _OF_ELEMENTS = elements.ElementKeys.model_fields.keys() - LeverKeys.model_fields.keys()
 
 
 class SharedKeys(keys.Keys):
-    """What the cells of a chain share."""
+    """Keys common to the cells of a chain."""
 
     lever_mm: Lever | None = None
     limit_deg: Limit | None = None
@@ -198,7 +198,7 @@ class SharedKeys(keys.Keys):
 
 
 class ChainKeys(SharedKeys):
-    """The chain and what its cells share."""
+    """The chain, and keys common to its cells."""
 
     actuator_stiffness_N_per_m: Actuator | None = None
     actuator_stiffness_kPa_per_mL: OtherActuator | None = None
@@ -211,17 +211,17 @@ class ChainKeys(SharedKeys):
             keys.refuse("must hold one cell or more, inner first.", "cell")
         given = [key for key in ACTUATORS.values() if key in self.model_fields_set]
         if len(given) > 1:
-            keys.refuse(f"cannot stand with {given[0]}: keep one of them.", given[1])
+            keys.refuse(f"cannot be combined with {given[0]}: keep one of them.", given[1])
         return self
 
 
-# The stiffness of the actuator, by what the chain's travel and force are.
+# Key of the stiffness of the actuator, by the chain's measure.
 ACTUATORS = {
     Measure.TRAVEL: "actuator_stiffness_N_per_m",
     Measure.VOLUME: "actuator_stiffness_kPa_per_mL",
     Measure.ANGLE: "actuator_stiffness_N_m_per_rad",
 }
-# What an actuator is told: a travel, or a force where it prescribes that.
+# Keys of the turning points: a travel, or a force under force control.
 TURNING_POINTS = {
     measure: tuple(
         elements.key_in("turning_points", u) for u in (measure.travel_unit, measure.force_unit)
@@ -231,7 +231,7 @@ TURNING_POINTS = {
 
 
 class ProgramKeys(keys.Keys):
-    """What the actuator is to do, and what for."""
+    """Program of the actuator, and its target."""
 
     start: State | None = None
     turning_points_mm: Drives | None = None
@@ -245,7 +245,7 @@ class ProgramKeys(keys.Keys):
 
     @property
     def given_points(self) -> list[str]:
-        """The keys of turning points that stand in the file; one of them, where all is well."""
+        """The keys of turning points in the file; one in a valid file."""
         every = [key for pair in TURNING_POINTS.values() for key in pair]
         return [key for key in every if getattr(self, key) is not None]
 
@@ -255,7 +255,7 @@ class ProgramKeys(keys.Keys):
         if not given:
             keys.refuse("is missing: strokes in mm, as in [0, 45, 20].", "turning_points_mm")
         if len(given) > 1:
-            keys.refuse(f"cannot stand with {given[0]}: keep one of them.", given[1])
+            keys.refuse(f"cannot be combined with {given[0]}: keep one of them.", given[1])
         return self
 
 
@@ -267,5 +267,5 @@ class FileKeys(keys.Keys):
     program: ProgramKeys | None = None
 
 
-# Where a reader may come from when a path holds one of these keys.
+# Tables by path, used in messages on unknown keys.
 TABLES = keys.tables_of(FileKeys)

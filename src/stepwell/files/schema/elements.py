@@ -1,4 +1,4 @@
-"""The keys of an element: its curve in one of several forms, or arguments of the library."""
+"""The keys of an element: a curve in one of several forms, or arguments of the library."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ class LibraryKeys(keys.Keys):
     dome: DomeKeys | None = None
 
 
-# Beyond every mechanism, and far from overflow.
+# Larger than in any mechanism, and far from overflow.
 MOST = "1e9"
 _FINEST, _LEAST_FORCE = Decimal("1e-6"), Decimal("1e-9")
 # Coefficients of cubics in SI: a pressure over the third power of a microlitre among them.
@@ -108,15 +108,15 @@ _MOST_SI = "1e60"
 
 
 def key_in(word: str, unit: str) -> str:
-    """The key of a quantity in the unit in which files tell it: force and N as force_N."""
+    """The key of a quantity in the unit of files, such as force_N for force and N."""
     return f"{word}_{display_unit(unit)[0]}"
 
 
-# The columns of a curve, travel first, by what they are.
+# The columns of a curve by measure, travel first.
 COLUMNS = {
     one: (key_in(one.travel, one.travel_unit), key_in(one.force, one.force_unit)) for one in Measure
 }
-# The joints of a sheet, in SI, by what they are.
+# The joints of a sheet in SI, by measure.
 JOINTS = {Measure.TRAVEL: "travel_m", Measure.VOLUME: "volume_m3", Measure.ANGLE: "angle_rad"}
 _RISE = (
     "Sort the rows and drop repeated ones; give loading or unloading alone; or, if the curve truly "
@@ -163,8 +163,8 @@ def _sheet(value: Any) -> int:
 
 
 def _csv(_: Any) -> NoReturn:
-    way = "in a text give the numbers themselves"
-    refuse(f"names a file, which is read where a design file is loaded by its own name; {way}.")
+    way = "in a text give the numbers instead"
+    refuse(f"names a file, which is only read for a design file that is loaded by name; {way}.")
 
 
 Numbers = Annotated[tuple[Decimal, ...], PlainValidator(_numbers)]
@@ -180,7 +180,7 @@ Scale = Annotated[Decimal, keys.above_zero("1e-6", "1e6")]
 
 
 class ColumnKeys(keys.Keys):
-    """A curve by two columns of numbers, which belong together and are as long as each other."""
+    """A curve by two columns of numbers with equal length and measure."""
 
     travel_mm: Numbers | None = None
     force_N: Numbers | None = None
@@ -193,7 +193,7 @@ class ColumnKeys(keys.Keys):
 
     @property
     def measure(self) -> Measure:
-        """What the columns are."""
+        """Measure of the columns."""
         given = self.model_fields_set
         return next(measure for measure, pair in COLUMNS.items() if given & set(pair))
 
@@ -211,15 +211,15 @@ class ColumnKeys(keys.Keys):
         keys = COLUMNS[self.measure]
         if given != set(keys):
             came = " and ".join(key for key in type(self).names() if key in given)
-            refuse(f"gives {came}: must hold {_PAIRS}.")
+            refuse(f"has {came}: must hold {_PAIRS}.")
         x, y = self.pair
         if len(x) != len(y):
-            refuse(f"has {len(x)} numbers, {keys[1]} {len(y)}: must be as many.", keys[0])
+            refuse(f"has {len(x)} numbers, {keys[1]} {len(y)}: must be equal.", keys[0])
         if max(map(abs, y)) < _LEAST_FORCE:
             refuse(f"must hold a force of {_LEAST_FORCE} or more in size.", keys[1])
         for i, (a, b) in enumerate(pairwise(x), 2):
             if self._rises and b - a < _FINEST:
-                must = f"must lie {_FINEST} or more above the one before, {a}. {_RISE}"
+                must = f"must be at least {_FINEST} above the one before, {a}. {_RISE}"
                 refuse(f"number {i}, {b}, {must}", keys[0])
             if abs(b - a) < _FINEST:
                 refuse(f"number {i}, {b}, must differ from the one before by {_FINEST}.", keys[0])
@@ -227,13 +227,13 @@ class ColumnKeys(keys.Keys):
 
 
 class RisingKeys(ColumnKeys):
-    """Two columns, of which the first rises."""
+    """Two columns; the first one rises."""
 
     _rises = True
 
 
 class SheetKeys(keys.Keys):
-    """A stable stretch of a curve as cubics in SI: what is written where no table gives it back."""
+    """A stable branch of a curve as cubics in SI, for curves that no table reproduces."""
 
     travel_m: JointsSI | None = None
     volume_m3: JointsSI | None = None
@@ -244,7 +244,7 @@ class SheetKeys(keys.Keys):
 
     @property
     def measure(self) -> Measure:
-        """What its travel is."""
+        """Measure of its travel."""
         return next(one for one, key in JOINTS.items() if key in self.model_fields_set)
 
     @model_validator(mode="after")
@@ -255,7 +255,7 @@ class SheetKeys(keys.Keys):
         joints = getattr(self, given[0])
         if len(joints) != len(self.cubics_SI) + 1:
             has = f"has {len(joints)} numbers for {len(self.cubics_SI)} rows of cubics_SI"
-            must = "must be one more, where each begins and where the last ends"
+            must = "must be one more, the begin of each row and the end of the last"
             refuse(f"{has}: {must}.", given[0])
         if any(b <= a for a, b in pairwise(map(float, joints))):
             refuse("must rise.", given[0])
@@ -263,7 +263,7 @@ class SheetKeys(keys.Keys):
 
 
 class NumberKeys(keys.Keys):
-    """The curve of an element in numbers, in one of these forms."""
+    """The curve of an element in numbers, in one of several forms."""
 
     table: RisingKeys | None = None
     points: RisingKeys | None = None
@@ -275,11 +275,11 @@ class NumberKeys(keys.Keys):
 
 
 class CurveKeys(LibraryKeys, NumberKeys):
-    """The curve of an element, in numbers or by its name in the library."""
+    """The curve of an element, in numbers or by a name in the library."""
 
 
 class ElementKeys(CurveKeys):
-    """An element: its curve, and what goes with it."""
+    """An element: its curve and options."""
 
     name: keys.Line = ""
     stops: Stops | None = None
@@ -298,7 +298,7 @@ class ElementKeys(CurveKeys):
 
     @property
     def forms(self) -> list[str]:
-        """The keys that give a curve; one of them, where all is well."""
+        """The keys of a curve; one in a valid file."""
         return [key for key in self.model_fields_set if key not in _NOT_CURVE]
 
     @model_validator(mode="after")
@@ -309,11 +309,11 @@ class ElementKeys(CurveKeys):
         for word, form in (("noise", "table"), ("error_band", "sheets")):
             for key in self.model_fields_set:
                 if key.startswith(f"{word}_") and forms not in ([form], [f"{form}_csv"]):
-                    refuse(f"goes with {form} alone; leave it out.", key)
+                    refuse(f"is for {form} only; leave it out.", key)
         return self
 
 
-# What goes with a curve and is none.
+# Keys that are no curve.
 _NOT_CURVE = ElementKeys.model_fields.keys() - CurveKeys.model_fields.keys()
 
 
@@ -323,5 +323,5 @@ class PartKeys(ElementKeys):
     @model_validator(mode="after")
     def _some_curve(self) -> PartKeys:
         if not self.forms:
-            refuse(f"is no element: give it one of {', '.join(CurveKeys.names())}.")
+            refuse(f"is no element: add one of {', '.join(CurveKeys.names())}.")
         return self

@@ -1,4 +1,4 @@
-"""A key of a file: what it may hold, the unit in its name, and how it is written back."""
+"""Keys of a file: checks of their values, units in their names, and writing."""
 
 import dataclasses
 import unicodedata
@@ -16,37 +16,37 @@ from stepwell.base import UNITS, in_names, limits
 from stepwell.files.text import array, exact_si, quoted, shortest, toml
 from stepwell.mechanism import Size, Slip, SlipError
 
-# Numbers stay the decimals of the file until they become SI floats, so nothing is rounded
-# twice. Their bounds keep every force and energy far from overflow: a hair to a kilometre.
+# Numbers are decimals until they become SI floats, so nothing is rounded twice. With these bounds
+# forces and energies are far from overflow.
 LENGTH = (Decimal("-1e6"), Decimal("1e6"))
 
 
 def refuse(problem: str, key: str = "") -> NoReturn:
-    """Raise what pydantic collects; `key` is a key inside the table that is being checked."""
+    """Raise an error for pydantic; `key` is a key in the table under check."""
     raise PydanticCustomError("design", "{problem}", {"problem": problem, "key": key})
 
 
 def require_at_most(name: str, value: Any) -> Any:
-    """`value`, refused if it is a list of more than is allowed."""
+    """`value`; an error if it is a list longer than its limit."""
     if isinstance(value, list) and len(value) > limits.most(name):
         refuse(limits.problem(name, len(value)))
     return value
 
 
 def at_most(name: str) -> BeforeValidator:
-    """A list as a tuple, looked at only where it is no longer than the limit of that name."""
+    """Validator that returns a list as a tuple if it is not longer than the limit `name`."""
     return BeforeValidator(lambda v: tuple(require_at_most(name, v)) if isinstance(v, list) else v)
 
 
 def listed(name: str, value: Any, least: int, problem: str) -> list[Any]:
-    """`value`, refused if it is no list, of too few or of more than is allowed."""
+    """`value`; an error if it is no list, or too short or too long."""
     if not isinstance(value, list) or len(value) < least:
         refuse(problem)
     return require_at_most(name, value)
 
 
 def decimal_of(value: Any, least: Decimal, most: Decimal, allowed: str) -> Decimal:
-    """`value` as a decimal between `least` and `most`; `allowed` says so in words."""
+    """`value` as a decimal between `least` and `most`; `allowed` is this range in words."""
     real = isinstance(value, int | Decimal) and not isinstance(value, bool)
     if not real or (isinstance(value, int) and abs(value) > 10**15):
         refuse(f"must be a number {allowed}.")
@@ -60,30 +60,30 @@ def decimal_of(value: Any, least: Decimal, most: Decimal, allowed: str) -> Decim
 
 @dataclass(frozen=True, slots=True)
 class Within:
-    """A check of one number, whose bounds can be read."""
+    """Check of one number, with readable bounds."""
 
     least: Decimal
     most: Decimal
     allowed: str
 
     def __call__(self, value: Any) -> Decimal:
-        """The number as a decimal; refused if not between the bounds."""
+        """The number as a decimal; an error if not between the bounds."""
         return decimal_of(value, self.least, self.most, self.allowed)
 
 
 def bounded(least: str, most: str, allowed: str = "") -> PlainValidator:
-    """A check of one number between two bounds; messages may say what is `allowed` otherwise."""
+    """Check of one number between two bounds; `allowed` replaces their text in messages."""
     allowed = allowed or f"from {least} to {most}"
     return PlainValidator(Within(Decimal(least), Decimal(most), allowed))
 
 
 def above_zero(least: str, most: str) -> PlainValidator:
-    """A check of one positive number between two bounds."""
+    """Check of one positive number between two bounds."""
     return bounded(least, most, f"> 0 ({least} to {most})")
 
 
 def lengths(value: Any, count: int | None, problem: str) -> tuple[Decimal, ...]:
-    """`count` numbers of a list, or all, as the file has them; `problem` says what it must be."""
+    """The numbers of a list of length `count`, or of any length for None."""
     try:
         numbers = tuple(decimal_of(v, *LENGTH, "") for v in value)
     except (TypeError, ValueError):
@@ -117,17 +117,17 @@ Point = Annotated[tuple[Decimal, ...], PlainValidator(_point)]
 
 
 class Keys(BaseModel):
-    """A table of the file: strict, and no key that we do not know."""
+    """A table of the file: strict, without unknown keys."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, defer_build=True)
 
     def given(self) -> dict[str, Any]:
-        """Only the keys that stand in the file."""
+        """Keys and values that are in the file."""
         return {key: getattr(self, key) for key in self.model_fields_set}
 
     @classmethod
     def names(cls) -> list[str]:
-        """Every key that the table may hold, as the file spells it."""
+        """All possible keys of the table, as spelled in the file."""
         return [field.alias or key for key, field in cls.model_fields.items()]
 
 
@@ -136,7 +136,7 @@ Tables = Mapping[str, type[Keys]]
 
 @cache
 def tables_of(table: type[Keys], path: str = "") -> Tables:
-    """A table and all tables in it, by their paths from the top of the file."""
+    """A table and all tables in it, by path from the top of the file."""
     tables = {path: table}
     for key, field in table.model_fields.items():
         for inner in _tables_in(field.annotation):
@@ -151,7 +151,7 @@ def _tables_in(annotation: Any) -> Iterator[type[Keys]]:
         yield annotation
 
 
-# The ends of keys and the units that they name; the longer ones first.
+# Units by the ends of keys; longer ends first.
 ENDS = {
     f"_{in_names(unit)}": UNITS[unit].sign
     for unit in (
@@ -159,9 +159,9 @@ ENDS = {
         *("mm", "deg", "mL", "kPa", "GPa", "mNm", "g", "N", "s"),
     )
 }
-# The units of files for sizes that are not in SI there.
+# Units of files for quantities that are not in SI there.
 _SHOWN = {"m": "mm", "kg": "g", "rad": "deg", "1/m": "1/mm", "1/m²": "1/mm²"}
-# Names that the values give these keys; other keys are called as they are, without the unit.
+# Fields of these keys; other fields have the name of the key without its unit.
 _FIELDS = {
     "stroke_mm": "amplitude",
     "hook_deg": "hook_angle",
@@ -179,7 +179,7 @@ _KEYS = {field: key for key, field in _FIELDS.items()}
 
 @cache
 def unit_of(key: str, column: int = 0) -> str:
-    """The unit that a key names; "" where it names none. Tables have one for each column."""
+    """Unit in a key, "" for none. Tables have one for each column."""
     if key.endswith("_mm_N"):
         return ("mm", "N")[column]
     return next((shown for end, shown in ENDS.items() if key.endswith(end)), "")
@@ -187,13 +187,13 @@ def unit_of(key: str, column: int = 0) -> str:
 
 @cache
 def field_of(key: str) -> str:
-    """What the value calls the key."""
+    """Name of the field for a key."""
     end = next((end for end in ENDS if key.endswith(end)), "")
     return _FIELDS.get(key, key.removesuffix(end))
 
 
 def fields(keys: Keys, left_out: Iterable[str] = ()) -> dict[str, Any]:
-    """What stands in a table of the file, in SI and by the names of the value's fields."""
+    """Values in a table of the file, in SI, by names of fields."""
     given = keys.given()
     return {field_of(key): si(key, given[key]) for key in given if key not in left_out}
 
@@ -203,14 +203,14 @@ def si(key: str, value: Any, column: int = 0) -> Any:
     if isinstance(value, tuple):
         return tuple(si(key, part, i) for i, part in enumerate(value))
     if key == "cell" and isinstance(value, int):
-        return value - 1  # people count from 1
+        return value - 1  # files count from 1
     if not isinstance(value, Decimal):
         return value
     return exact_si(value, unit_of(key, column) or "1")
 
 
 def written(key: str, value: Any, column: int = 0) -> str:
-    """A value in SI as the file writes it."""
+    """A value in SI as text for the file."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
@@ -222,36 +222,36 @@ def written(key: str, value: Any, column: int = 0) -> str:
     return _number(repr(float(value)), unit_of(key, column))
 
 
-# Cells of one chain have many sizes in common. By its digits, for 0 equals -0.
+# Cells of one chain have many numbers in common. The key is text, because 0 equals -0.
 @lru_cache(4096)
 def _number(digits: str, unit: str) -> str:
     return toml(shortest(float(digits), unit or "1"))
 
 
 def slips_text(error: SlipError) -> str:
-    """Slips of unit as commands report them: in mm, degrees and N, one line each."""
+    """Messages on unit errors in mm, degrees and N, one line each."""
     lines = [slip_text(slip, slip.name, name_unit=True) for slip in error.slips]
     way = "set unusual = true in the design file; `stepwell design` has --unusual."
-    return "\n".join([*lines, f"If it is meant so, {way}"] if error.way else lines)
+    return "\n".join([*lines, f"If the value is intended, {way}"] if error.way else lines)
 
 
 def lines_of(error: ValueError) -> list[str]:
-    """A line for each problem of a robot or an arena, slips of unit by the keys of its file."""
+    """A line for each problem of a robot or an arena, unit errors by the keys of the file."""
     if not isinstance(error, SlipError):
         return str(error).split("\n")
-    way = "If it is meant so, set unusual = true at the top of the file."
+    way = "If the value is intended, set unusual = true at the top of the file."
     return [f"{slip_text(slip, key_of(slip))} {way}" for slip in error.slips]
 
 
 def key_of(slip: Slip) -> str:
-    """The key of a file that holds the size of a slip."""
+    """The key of the value in a unit error."""
     place, dot, name = slip.name.rpartition(".")
     key = _KEYS.get(name, f"{name}_{in_names(_SHOWN.get(slip.unit, slip.unit))}")
     return slip.name if " " in slip.name else place + dot + key
 
 
 def slip_text(slip: Slip, key: str, *, name_unit: bool = False) -> str:
-    """A slip of unit by the key of the file that holds it, in the unit of files."""
+    """Message on a unit error, with the key and the unit of the file."""
     unit = _SHOWN.get(slip.unit, slip.unit)
 
     def shown(size: Size) -> str:
@@ -259,7 +259,7 @@ def slip_text(slip: Slip, key: str, *, name_unit: bool = False) -> str:
             return array(shown(part) for part in size)
         return toml(Decimal(f"{shortest(size, unit):.6g}"))
 
-    # A row of a table holds two units, and is called by the one that is wrong.
+    # A row of a table has two units, and the message names the wrong one.
     rows = key.endswith("_mm_N") or key == "shape_mm"
     what = f"{key}, {slip.name.removeprefix('load.')}" if rows else key
     probably = "" if slip.meant is None else f" Did you mean {shown(slip.meant)} {unit}?"
@@ -267,7 +267,7 @@ def slip_text(slip: Slip, key: str, *, name_unit: bool = False) -> str:
 
 
 def table_lines(table: type[Keys], value: Any, left_out: Iterable[str] = ()) -> list[str]:
-    """Every key of a table with what the value holds under it."""
+    """Lines of the keys of a table with the fields of a value."""
     names = {field.name for field in dataclasses.fields(value)}
     return [
         f"{key} = {written(key, getattr(value, field_of(key)))}"

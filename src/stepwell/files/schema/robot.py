@@ -1,4 +1,4 @@
-"""The keys of a robot's design file: what each may hold, and in which unit."""
+"""The keys of a robot's design file with their values and units."""
 
 from decimal import Decimal
 from itertools import islice
@@ -62,7 +62,7 @@ Paths = Annotated[tuple[str, ...], PlainValidator(_paths)]
 
 
 class LegChainKeys(schema.SharedKeys):
-    """A leg's chain, or what the chains of all legs share."""
+    """The chain of a leg, or keys common to the chains of all legs."""
 
     title: keys.Line = ""
     cell: Annotated[tuple[schema.CellKeys, ...], keys.at_most("cells")] = ()
@@ -75,7 +75,7 @@ class LegChainKeys(schema.SharedKeys):
 
 
 class BodyKeys(keys.Keys):
-    """The body and the T-foot on which it rests."""
+    """The body and its passive supports."""
 
     mass_g: Mass | None = None
     centre_mm: Centre | None = None
@@ -86,7 +86,7 @@ class BodyKeys(keys.Keys):
 
 
 class FootKeys(keys.Keys):
-    """The V and the foot of every leg."""
+    """The V-shaped links and the foot of every leg."""
 
     link_mm: Size | None = None
     span_mm: Size | None = None
@@ -122,7 +122,7 @@ class DriveKeys(keys.Keys):
     stiffness_N_per_m: Stiffness | None = None
 
 
-# What a robot has one of, under the name of its table.
+# The parts of a robot by the names of their tables.
 PARTS = {"body": Body, "foot": Foot, "blocks": Blocks, "floor": Floor, "drive": Drive}
 
 
@@ -153,13 +153,13 @@ class AntennaKeys(keys.Keys):
     connected: keys.Switch | None = None
 
 
-# Where a number can come from; the first is what is said of a number that no list names.
+# Possible sources of a number; the first is the default.
 ASSUMED = "assumed"
 SOURCES = ("paper", "authors' notes", "measured", ASSUMED)
 
 
 class SourceKeys(keys.Keys):
-    """Where the numbers come from."""
+    """Sources of the numbers."""
 
     paper: Paths = ()
     authors_notes: Paths = Field(default=(), alias="authors' notes")
@@ -188,14 +188,14 @@ class RobotKeys(keys.Keys):
     unusual: keys.Switch = False
 
 
-# Where a reader may come from when a path holds one of these keys.
+# Tables by path, used in messages on unknown keys.
 TABLES = keys.tables_of(RobotKeys)
-_LOOKED_AT = 100  # keys of a file that may be misspelt ones
+_LOOKED_AT = 100  # largest number of keys of a file that are checked for spelling
 _ONLY_ROBOTS = RobotKeys.model_fields.keys() - schema.FileKeys.model_fields.keys()
 
 
 def is_robot(tables: dict[str, Any]) -> bool:
-    """Whether these are a robot's tables; a chain with a key of a robot is one without legs."""
+    """Whether the tables are those of a robot, possibly with a misspelt or missing leg."""
     if any(key in _ONLY_ROBOTS for key in tables):
         return True
     return any(nearest_word(key, ["leg"]) for key in islice(tables, _LOOKED_AT))

@@ -1,4 +1,4 @@
-"""What the schema found wrong with a design file, in words its author can use."""
+"""Messages on schema errors in a design file."""
 
 from typing import Any, TypeVar
 
@@ -10,14 +10,14 @@ from stepwell.files.schema import chain as schema
 from stepwell.files.schema.keys import Keys, Tables, tables_of
 from stepwell.files.text import MOST_LINES, DesignError, did_you_mean, key_path, value_text
 
-_ADVISED = 1000  # unknown keys of which it is asked which one was meant
+_ADVISED = 1000  # largest number of unknown keys that are compared with missing ones
 
 
 T = TypeVar("T", bound=Keys)
 
 
 def checked(table: type[T], values: Any, name: str) -> T:
-    """The keys of a whole file; DesignError with its problems, in the order of its tables."""
+    """Checked keys of a whole file; DesignError with its problems in the order of its tables."""
     try:
         return table.model_validate(values)
     except ValidationError as error:
@@ -26,7 +26,7 @@ def checked(table: type[T], values: Any, name: str) -> T:
 
 def _refused(name: str, error: ValidationError, tables: Tables) -> DesignError:
     problems = error.errors(include_url=False)
-    # A misspelt key is also a missing one: that is said once.
+    # A misspelt key is also a missing one: only one problem is reported.
     missing = {problem["loc"] for problem in problems if problem["type"] == "missing"}
     short_of = {loc[:-1] for loc in missing}
     unknown = [p["loc"] for p in problems if p["type"] == "extra_forbidden"]
@@ -34,7 +34,7 @@ def _refused(name: str, error: ValidationError, tables: Tables) -> DesignError:
         near = nearest_word(str(loc[-1]), _known(list(loc), tables))
         missing.discard((*loc[:-1], near or ""))
     reported = [p for p in problems if p["type"] != "missing" or p["loc"] in missing]
-    # Only what will be shown is put in words: there may be many more.
+    # Only the shown problems are put into words: there may be many more.
     shown = [_line(problem, tables) for problem in reported[:MOST_LINES]]
     return DesignError(name, shown, more=len(reported) - len(shown))
 
