@@ -330,9 +330,7 @@ def _check(request: _WriteRequest, new: Mapping[str, str | None]) -> None:
     if notes and notes[0].command != command:
         holds = f"contains results of `stepwell {notes[0].command}`"
         way = "Name another folder, or replace them with --force (in Python force=True)."
-        raise OverwriteError(
-            f"{shown}: {holds}, and a folder can contain those of one command. {way}"
-        )
+        raise OverwriteError(f"{shown}: {holds}. A folder is for one command's results. {way}")
     if theirs := _foreign_files(target, new):
         named = base.join_first(list(map(base.printable, theirs)), _MOST_NAMED)
         it = "it" if len(theirs) == 1 else "them"
