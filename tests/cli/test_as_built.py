@@ -17,7 +17,7 @@ def test_the_command_writes_the_build_and_the_move(stepwell):
     assert len({name.rpartition(".")[0] for name in changed if name.count(".") > 1}) == 1
     assert "Move q of" in result.stdout
     nothing = stepwell(*line[:3])
-    assert nothing.exit_code == 2 and "nothing was seen" in nothing.stderr
-    for option, text in (("--pulls", "3"), ("--snaps-loading", "a,b")):
+    assert nothing.exit_code == 2 and "no observation is given" in nothing.stderr
+    for option, text in (("--pulls", "3"), ("--snaps-out", "a,b")):
         wrong = stepwell(*line[:3], option, text)
         assert wrong.exit_code == 2 and "must be" in wrong.stderr

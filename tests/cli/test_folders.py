@@ -55,7 +55,7 @@ def test_every_command_keeps_a_file_of_mine_and_says_so_before_its_work(
     (tmp_path / "proj" / own).write_text("my own")
     result = stepwell(*command.split(), *EVERY[command], "--out", "proj")
     assert result.exit_code == 2, result.output
-    assert result.stderr.startswith(f"proj: `stepwell {command}` did not write {own} like this")
+    assert result.stderr.startswith(f"proj: `stepwell {command}` did not write {own} with this")
     assert "--force" in result.stderr
     assert {file.name: file.read_text() for file in (tmp_path / "proj").iterdir()} == {
         own: "my own"
