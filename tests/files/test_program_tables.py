@@ -99,7 +99,7 @@ def test_a_compliant_actuator_turns_at_positions_past_the_stops():
         ),
         (
             "[program]\nstart = '010'\nturning_points_mm = [0, 60]",
-            "program.turning_points_mm[0] = 0: must be 20, the equilibrium stroke of 010.",
+            "program.turning_points_mm[0] = 0: must be 20, the stroke at state 010.",
         ),
         (
             "[program]\nturning_points_mm = [0]\nturning_points_N = [0]",

@@ -163,8 +163,8 @@ def _walls(squares: set[Square], size: Decimal) -> list[Wall]:
 
 def _slanted(squares: set[Square]) -> tuple[list[tuple[Square, Square]], set[Square]]:
     """Lines of squares that touch only at corners, by left and right end; and the other squares."""
-    beside = ((1, 0), (-1, 0), (0, 1), (0, -1))
-    alone = {(i, j) for i, j in squares if not any((i + a, j + b) in squares for a, b in beside)}
+    sides = ((1, 0), (-1, 0), (0, 1), (0, -1))
+    alone = {(i, j) for i, j in squares if not any((i + a, j + b) in squares for a, b in sides)}
     ends = []
     free = set(alone)  # squares in no line yet
     for up in (1, -1):

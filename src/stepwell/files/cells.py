@@ -111,10 +111,10 @@ def _refuse_turns(sheet: mechanism.Sheet, joints: Floats, where: str) -> None:
     # The computed cut may differ a little from the joint where it was made.
     after = np.clip(np.searchsorted(joints, cut), 1, len(joints) - 1)
     off = np.minimum(np.abs(cut - joints[after - 1]), np.abs(cut - joints[after]))
-    beside = off > _CUT_TOLERANCE * (joints[-1] - joints[0])
-    if beside.any():
-        at = f"{where}: force or stiffness have an extremum at {cut[beside][0]:.9g}, within a row"
-        raise InputError(f"{at}: a new row must begin there.")
+    misplaced = off > _CUT_TOLERANCE * (joints[-1] - joints[0])
+    if misplaced.any():
+        at = f"force or stiffness have an extremum at {cut[misplaced][0]:.9g}, within a row"
+        raise InputError(f"{where}: {at}: a new row must begin there.")
 
 
 def _refuse_wrong_neighbours(element: mechanism.Element) -> None:

@@ -176,7 +176,7 @@ def _source(robot: Robot) -> list[str]:
     labels = {*robot.sources.values()}
     rows: list[str] = []
     for label in (*schema.SOURCES, *sorted(labels - {*schema.SOURCES})):
-        paths = array(quoted(path) for path, said in robot.sources.items() if said == label)
+        paths = array(quoted(path) for path, source in robot.sources.items() if source == label)
         if label in labels:
             rows.append(f"{label if label.isalpha() else quoted(label)} = {paths}")
     return ["[source]", *rows] if rows else []

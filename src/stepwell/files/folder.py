@@ -292,7 +292,7 @@ def _commit(request: _WriteRequest, draft: Path, record: Mapping[str, Any]) -> N
         os.rename(draft, target)
         base.sync_folder(target.parent)
         return
-    old = _recorded_hashes(target)
+    old = _hashes(target)
     may_be = {
         name: {*old.get(name, ()), *([new[name]] if name in mine else [])}
         for name in old.keys() | mine
@@ -343,7 +343,7 @@ def _check(request: _WriteRequest, new: Mapping[str, str | None]) -> None:
 
 def _foreign_files(target: Path, new: Mapping[str, str | None]) -> list[str]:
     """Names of existing files that Stepwell did not write, or that were changed."""
-    owned = _recorded_hashes(target)
+    owned = _hashes(target)
     changed = [
         name
         for name in new
@@ -359,15 +359,11 @@ def _foreign_files(target: Path, new: Mapping[str, str | None]) -> list[str]:
 
 def _was_there_unchanged(target: Path, name: str, content: str | None) -> bool:
     """Whether a file of others has the content to write; it is then kept and never removed."""
-    hash_there = _digest_of(target / name)
-    return (
-        hash_there is not None
-        and hash_there == content
-        and hash_there not in _recorded_hashes(target).get(name, ())
-    )
+    there = _digest_of(target / name)
+    return there is not None and there == content and there not in _hashes(target).get(name, ())
 
 
-def _recorded_hashes(target: Path) -> dict[str, tuple[str, ...]]:
+def _hashes(target: Path) -> dict[str, tuple[str, ...]]:
     """Possible hashes of the files that Stepwell wrote into a folder, by name."""
     notes = [_note(target / name) for name in (MANIFEST, UNFINISHED)]
     recorded = [note.files for note in notes if note]

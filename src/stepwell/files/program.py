@@ -138,9 +138,7 @@ def _out_of_reach(points: tuple[float, ...], start: str, chain: Chain) -> list[s
         if i == 0 and not begins[0] - near <= point <= begins[1] + near:
             at, to = (f"{end * factor:.12g}" for end in begins)
             at = f"from {at} to {to} {unit}" if begins[0] < begins[1] else at
-            problems.append(
-                f"{place}: must be {at}, the equilibrium {chain.measure.stroke} of {start}."
-            )
+            problems.append(f"{place}: must be {at}, the {chain.measure.stroke} at state {start}.")
         elif not ends[0] - near <= point <= ends[1] + near:
             meant = f" Did you mean {point:.12g}?" if 10 * full < point <= 1e3 * full else ""
             problems.append(

@@ -126,8 +126,7 @@ def in_floats(value: Any) -> Any:
 # Keys of a table with their values as text.
 Written = dict[str, str]
 
-# Possible begin of a key. The time of the reader below is quadratic in the depth of a key; these
-# patterns never backtrack.
+# Possible begin of a key; the patterns never backtrack. The reader is quadratic in a key's depth.
 _KEY = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
 _BEGIN = r"(?:^|[\[{,])[ \t]*+"
 

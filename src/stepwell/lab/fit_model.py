@@ -47,10 +47,7 @@ def number(name: str) -> Number:
 
 
 def numbers_of(samples: Sequence[Sample], law: str) -> list[str]:
-    """Names of the numbers that these samples identify.
-
-    Numbers of the rig need pairs, friction in the joints needs pairs in both directions.
-    """
+    """Names of the identified numbers: of the rig by pairs, of joints by pairs both ways."""
     rubbers = sorted({sample.rubber for sample in samples})
     pairs = {sample.unloading for sample in samples if sample.in_pair}
     joints = ["joints"] if len(pairs) == 2 else []

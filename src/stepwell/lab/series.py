@@ -393,8 +393,8 @@ def _best_anchor_text(cells: list[Cell], odd: int, unloading: bool, runs: list[R
             errors.append((rms(columns @ scale_and_offset - curve.force[use]), q))
     if len(errors) < 2:
         return ""
-    (best, at), (next_best, beside) = sorted(errors)[:2]
-    one, other = (f"({to_unit(x, 'mm'):g}, {to_unit(y, 'mm'):g})" for x, y in (at, beside))
+    (best, at), (next_best, at_next) = sorted(errors)[:2]
+    one, other = (f"({to_unit(x, 'mm'):g}, {to_unit(y, 'mm'):g})" for x, y in (at, at_next))
     times = next_best / max(best, 1e-9)
     if times < LEAST_ERROR_RATIO:
         return f" (its forces fit q at {one} or at {other} mm, {times:.2f} to 1)"
@@ -481,10 +481,10 @@ def _parts(recording: Recording) -> list[Recording]:
 
 def _odd_lines(repeats: Sequence[Recording], gaps: dict[str, str]) -> list[str]:
     """Irregularities of repeats, one line each, with the names of the affected runs."""
-    beside = grouped([*gaps.items(), *unlike(repeats)])
+    by_source = grouped([*gaps.items(), *unlike(repeats)])
     names_of = grouped(
         (line, run.name)
         for run in repeats
-        for line in (*recording_warnings(run), *beside.get(run.source, ()))
+        for line in (*recording_warnings(run), *by_source.get(run.source, ()))
     )
     return [f"{', '.join(names)}: {line}" for line, names in names_of.items()]

@@ -97,9 +97,9 @@ class Batch(ByValue):
     @cached_property
     def odd(self) -> tuple[tuple[str, ...], ...]:
         """Warnings for each recording, by itself and compared with the others, a line each."""
-        beside = batch_warnings(self.recordings)
+        compared = batch_warnings(self.recordings)
         return tuple(
-            (*recording_warnings(one), *beside.get(one.source, ())) for one in self.recordings
+            (*recording_warnings(one), *compared.get(one.source, ())) for one in self.recordings
         )
 
     def __repr__(self):

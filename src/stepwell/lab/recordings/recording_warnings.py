@@ -52,8 +52,8 @@ def batch_warnings(recordings: Iterable[Recording]) -> dict[str, tuple[str, ...]
     Run numbers are the digits at the end of a name. A missing number is reported for the recording
     after the gap. Sources without a warning are left out.
     """
-    beside = ((*unlike(family), *_jumps(family)) for family in _families(recordings))
-    warnings = grouped((*missing(recordings).items(), *chain.from_iterable(beside)))
+    compared = ((*unlike(family), *_jumps(family)) for family in _families(recordings))
+    warnings = grouped((*missing(recordings).items(), *chain.from_iterable(compared)))
     return {source: tuple(lines) for source, lines in warnings.items()}
 
 
@@ -134,11 +134,11 @@ def _spikes(recording: Recording) -> Iterator[str]:
 def _ends(recording: Recording) -> Iterator[str]:
     """Warnings about a force that settles at the start, or deviates at the end."""
     u, force = recording.stroke, recording.force
-    gone, left = np.abs(u - u[0]), np.abs(u - u[-1])
+    moved, left = np.abs(u - u[0]), np.abs(u - u[-1])
     if recording.turns:
         return
-    settled = (gone > SETTLE) & (gone < 2 * SETTLE)
-    if np.sum(settled) >= 10 and np.ptp(gone) >= 10 * SETTLE:
+    settled = (moved > SETTLE) & (moved < 2 * SETTLE)
+    if np.sum(settled) >= 10 and np.ptp(moved) >= 10 * SETTLE:
         level = float(np.median(force[settled]))
         if abs(force[0] - level) > 0.15 * float(np.ptp(force)):
             settles = f"{to_unit(SETTLE, 'mm'):g} mm"

@@ -45,12 +45,12 @@ def parse(data: bytes) -> Export:
     """
     lines, words = _without_words(_lines(data))
     header, delimiter, count, body = _parts(lines, "time, displacement and force")
-    columns_by_role = columns(header, delimiter, count)
+    roles = columns(header, delimiter, count)
     rows, bad = _rows(body, delimiter, count)
     remarks = (*words, *_remarks(bad, body[-1][0]))
     if len(rows) < 2:
         raise InputError(f"holds {len(rows)} row of numbers: a recording has 2 or more.")
-    values = {role: rows[:, one.place] * one.factor for role, one in columns_by_role.items()}
+    values = {role: rows[:, one.place] * one.factor for role, one in roles.items()}
     time = values.get("time", np.full(len(rows), np.nan))
     if "time" not in values:
         remarks += ("no time column, so its rate is unknown",)
@@ -61,13 +61,10 @@ def parse(data: bytes) -> Export:
         remarks += (
             f"its length is that of the band: stroke counts from {to_unit(gauge, 'mm'):.5g} mm",
         )
-    unit = columns_by_role["force"].unit
+    unit = roles["force"].unit
     if unit in WEIGHTS:
         remarks += (f"{unit} are weights: 1 kg is {GRAVITY} N, positive pulls",)
-    u, force = (
-        _step(rows[:, one.place]) * one.factor
-        for one in (columns_by_role[way], columns_by_role["force"])
-    )
+    u, force = (_step(rows[:, one.place]) * one.factor for one in (roles[way], roles["force"]))
     return Export(time, values["stroke"], values["force"], remarks, gauge, (u, force))
 
 
@@ -98,7 +95,7 @@ def parse_pair(data: bytes) -> tuple[Measure, Floats, Floats]:
 def _step(values: Floats) -> float:
     """Resolution of the digits of a column, such as 0.5 for 12.5, 14.0, 15.5; 0 for none.
 
-    It is the last digit, or half of the digit before: weights of 50 g are set, not read.
+    It is 1 or 5 in the last decimal place, and at most 1: weights of 50 g are set, not read.
     """
     for digits in range(_DIGITS + 1):
         counts = values * 10.0**digits
@@ -169,7 +166,7 @@ def _lines(data: bytes) -> list[str]:
     try:
         text = data.decode("utf-16" if utf_16 else "utf-8-sig")
     except UnicodeDecodeError:
-        # Old Windows programs encode a degree sign or a micro sign so.
+        # Old Windows programs encode degree and micro signs in this way.
         text = data.decode("latin-1")
     return re.split(r"\r\n|\r|\n", text)
 
