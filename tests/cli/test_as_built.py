@@ -18,6 +18,6 @@ def test_the_command_writes_the_build_and_the_move(stepwell):
     assert "Move q of" in result.stdout
     nothing = stepwell(*line[:3])
     assert nothing.exit_code == 2 and "no observation is given" in nothing.stderr
-    for option, text in (("--pulls", "3"), ("--snaps-out", "a,b")):
+    for option, text in (("--pulls", "3"), ("--snaps-loading", "a,b")):
         wrong = stepwell(*line[:3], option, text)
         assert wrong.exit_code == 2 and "must be" in wrong.stderr

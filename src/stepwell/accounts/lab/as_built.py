@@ -39,7 +39,9 @@ _KNOWN: Schema = (
     Quantity(
         "unit", "", "unit", lambda one: Quantity("", base.display_unit(one.parameter.unit)[0]).sign
     ),
-    Quantity("identified", head="identified", form=lambda known: "yes" if known else "no", holds=bool),
+    Quantity(
+        "identified", head="identified", form=lambda known: "yes" if known else "no", holds=bool
+    ),
 )
 
 
