@@ -39,9 +39,9 @@ def simple_cell(q: tuple[float, float]) -> sw.Cell:
 
 
 def numbers(cell: sw.Cell) -> Simple:
-    found = simple(cell)
-    assert found is not None
-    return found
+    cell_numbers = simple(cell)
+    assert cell_numbers is not None
+    return cell_numbers
 
 
 @pytest.mark.slow

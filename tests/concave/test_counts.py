@@ -62,16 +62,16 @@ class Listed:
         return set(self.states) - {*self.up.values(), *self.down.values()}
 
     def sub_loops(self):
-        found = 0
+        loops = 0
         for low in self.from_first():
             high = self.up[low]
             while high is not None:
                 back = self.down[high]
                 while back is not None and back != low:
                     back = self.down[back]
-                found += back == low
+                loops += back == low
                 high = self.up[high]
-        return max(found - 1, 0)
+        return max(loops - 1, 0)
 
 
 def two_phases(up, down) -> Windows:

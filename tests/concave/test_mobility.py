@@ -48,8 +48,8 @@ def test_end_forces_that_decide_a_cycle_decide_it_for_any_mobilities(stiffness, 
             for cell in cells
         ]
         chain = sw.Chain(cells, actuator_stiffness=stiffness)
-        told = chain.yields(EXACT, samples=1, target=str(chain.cycle().sequence))
-        if told.by_engine:
+        yields = chain.yields(EXACT, samples=1, target=str(chain.cycle().sequence))
+        if yields.by_engine:
             continue  # not proved
         judged += 1
         there = chain.cycle()

@@ -65,18 +65,18 @@ def ways_of(chain, drive):
 )
 def test_closed_form_finds_the_graph_that_the_engine_finds(cells, count, drive):
     numbers = drawn(np.random.default_rng(7), count, cells)
-    told = classed(numbers, drive)[3]
-    assert np.sum(told == TOLD) >= count - 1
-    for one in numbers[told == TOLD]:
+    status = classed(numbers, drive)[3]
+    assert np.sum(status == TOLD) >= count - 1
+    for one in numbers[status == TOLD]:
         assert sorted(closed_graph(one, drive)) == ways_of(chain_of(one), drive)
 
 
 @pytest.mark.parametrize("drive", DRIVES)
 def test_a_key_is_the_same_for_the_same_graph_and_for_no_other(drive):
     numbers = drawn(np.random.default_rng(1), 60, 3)
-    key, _, _, told = classed(numbers, drive)
+    key, _, _, status = classed(numbers, drive)
     by_key, by_graph = {}, {}
-    for one, k in zip(numbers[told == TOLD], key[told == TOLD].tolist(), strict=True):
+    for one, k in zip(numbers[status == TOLD], key[status == TOLD].tolist(), strict=True):
         # Cells in the order in which they load, as the key takes them.
         order = np.argsort(proved_ends(one)[0][:, 0])
         graph = frozenset(closed_graph(one[order], drive))
@@ -108,8 +108,8 @@ def test_what_is_not_proved_has_no_key():
     numbers[0, 1, 0] = 0.0  # no falling force
     numbers[1, 1] = numbers[1, 0]  # a tie
     numbers[2, 1, 4] *= 1.1  # another travel
-    key, cycle, _, told = classed(numbers, STROKE)
-    assert told.tolist() == [NOT_PROVED, TIES, NOT_PROVED]
+    key, cycle, _, status = classed(numbers, STROKE)
+    assert status.tolist() == [NOT_PROVED, TIES, NOT_PROVED]
     assert key.tolist() == [-1] * 3 and cycle.tolist() == [-1] * 3
 
 
@@ -145,13 +145,13 @@ def test_end_forces_alone_tell_two_cells(drive):
 def test_a_tally_counts_as_numpy_does():
     rng = np.random.default_rng(8)
     key, gap = rng.integers(-1, 40, 5000) * 10**15, rng.random(5000)
-    found = KeyCounts(100)
+    key_counts = KeyCounts(100)
     for first in range(0, 5000, 777):
-        found.add(key[first : first + 777], gap[first : first + 777], first)
-    there, counts = np.unique(key[key >= 0], return_counts=True)
+        key_counts.add(key[first : first + 777], gap[first : first + 777], first)
+    there, key_counts = np.unique(key[key >= 0], return_counts=True)
     best = [np.flatnonzero(key == k)[np.argmax(gap[key == k])] for k in there]
-    wanted = [there.tolist(), counts.tolist(), gap[best].tolist(), [int(b) for b in best]]
-    assert [list(column) for column in zip(*found.rows, strict=True)] == wanted
+    wanted = [there.tolist(), key_counts.tolist(), gap[best].tolist(), [int(b) for b in best]]
+    assert [list(column) for column in zip(*key_counts.rows, strict=True)] == wanted
 
 
 def test_a_tally_says_when_there_are_too_many():

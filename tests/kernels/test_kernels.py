@@ -56,12 +56,12 @@ TINY = """
 
 
 def entries() -> dict[str, Entry]:
-    found = {}
+    by_name = {}
     for module in MODULES:
         for name, value in vars(import_module(module)).items():
             if isinstance(value, Entry) and value.function.__module__ == module:
-                found[f"{module}.{name}"] = value
-    return found
+                by_name[f"{module}.{name}"] = value
+    return by_name
 
 
 def said(script: str, **environment: str) -> "subprocess.CompletedProcess[str]":
@@ -121,12 +121,12 @@ def some_chain(rng: np.random.Generator) -> sw.Chain:
 def test_a_path_has_the_same_bits_interpreted_and_compiled(each_way):
     def paths():
         rng = np.random.default_rng(11)
-        told = []
+        parts = []
         for _ in range(examples(2, full=160)):
             path = some_chain(rng).cycle().path
-            told.append((path.stroke, path.travel, path.force, path.energy, path.residual))
-            told.append((np.frombuffer(repr(path.events).encode(), np.uint8),))
-        return told
+            parts.append((path.stroke, path.travel, path.force, path.energy, path.residual))
+            parts.append((np.frombuffer(repr(path.events).encode(), np.uint8),))
+        return parts
 
     for one, other in zip(*each_way(paths), strict=True):
         for a, b in zip(one, other, strict=True):
@@ -141,13 +141,13 @@ def test_maps_yields_and_choices_have_the_same_bits_interpreted_and_compiled(eac
 
     def results():
         x, y = np.linspace(0, 0.02, 12), np.linspace(-0.015, 0.015, 12)
-        found = sw.transition_map(leg, cell=1, x=x, y=y)
-        told = [repr(found[name].values.tolist()) for name in found]
+        design_map = sw.transition_map(leg, cell=1, x=x, y=y)
+        texts = [repr(design_map[name].values.tolist()) for name in design_map]
         usual = sw.Tolerances(anchor=3e-4, stiffness=0.05)
-        told.append(repr(leg.yields(usual, samples=400)))
-        told.append(repr(leg.margin()))
-        told.append(repr(sw.design("00>10>11>01>00", holes=0.005, samples=500)))
-        return told
+        texts.append(repr(leg.yields(usual, samples=400)))
+        texts.append(repr(leg.margin()))
+        texts.append(repr(sw.design("00>10>11>01>00", holes=0.005, samples=500)))
+        return texts
 
     interpreted, compiled = each_way(results)
     assert interpreted == compiled
@@ -220,8 +220,8 @@ def test_a_damaged_kernel_is_made_again_with_one_line(tmp_path, damage, tiny, mo
     monkeypatch.setattr(compiler, "here", True)  # no process of its own for so little
 
     def answer() -> tuple[float, list[str]]:
-        found = tiny().walk.compiled()(np.arange(4.0))
-        return found, capsys.readouterr().err.splitlines()
+        total = tiny().walk.compiled()(np.arange(4.0))
+        return total, capsys.readouterr().err.splitlines()
 
     assert answer() == (3.0, [])
     (file,) = tmp_path.glob("walk-*.kernel")
@@ -258,8 +258,8 @@ def test_where_the_users_own_folder_cannot_be_made_a_private_one_is_used(
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     private = store.folder.__wrapped__()
     assert private is not None and private.parent == tmp_path
-    told = capsys.readouterr().err
-    assert "NUMBA_CACHE_DIR" in told and len(told.splitlines()) == 1
+    message = capsys.readouterr().err
+    assert "NUMBA_CACHE_DIR" in message and len(message.splitlines()) == 1
 
 
 def test_a_mode_that_is_none_is_refused(monkeypatch):
@@ -275,12 +275,12 @@ def test_kernels_are_compiled_behind_the_back_of_whoever_waits_for_answers(tmp_p
         import time, numpy as np, tiny
         values = np.arange(200_000.0)
         end = time.monotonic() + 120
-        told = set()
+        answers = set()
         while tiny.walk.interpreted and time.monotonic() < end:
-            told.add(tiny.walk(values))
+            answers.add(tiny.walk(values))
             time.sleep(0.1)  # the compilers may have the cores
-        told.add(tiny.walk(values))
-        print(tiny.walk.interpreted, len(told))
+        answers.add(tiny.walk(values))
+        print(tiny.walk.interpreted, len(answers))
     """
     settings = {"NUMBA_CACHE_DIR": str(tmp_path / "kept"), "PYTHONPATH": str(tmp_path)}
     # Two at once, as when a class begins.
@@ -348,9 +348,9 @@ def test_a_busy_machine_loads_no_compiler_for_milliseconds_of_work(on_disk):
 def test_the_compiler_is_loaded_after_as_much_work_as_loading_it_takes(on_disk):
     clock = itertools.count(step=0.1).__next__
     one, other = on_disk(lambda: 1, clock), on_disk(lambda: 2, clock)
-    told = [kernel() for _ in range(4) for kernel in (one, other)]
+    answers = [kernel() for _ in range(4) for kernel in (one, other)]
     # Two clock readings a call: five calls of a tenth of a second each, whichever entry it is.
-    assert told == [1, 2, 1, 2, 1, "compiled", "compiled", "compiled"]
+    assert answers == [1, 2, 1, 2, 1, "compiled", "compiled", "compiled"]
 
 
 def test_once_the_compiler_is_loaded_an_entry_goes_over_sooner(on_disk, monkeypatch):
@@ -426,13 +426,13 @@ def test_an_interrupted_wait_ends_the_work_before_it_goes_on():
 @pytest.mark.slow
 def test_blocks_cover_everything_once_and_stop_at_the_first_failure():
     seen = np.zeros(1000, int)
-    told = []
+    calls = []
 
     def mark(begin, end):
         seen[begin:end] += 1
 
-    in_blocks(mark, 1000, 7, lambda done, total: told.append((done, total)))
-    assert (seen == 1).all() and told[-1] == (1000, 1000)
+    in_blocks(mark, 1000, 7, lambda done, total: calls.append((done, total)))
+    assert (seen == 1).all() and calls[-1] == (1000, 1000)
     begun = []
 
     def fail(begin, end):
@@ -488,12 +488,12 @@ def test_every_array_that_machine_code_gets_is_whole_so_that_it_is_made_once(mon
             for item in value:
                 yield from parts(item)
 
-    def told(self, *args):
+    def checked(self, *args):
         for array in parts(args):
             asked[self.__name__] = asked.get(self.__name__, True) and array.flags.c_contiguous
         return call(self, *args)
 
-    monkeypatch.setattr(Entry, "__call__", told)
+    monkeypatch.setattr(Entry, "__call__", checked)
     for name in ("paper-forward", "kresling"):
         chain = sw.preset(name)
         assert isinstance(chain, sw.Chain)

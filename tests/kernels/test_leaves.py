@@ -27,7 +27,7 @@ MAKERS = {
 
 def makes_an_array(tree: ast.AST) -> list[str]:
     """What in a function makes an array, or may: a maker called, an array copied into a slice."""
-    found = [
+    calls = [
         ast.unparse(node)
         for node in ast.walk(tree)
         if isinstance(node, ast.Call) and getattr(node.func, "attr", "") in MAKERS
@@ -36,8 +36,8 @@ def makes_an_array(tree: ast.AST) -> list[str]:
         if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Subscript):
             sliced = any(isinstance(part, ast.Slice) for part in ast.walk(node.targets[0].slice))
             if sliced and not _is_a_number(node.value):
-                found.append(ast.unparse(node))
-    return found
+                calls.append(ast.unparse(node))
+    return calls
 
 
 def _is_a_number(value: ast.AST) -> bool:

@@ -64,9 +64,9 @@ RUBBER = sw.Chain(
 
 
 def plain(one: sw.Cell):
-    found = simple(one)
-    assert found is not None
-    return found
+    numbers = simple(one)
+    assert numbers is not None
+    return numbers
 
 
 @cache
@@ -77,9 +77,9 @@ def many() -> sw.Chain:
 
 @cache
 def sorted_many() -> SortedChain:
-    found = SortedChain.of(many())
-    assert found is not None
-    return found
+    chain = SortedChain.of(many())
+    assert chain is not None
+    return chain
 
 
 @route("force of a cell", FORCE)
@@ -154,8 +154,8 @@ def _():
 
 @route("end forces of a sorted chain and their gaps", FORCE)
 def _():
-    found = sorted_many()
-    return [*found.forces[0][:3], *found.forces[1][:3], found.smallest_gap()]
+    chain = sorted_many()
+    return [*chain.forces[0][:3], *chain.forces[1][:3], chain.smallest_gap()]
 
 
 @cache
@@ -216,20 +216,20 @@ COARSE = mock.patch.object(map_boundaries, "_GRID", 21)
 @route("boundaries of a map over two parameters", PLACE)
 def _():
     with COARSE:
-        found = parameter_boundaries(
+        lines = parameter_boundaries(
             PAIR, ("inner.q.x", (0.006, 0.016)), ("outer.q.y", (-0.012, -0.002)), search=5
         )
     # One of the two is that of the grid.
-    return [np.sum(line.points[0]) for line in found]
+    return [np.sum(line.points[0]) for line in lines]
 
 
 @route("boundaries of an anchor's map", PLACE)
 def _():
     with COARSE:
-        found = boundaries(PAIR, 1, x=(0.006, 0.026), y=(-0.012, 0.008), search=5)
+        lines = boundaries(PAIR, 1, x=(0.006, 0.026), y=(-0.012, 0.008), search=5)
     orders = BoundaryKind.LOADING_ORDER, BoundaryKind.UNLOADING_ORDER
     # Where they cross may stay where it is.
-    return [np.sum(line.points[len(line.points) // 2]) for line in found if line.kind in orders]
+    return [np.sum(line.points[len(line.points) // 2]) for line in lines if line.kind in orders]
 
 
 @route("end forces of many that are made", FORCE)
@@ -311,7 +311,7 @@ def _():
     return [np.sum(travel[jump])]
 
 
-def told(way: Callable[[], Any]) -> list[float] | str:
+def answer(way: Callable[[], Any]) -> list[float] | str:
     """The numbers, or what went wrong."""
     try:
         return np.ravel(way()).tolist()
@@ -320,4 +320,4 @@ def told(way: Callable[[], Any]) -> list[float] | str:
 
 
 if __name__ == "__main__":
-    json.dump({name: told(way) for name, (_, way) in ROUTES.items()}, sys.stdout)
+    json.dump({name: answer(way) for name, (_, way) in ROUTES.items()}, sys.stdout)

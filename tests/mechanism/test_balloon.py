@@ -50,13 +50,13 @@ def test_it_snaps_below_a_ratio_of_moduli_of_0_2145(ratio, phases):
 
 
 @pytest.mark.parametrize(
-    ("wrong", "told"),
+    ("wrong", "message"),
     [
         ({"thickness": 0.003}, "a tenth of the radius"),
         ({"stretch": 1.0}, "must be > 1"),
         ({"c2": -1.0}, "c2 = -1.0 Pa: must be >= 0"),
     ],
 )
-def test_what_is_no_balloon_is_refused(wrong, told):
-    with pytest.raises(InputError, match=told):
+def test_what_is_no_balloon_is_refused(wrong, message):
+    with pytest.raises(InputError, match=message):
         balloon(**wrong)

@@ -42,10 +42,10 @@ def brute_force(depth: float, q: float, modes: int = 15) -> tuple[float, float]:
 
     # Either sign of the mode with a node in the middle, a little off, and more.
     tries = [np.r_[first, np.zeros(modes - 2)] for first in (0.02, -0.02, 0.2)]
-    found = (
+    minima = (
         minimize(energy, one, jac=True, method="BFGS", options={"gtol": 1e-9}) for one in tries
     )
-    best = min(found, key=lambda one: one.fun)
+    best = min(minima, key=lambda one: one.fun)
     a = start + free @ best.x
     long = np.mean((a @ slope) ** 2 - (made @ slope) ** 2) / 2
     return best.fun, float(np.max(np.abs((a - made) @ bend)) / 2 + q * abs(long))

@@ -91,10 +91,10 @@ def test_a_kink_is_found_and_costs_less_where_it_is_named():
         return np.where(s < 0.7e-3, s, 1.4e-3 - s) * 1e3
 
     named = sw.Element.from_law(kinked, 0.0, 2e-3, kinks=[0.7e-3], stops=True)
-    found = sw.Element.from_law(kinked, 0.0, 2e-3, stops=True)
-    assert len(named.phases) == len(found.phases) == 2
-    assert len(named.sheets[0].rows) < len(found.sheets[0].rows)
-    assert found.fields[0] == pytest.approx(named.fields[0], abs=1e-6)
+    searched = sw.Element.from_law(kinked, 0.0, 2e-3, stops=True)
+    assert len(named.phases) == len(searched.phases) == 2
+    assert len(named.sheets[0].rows) < len(searched.sheets[0].rows)
+    assert searched.fields[0] == pytest.approx(named.fields[0], abs=1e-6)
 
 
 def test_a_law_that_jumps_or_has_no_numbers_is_refused():

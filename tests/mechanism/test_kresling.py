@@ -28,8 +28,8 @@ def test_both_heights_are_free_of_energy(sides, radius, folded, deployed):
     # The two twists that geometry gives: x and π - x, π/n less for the mountain crease.
     x = math.acos((deployed**2 - folded**2) / (4 * radius**2 * math.cos(math.pi / sides)))
     for height, turn in ((deployed, x), (folded, math.pi - x)):
-        found = corners(sides, radius, height, turn - math.pi / sides)
-        assert found == pytest.approx(rest, rel=1e-12)
+        distances = corners(sides, radius, height, turn - math.pi / sides)
+        assert distances == pytest.approx(rest, rel=1e-12)
     fold = kresling(sides, radius, folded, deployed)
     assert fold.force_at([0.0, deployed - folded]) == pytest.approx(0.0, abs=1e-5)
     assert fold.energy_at(deployed - folded) == pytest.approx(0.0, abs=1e-8)
@@ -73,13 +73,13 @@ def test_it_has_two_phases_and_a_stop_where_it_is_folded():
 
 
 @pytest.mark.parametrize(
-    ("wrong", "told"),
+    ("wrong", "message"),
     [
         ({"sides": 3}, "sides = 3: must be a whole number >= 4"),
         ({"folded": 0.040}, "must be more than folded"),
         ({"deployed": 0.080}, "the mountain creases stand upright"),
     ],
 )
-def test_what_is_no_fold_is_refused(wrong, told):
-    with pytest.raises(InputError, match=told):
+def test_what_is_no_fold_is_refused(wrong, message):
+    with pytest.raises(InputError, match=message):
         kresling(**wrong)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import stepwell
-from mechanism.routes import ROUTES, told
+from mechanism.routes import ROUTES, answer
 
 PACKAGE = Path(stepwell.__file__).parent
 TESTS = Path(__file__).resolve().parents[1]
@@ -62,12 +62,12 @@ def numbers(tmp_path_factory):
             [sys.executable, "-m", "mechanism.routes"], stdout=subprocess.PIPE, text=True,
             cwd=place, env={**os.environ, "PYTHONPATH": paths, "STEPWELL_KERNELS": "interpreted"},
         )  # fmt: skip
-    found = {"true": {name: told(way) for name, (_, way) in ROUTES.items()}}
+    answers = {"true": {name: answer(way) for name, (_, way) in ROUTES.items()}}
     for name, process in running.items():
         text, _ = process.communicate()
         assert process.returncode == 0
-        found[name] = json.loads(text)
-    return found
+        answers[name] = json.loads(text)
+    return answers
 
 
 def of(numbers, law: str, route: str) -> np.ndarray:

@@ -28,7 +28,7 @@ def test_equal_wells_of_opposite_forces_are_equally_deep():
 
 
 @pytest.mark.parametrize(
-    ("wrong", "told"),
+    ("wrong", "message"),
     [
         ({"valley": (0.003, -1.0)}, "must be at a larger travel"),
         ({"valley": (0.012, 1.0)}, "a smaller force"),
@@ -36,6 +36,6 @@ def test_equal_wells_of_opposite_forces_are_equally_deep():
         ({"last": 0.0}, "last = 0.0 N/m: must be > 0"),
     ],
 )
-def test_what_does_not_snap_is_refused(wrong, told):
-    with pytest.raises(InputError, match=told):
+def test_what_does_not_snap_is_refused(wrong, message):
+    with pytest.raises(InputError, match=message):
         trilinear(**wrong)

@@ -22,30 +22,31 @@ SOFT = st.floats(math.log10(SOFTEST), -4)
 STIFF = st.floats(8, math.log10(STIFFEST))
 
 
-def edges(found: TransitionGraph) -> set[tuple[str, str, int]]:
+def edges(t_graph: TransitionGraph) -> set[tuple[str, str, int]]:
     """From a state to a state, and which way the drive goes."""
     return {
-        (found.node(a).state, found.node(b).state, t.direction) for a, b, t in found.transitions()
+        (t_graph.node(a).state, t_graph.node(b).state, t.direction)
+        for a, b, t in t_graph.transitions()
     }
 
 
-def sets_of_states(found: TransitionGraph) -> tuple[set[str], set[str]]:
+def sets_of_states(t_graph: TransitionGraph) -> tuple[set[str], set[str]]:
     """Vertices there are, and those that can be reached."""
-    reached = {label for label in found.reachable() if "-" not in label}
-    return set(found.vertices), {found.node(label).state for label in reached}
+    reached = {label for label in t_graph.reachable() if "-" not in label}
+    return set(t_graph.vertices), {t_graph.node(label).state for label in reached}
 
 
 def untied(chain: sw.Chain, drive: str) -> TransitionGraph:
     """The graph at a limit; the draw is dropped where it hangs on a tie or nothing has a force."""
     try:
-        found = graph(chain, drive)
+        t_graph = graph(chain, drive)
     except StaticsError:
         assume(False)
         raise
-    nodes = [found.node(label) for label in found]
+    nodes = [t_graph.node(label) for label in t_graph]
     assume(max(abs(force) for n in nodes for force in (n.force_low, n.force_high)) > 1e-6)
-    assume(not found.ties)
-    return found
+    assume(not t_graph.ties)
+    return t_graph
 
 
 @pytest.mark.slow
@@ -56,23 +57,23 @@ def test_behind_the_softest_springs_concave_cells_are_the_relays_of_a_prescribed
 ):
     chain = concave_chain(np.random.default_rng(seed), cells)
     stiffness = 10.0**power
-    limit, found = untied(chain, "force"), graph(chain, stiffness)
-    assert edges(found) == edges(limit)
+    limit, t_graph = untied(chain, "force"), graph(chain, stiffness)
+    assert edges(t_graph) == edges(limit)
     for label in limit:
-        exact, node = limit.node(label), found.node(label)
+        exact, node = limit.node(label), t_graph.node(label)
         # The spring's last snap leaves it shorter by a travel of each cell at most.
         less = stiffness * chain.full_stroke
         for name in ("force_low", "force_high"):
             if set(label) != {"0"} and set(label) != {"1"}:
                 assert getattr(node, name) == pytest.approx(getattr(exact, name), abs=less + 1e-12)
-    assert found.chain is not None
+    assert t_graph.chain is not None
     loss = replace(chain, actuator_stiffness=0.0).cycle().dissipated
     # Each cell's snap, one up and one down, lets the spring go by its travel: K S²/2.
     lets_go = stiffness * sum(cell.full_travel**2 for cell in chain.cells)
-    assert loss - found.chain.cycle().dissipated == pytest.approx(lets_go, abs=1e-12)
-    for way, same in zip(limit.reading.main_loop.up, found.reading.main_loop.up, strict=True):
-        assert limit.node(way).state == found.node(same).state
-    assert found.reading.return_point_memory.holds
+    assert loss - t_graph.chain.cycle().dissipated == pytest.approx(lets_go, abs=1e-12)
+    for way, same in zip(limit.reading.main_loop.up, t_graph.reading.main_loop.up, strict=True):
+        assert limit.node(way).state == t_graph.node(same).state
+    assert t_graph.reading.return_point_memory.holds
 
 
 @pytest.mark.slow
@@ -80,10 +81,10 @@ def test_behind_the_softest_springs_concave_cells_are_the_relays_of_a_prescribed
 @given(SEEDS, st.integers(1, 4), SOFT)
 def test_behind_the_softest_springs_any_cells_do_as_under_a_prescribed_force(seed, cells, power):
     chain = any_chain(np.random.default_rng(seed), cells, friction=False)
-    limit, found = untied(chain, "force"), graph(chain, 10.0**power)
-    assume(not found.ties)
-    assert sets_of_states(found) == sets_of_states(limit)
-    assert {found.node(label).state for label in found} == {limit.node(x).state for x in limit}
+    limit, t_graph = untied(chain, "force"), graph(chain, 10.0**power)
+    assume(not t_graph.ties)
+    assert sets_of_states(t_graph) == sets_of_states(limit)
+    assert {t_graph.node(label).state for label in t_graph} == {limit.node(x).state for x in limit}
 
 
 @pytest.mark.slow
@@ -94,13 +95,13 @@ def test_behind_the_stiffest_springs_a_chain_does_as_under_a_prescribed_stroke(
 ):
     rng = np.random.default_rng(seed)
     chain = concave_chain(rng, cells) if concave else any_chain(rng, cells, friction=False)
-    limit, found = untied(chain, "stroke"), graph(chain, 10.0**power)
-    assume(not found.ties)
-    assert sets_of_states(found) == sets_of_states(limit)
+    limit, t_graph = untied(chain, "stroke"), graph(chain, 10.0**power)
+    assume(not t_graph.ties)
+    assert sets_of_states(t_graph) == sets_of_states(limit)
     holds = limit.reading.return_point_memory.holds
-    assert found.reading.return_point_memory.holds == holds
-    assert found.chain is not None
-    ours, exact = found.chain.cycle().snaps, chain.cycle().snaps
+    assert t_graph.reading.return_point_memory.holds == holds
+    assert t_graph.chain is not None
+    ours, exact = t_graph.chain.cycle().snaps, chain.cycle().snaps
     assert [snap.cells for snap in ours] == [snap.cells for snap in exact]
     for snap, like in zip(ours, exact, strict=True):
         assert snap.stroke == pytest.approx(like.stroke, abs=1e-7)

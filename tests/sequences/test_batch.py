@@ -64,14 +64,14 @@ def assert_the_same(chains: list[sw.Chain]) -> int:
             continue
         assert together.sequences[together.number[i]] == cycle.sequence
         assert together.tied[i] == len(cycle.degenerate)
-        found = together.found[i]
-        assert found[batch.SNAPS] == len(cycle.snaps)
-        assert found[batch.PEAK] == cycle.peak_force
-        assert found[batch.LOST] == pytest.approx(cycle.dissipated, rel=1e-12, abs=1e-15)
-        assert (found[batch.STEPS_UP], found[batch.STEPS_DOWN]) == snapping_steps(cycle)
+        numbers = together.found[i]
+        assert numbers[batch.SNAPS] == len(cycle.snaps)
+        assert numbers[batch.PEAK] == cycle.peak_force
+        assert numbers[batch.LOST] == pytest.approx(cycle.dissipated, rel=1e-12, abs=1e-15)
+        assert (numbers[batch.STEPS_UP], numbers[batch.STEPS_DOWN]) == snapping_steps(cycle)
         for column, direction in ((batch.STROKE_UP, 1), (batch.STROKE_DOWN, -1)):
             first = [snap.stroke for snap in cycle.snaps if snap.direction == direction][:1]
-            np.testing.assert_allclose(found[column], [*first, np.nan][0], rtol=1e-12)
+            np.testing.assert_allclose(numbers[column], [*first, np.nan][0], rtol=1e-12)
         ties += len(cycle.degenerate) > 0
     return ties
 
@@ -132,9 +132,9 @@ def test_what_no_mechanism_can_be_and_what_has_no_answer_are_told_apart(monkeypa
     # Ends that meet, as the numbers say, and a number that is none.
     designs.bands[0, 0, :2] = -cell.lever, 0.0
     designs.bands[2, 0, 2] = np.nan
-    found = cycles_of(build, 3, designs)
-    assert found.number.tolist() == [IMPOSSIBLE, found.number[1], found.number[1]]
-    assert found.sequences[found.number[1]] == build(1).cycle().sequence
+    cycles = cycles_of(build, 3, designs)
+    assert cycles.number.tolist() == [IMPOSSIBLE, cycles.number[1], cycles.number[1]]
+    assert cycles.sequences[cycles.number[1]] == build(1).cycle().sequence
 
 
 def test_numbers_put_into_designs_are_those_of_the_changed_chain():

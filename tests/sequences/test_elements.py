@@ -101,9 +101,9 @@ def any_curve(rng: np.random.Generator) -> Curve:
     return curve(*points[begin:end], stops=stops)
 
 
-def inside(place, found: TransitionGraph) -> tuple[float, float]:
+def inside(place, t_graph: TransitionGraph) -> tuple[float, float]:
     """The drives of a place, as far as the graph goes."""
-    ends = [found.node(label) for label in found]
+    ends = [t_graph.node(label) for label in t_graph]
     return max(place.low, min(n.low for n in ends)), min(place.high, max(n.high for n in ends))
 
 
@@ -122,25 +122,27 @@ def test_every_node_is_a_family_of_equilibria_and_every_vertex_is_one(name, driv
 )
 def test_so_is_every_node_of_random_elements(seed, cells, drive):
     rng = np.random.default_rng(seed)
-    found = assert_enumerated([any_curve(rng) for _ in range(cells)], drive)
-    assert found.reading.main_loop.up[0] == found.zero
+    t_graph = assert_enumerated([any_curve(rng) for _ in range(cells)], drive)
+    assert t_graph.reading.main_loop.up[0] == t_graph.zero
 
 
 def assert_enumerated(curves, drive) -> TransitionGraph:
     """The graph, whose nodes are among all families of equilibria, and its vertices all."""
-    found = graph(chain_of(*curves), drive)
+    t_graph = graph(chain_of(*curves), drive)
     known = places(list(curves), *weights(drive))
-    slip = 1e-9 * (max(found.node(v).high for v in found) - min(found.node(v).low for v in found))
-    for label in found:
-        node = found.node(label)
+    slip = 1e-9 * (
+        max(t_graph.node(v).high for v in t_graph) - min(t_graph.node(v).low for v in t_graph)
+    )
+    for label in t_graph:
+        node = t_graph.node(label)
         assert any(
             place.state == node.state
-            and inside(place, found) == pytest.approx((node.low, node.high), rel=0, abs=slip)
+            and inside(place, t_graph) == pytest.approx((node.low, node.high), rel=0, abs=slip)
             for place in known
         ), node
     stand = sorted(place.state for place in known if "-" not in place.state)
-    assert sorted(found.node(label).state for label in found.vertices) == stand
-    return found
+    assert sorted(t_graph.node(label).state for label in t_graph.vertices) == stand
+    return t_graph
 
 
 # The flow in small steps knows no stops under a prescribed stroke.
@@ -153,19 +155,19 @@ FLOWS = [one for one in FLOWS if one in EACH]
 @pytest.mark.parametrize(("name", "drive"), FLOWS)
 def test_every_snap_lands_where_a_flow_in_small_steps_does(name, drive):
     curves = CHAINS[name]
-    found = graph(chain_of(*curves), drive)
+    t_graph = graph(chain_of(*curves), drive)
     alpha, beta = weights(drive)
     snaps = 0
-    for label, target, one in found.transitions():
+    for label, target, one in t_graph.transitions():
         if one.kind is not TransitionKind.SNAP:
             continue
         snaps += 1
-        node = found.node(label)
+        node = t_graph.node(label)
         begin = node.travel_high if one.direction > 0 else node.travel_low
         past = one.drive + one.direction * (1e-7 if alpha else 1e-4)
         travel = landed(list(curves), begin, past, alpha, beta)
         there = "".join(c.digit(s) for c, s in zip(curves, travel, strict=True))
-        assert there == found.node(target).state, (label, target, one)
+        assert there == t_graph.node(target).state, (label, target, one)
     assert snaps > 0
 
 
@@ -180,10 +182,10 @@ def test_under_a_force_elements_have_the_engines_graph_in_closed_form(name):
 def test_levers_and_elements_in_one_chain_are_relays_under_a_force_together():
     lever = sw.Cell(sw.Band((0.0, 0.0), (0.020, 0.003)))
     chain = sw.Chain([element(THREE), lever, element(STOPPED)], actuator_stiffness=0.0)
-    found = graph(chain)
-    assert found.method.startswith("closed form")
-    assert len(found.vertices) == 3 * 2 * 2
-    assert_alike(found, by_engine(chain))
+    t_graph = graph(chain)
+    assert t_graph.method.startswith("closed form")
+    assert len(t_graph.vertices) == 3 * 2 * 2
+    assert_alike(t_graph, by_engine(chain))
 
 
 def assert_alike(one: TransitionGraph, other: TransitionGraph) -> None:
@@ -209,9 +211,9 @@ def assert_alike(one: TransitionGraph, other: TransitionGraph) -> None:
 def test_a_chain_of_sixteen_phases_and_more_is_seen_whole_under_a_force():
     peaks = np.linspace(0.81, 1.21, 9)
     cells = [element(curve((0, 0), (1, p), (3, -p / 2), (6, 2))) for p in peaks]
-    found = graph(sw.Chain([*cells, element(THREE)]), "force")
-    assert len(found.vertices) == 2**9 * 3
-    assert found.reading.return_point_memory.holds and not found.reading.scrambling
+    t_graph = graph(sw.Chain([*cells, element(THREE)]), "force")
+    assert len(t_graph.vertices) == 2**9 * 3
+    assert t_graph.reading.return_point_memory.holds and not t_graph.reading.scrambling
 
 
 def test_too_many_states_are_refused_by_their_number(monkeypatch):
@@ -231,14 +233,14 @@ def test_a_folded_element_is_the_element_in_front_of_its_spring():
     assert len(folded.laws) == 2
     spring = Curve((0.0, 1e-3), (0.0, 0.4))
     for drive in ("stroke", 900.0):
-        found = graph(sw.Chain([folded, element(LATE)]), drive)
+        t_graph = graph(sw.Chain([folded, element(LATE)]), drive)
         known = places([EARLY, spring, LATE], *weights(drive))
-        vertices = {p.state: inside(p, found) for p in known if "-" not in p.state}
-        for label in found.vertices:
-            node = found.node(label)
+        vertices = {p.state: inside(p, t_graph) for p in known if "-" not in p.state}
+        for label in t_graph.vertices:
+            node = t_graph.node(label)
             apart = vertices[f"{node.state[0]}0{node.state[1]}"]
             assert (node.low, node.high) == pytest.approx(apart, rel=0, abs=1e-9)
-        assert len(found.vertices) == len(vertices) == 4
+        assert len(t_graph.vertices) == len(vertices) == 4
 
 
 # --- as text --------------------------------------------------------------------------------
@@ -261,19 +263,19 @@ def pouches() -> sw.Chain:
 @pytest.mark.parametrize("drive", ["stroke", "force"])
 def test_graphs_of_more_phases_and_other_measures_come_back_the_same(out, back, drive):
     for chain in (chain_of(THREE, EARLY), pouches()):
-        found = graph(chain, drive)
-        again = back(out(found))
-        assert again.nodes == found.nodes
-        assert list(again.transitions()) == list(found.transitions())
-        assert (again.unit, again.measure) == (found.unit, chain.measure)
-        assert str(again.reading) == str(found.reading)
+        t_graph = graph(chain, drive)
+        again = back(out(t_graph))
+        assert again.nodes == t_graph.nodes
+        assert list(again.transitions()) == list(t_graph.transitions())
+        assert (again.unit, again.measure) == (t_graph.unit, chain.measure)
+        assert str(again.reading) == str(t_graph.reading)
 
 
 def test_keys_and_labels_tell_the_units_of_the_measure():
     by_volume, by_pressure = graph(pouches(), "volume"), graph(pouches(), "pressure")
-    told = json.loads(to_json(by_volume))
-    assert (told["actuator"], told["drive_unit"]) == ("volume", "m³")
-    assert {"low_m3", "force_high_Pa", "travel_low_m3"} < set(told["nodes"][0])
+    data = json.loads(to_json(by_volume))
+    assert (data["actuator"], data["drive_unit"]) == ("volume", "m³")
+    assert {"low_m3", "force_high_Pa", "travel_low_m3"} < set(data["nodes"][0])
     assert "drive_Pa" in json.loads(to_json(by_pressure))["edges"][0]
     assert "4 kPa" in to_dot(by_pressure) and " mL" in to_dot(by_volume)
     assert "driven by pressure" in str(by_pressure.reading)
@@ -297,10 +299,10 @@ def test_dot_ranks_vertices_by_the_sum_of_their_phases():
 
 @pytest.mark.parametrize("drive", ["force", 30.0])
 def test_elements_of_two_phases_are_the_hysterons_of_their_switching_fields(drive):
-    found = graph(chain_of(EARLY, LATE, STEEP), drive)
-    again = from_switching_fields(switching_fields(found))
-    assert set(again) == set(found)
-    for a, b, one in found.transitions():
+    t_graph = graph(chain_of(EARLY, LATE, STEEP), drive)
+    again = from_switching_fields(switching_fields(t_graph))
+    assert set(again) == set(t_graph)
+    for a, b, one in t_graph.transitions():
         way = again.transition(a, one.direction)
         assert way is not None and way[0] == b
         assert way[1].drive == pytest.approx(one.drive, rel=1e-9)
@@ -318,16 +320,16 @@ def test_an_element_of_three_phases_has_no_switching_fields_of_a_hysteron():
 
 @pytest.mark.parametrize("drive", ["stroke", 150.0, 900.0])
 def test_scrambled_flips_are_those_that_a_list_of_all_shows(drive):
-    found = graph(chain_of(THREE, LATE, EARLY), drive)
+    t_graph = graph(chain_of(THREE, LATE, EARLY), drive)
     seen: set[tuple[int, tuple[int, int], tuple[int, int]]] = set()
-    for vertex in found.vertices:
+    for vertex in t_graph.vertices:
         for direction in (+1, -1):
             label = vertex
-            while (way := found.transition(label, direction)) and "-" in (label := way[0]):
+            while (way := t_graph.transition(label, direction)) and "-" in (label := way[0]):
                 pass
             if "-" in label:
                 continue
-            last = graph_last(found)
+            last = graph_last(t_graph)
             pairs = zip(vertex, label, last, strict=True)
             moves = [(int(a), int(b), int(top)) for a, b, top in pairs]
             able = [(i, m) for i, m in enumerate(moves) if m[0] != (m[2] if direction > 0 else 0)]
@@ -336,35 +338,37 @@ def test_scrambled_flips_are_those_that_a_list_of_all_shows(drive):
                     if direction * (b - a) > 0 and direction * (d - c) <= 0:
                         seen.add((direction, (i, a), (j, c)))
     both = {(way, *sorted((i, j))) for way, i, j in seen if (way, j, i) in seen}
-    told = found.reading.scrambling
-    assert len(told) == len(both)
-    assert sorted((one.direction, one.cells) for one in told) == sorted(
+    scramblings = t_graph.reading.scrambling
+    assert len(scramblings) == len(both)
+    assert sorted((one.direction, one.cells) for one in scramblings) == sorted(
         (way, (i[0], j[0])) for way, i, j in both
     )
 
 
-def graph_last(found: TransitionGraph) -> str:
-    return max(found.vertices, key=lambda label: found.node(label).level)
+def graph_last(t_graph: TransitionGraph) -> str:
+    return max(t_graph.vertices, key=lambda label: t_graph.node(label).level)
 
 
 @pytest.mark.parametrize("drive", ["stroke", 150.0])
 @pytest.mark.parametrize("name", ["three phases", "three unlike peaks"])
 def test_a_loop_between_phases_is_gone_round_by_the_engine(name, drive):
-    found = graph(chain_of(*CHAINS[name]), drive)
-    branches = atlas(found)
+    t_graph = graph(chain_of(*CHAINS[name]), drive)
+    branches = atlas(t_graph)
     routes = Routes(branches.mesostates, branches.bottom)
-    loops = found.reading.sub_loops or ()
+    loops = t_graph.reading.sub_loops or ()
     assert loops or drive == "stroke"
     for loop in loops:
-        assert found.chain is not None
+        assert t_graph.chain is not None
         gap = 1e-6 * (loop.high - loop.low)
-        begin = routes.turns(int(branches.branch_of[found.nodes.find(loop.up[0])]), loop.low + gap)
+        begin = routes.turns(
+            int(branches.branch_of[t_graph.nodes.find(loop.up[0])]), loop.low + gap
+        )
         round_it = [loop.high + gap, loop.low - gap]
-        once = found.chain.path([*begin, *round_it], start=found.node(found.zero).travel_low)
-        again = found.chain.path([loop.low - gap, *round_it], start=once.end.tolist())
+        once = t_graph.chain.path([*begin, *round_it], start=t_graph.node(t_graph.zero).travel_low)
+        again = t_graph.chain.path([loop.low - gap, *round_it], start=once.end.tolist())
         np.testing.assert_allclose(again.end, once.end, atol=1e-9)
         passed = {state for state in sequence_of(again).states if "-" not in state}
-        assert passed == {found.node(label).state for label in loop.vertices}
+        assert passed == {t_graph.node(label).state for label in loop.vertices}
 
 
 # --- programs -------------------------------------------------------------------------------
@@ -373,11 +377,11 @@ def test_a_loop_between_phases_is_gone_round_by_the_engine(name, drive):
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "drive"), EACH)
 def test_a_program_leads_to_each_state_that_the_graph_reaches_and_to_no_other(name, drive):
-    found = graph(chain_of(*CHAINS[name]), drive)
-    chain = found.chain
+    t_graph = graph(chain_of(*CHAINS[name]), drive)
+    chain = t_graph.chain
     assert chain is not None
-    reached = found.reachable()
-    for to in found.vertices:
+    reached = t_graph.reachable()
+    for to in t_graph.vertices:
         if to not in reached:
             with pytest.raises(Unreachable) as caught:
                 chain.program(to)
@@ -385,7 +389,7 @@ def test_a_program_leads_to_each_state_that_the_graph_reaches_and_to_no_other(na
             continue
         program = chain.program(to)
         assert program.arrives == program.sequence[-1] == to
-        node = found.node(to)
+        node = t_graph.node(to)
         assert node.low - 1e-9 <= program.low <= program.high <= node.high + 1e-9
         for low in (False, True):
             points = [program.begin, *(edge(turn, low) for turn in program.turns)]
@@ -414,8 +418,8 @@ def test_a_vertex_of_elements_is_held_over_a_range_of_strokes():
 @pytest.mark.parametrize("name", ["three unlike peaks", "three phases", "stops and rising ends"])
 def test_the_plan_of_relays_is_as_short_as_a_search_under_a_force(name):
     chain = replace(chain_of(*CHAINS[name]), actuator_stiffness=0.0)
-    found = graph(chain)
-    for start, to in itertools.permutations(found.vertices, 2):
+    t_graph = graph(chain)
+    for start, to in itertools.permutations(t_graph.vertices, 2):
         task = _task(chain, start, to)
         try:
             searched = chain.program(to, start=start)

@@ -65,15 +65,15 @@ def same(one: TransitionGraph, other: TransitionGraph) -> bool:
 def test_a_graph_comes_back_the_same_to_the_last_bit(out, back, seed, cells, drive):
     chain = any_chain(np.random.default_rng(seed), cells, friction=False)
     try:
-        found = graph(chain, drive)
+        t_graph = graph(chain, drive)
     except (StaticsError, sw.InputError):
         # Among the latter: cells that are slack all the way stand nowhere behind a spring.
         assume(False)
         raise
-    again = back(out(found))
-    assert same(again, found)
+    again = back(out(t_graph))
+    assert same(again, t_graph)
     assert again.chain is None
-    assert str(again.reading) == str(found.reading)
+    assert str(again.reading) == str(t_graph.reading)
 
 
 @pytest.mark.parametrize(("out", "back"), WAYS)
@@ -119,13 +119,13 @@ def test_keys_tell_the_units():
 def test_graphml_is_read_by_other_programs():
     text = to_graphml(graph(straight(10, 20), "force"))
     assert ElementTree.fromstring(text).tag == "{http://graphml.graphdrawing.org/xmlns}graphml"
-    found = networkx.parse_graphml(text)
-    assert set(found) == {"00", "10", "01", "11"}
-    assert found.nodes["10"]["high_N"] > 0
+    digraph = networkx.parse_graphml(text)
+    assert set(digraph) == {"00", "10", "01", "11"}
+    assert digraph.nodes["10"]["high_N"] > 0
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("{", "is not JSON"),
         ("[]", "format = 'list'"),
@@ -133,13 +133,13 @@ def test_graphml_is_read_by_other_programs():
         ('{"format": "stepwell transition graph 1"}', "nodes: must be a list, not NoneType"),
     ],
 )
-def test_other_json_is_refused(text, told):
-    with pytest.raises(ValueError, match=told):
+def test_other_json_is_refused(text, message):
+    with pytest.raises(ValueError, match=message):
         from_json(text)
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "message"),
     [
         (lambda data: data["nodes"][1].pop("low_N"), r"nodes\[1\]: knows no 'low_N'"),
         (lambda data: data["nodes"][0].update(branch="x"), r"nodes\[0\]: invalid literal"),
@@ -150,10 +150,10 @@ def test_other_json_is_refused(text, told):
         (lambda data: data["nodes"][0].update(low_N=[]), r"nodes\[0\]: "),
     ],
 )
-def test_a_damaged_file_is_refused_with_the_place(change, told):
+def test_a_damaged_file_is_refused_with_the_place(change, message):
     data = json.loads(to_json(graph(straight(10, 20), "force")))
     change(data)
-    with pytest.raises(ValueError, match=told):
+    with pytest.raises(ValueError, match=message):
         from_json(json.dumps(data))
 
 
@@ -182,15 +182,15 @@ def test_dot_ranks_vertices_by_the_number_of_cells_at_1():
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("digraph { a -> b; }", "is not DOT as to_dot writes it"),
         ('digraph { a [stepwell="{"]; }', "is not DOT as to_dot writes it"),
         ('digraph { graph [stepwell="{}"]; }', "format = None: must be 'stepwell transition"),
     ],
 )
-def test_other_dot_is_refused(text, told):
-    with pytest.raises(ValueError, match=told):
+def test_other_dot_is_refused(text, message):
+    with pytest.raises(ValueError, match=message):
         from_dot(text)
 
 
@@ -210,9 +210,9 @@ def test_fields_of_concave_cells_under_a_force_are_a_and_b_in_the_order_of_produ
 @settings(max_examples=examples(20))
 @given(SEEDS, st.integers(1, 5))
 def test_a_graph_of_its_own_fields_is_the_same_graph_under_a_force(seed, cells):
-    found = graph(concave_chain(np.random.default_rng(seed), cells), "force")
-    again = from_switching_fields(switching_fields(found), unit="N")
-    assert_same_ways(again, found)
+    t_graph = graph(concave_chain(np.random.default_rng(seed), cells), "force")
+    again = from_switching_fields(switching_fields(t_graph), unit="N")
+    assert_same_ways(again, t_graph)
 
 
 @pytest.mark.slow
@@ -220,14 +220,14 @@ def test_a_graph_of_its_own_fields_is_the_same_graph_under_a_force(seed, cells):
 @given(SEEDS, st.integers(1, 5), st.floats(0.5, 30))
 def test_behind_a_soft_spring_cells_are_hysterons_that_the_stroke_couples(seed, cells, stiffness):
     # Avalanches included: the rule of switching fields against the engine's flow.
-    found = graph(concave_chain(np.random.default_rng(seed), cells), stiffness)
-    assume(len(found) == len(found.vertices))
+    t_graph = graph(concave_chain(np.random.default_rng(seed), cells), stiffness)
+    assume(len(t_graph) == len(t_graph.vertices))
     try:
-        again = from_switching_fields(switching_fields(found), unit="m")
+        again = from_switching_fields(switching_fields(t_graph), unit="m")
     except ValueError:
         assume(False)  # a race, which the flow decides and the rule does not
         raise
-    assert_same_ways(again, found)
+    assert_same_ways(again, t_graph)
 
 
 def assert_same_ways(one: TransitionGraph, other: TransitionGraph) -> None:
@@ -253,7 +253,7 @@ def test_chains_that_are_no_hysterons_have_no_fields():
 def test_an_avalanche_written_out_by_hand():
     # Two hysterons, the second dragged along: at 10 its up field lies below 1, so 00 leads to 11
     # at once, and 11 falls apart one by one.
-    found = from_switching_fields(
+    t_graph = from_switching_fields(
         [
             [1.0, 2.0],  # 00: both up
             [1.5, -1.0],  # 01: first up, second down
@@ -263,9 +263,9 @@ def test_an_avalanche_written_out_by_hand():
     )
     ways = {
         (label, direction): (way[0], way[1].drive, way[1].cells)
-        for label in found
+        for label in t_graph
         for direction in (+1, -1)
-        if (way := found.transition(label, direction)) is not None
+        if (way := t_graph.transition(label, direction)) is not None
     }
     assert ways == {
         ("00", +1): ("11", 1.0, (0, 1)),
@@ -275,18 +275,18 @@ def test_an_avalanche_written_out_by_hand():
         ("10", -1): ("00", -2.0, (0,)),
         ("11", -1): ("10", -0.5, (1,)),
     }
-    assert found.chain is None and found.unit == "" and found.names == ("cell 1", "cell 2")
-    assert found.reading.garden_of_eden == ("01",)
-    assert str(found.reading.main_loop) == "00>11>10>00"
-    says(repr(found), "TransitionGraph(", "2 cells", "4 vertices", "4 nodes", "6 snaps")
-    assert "driven by field" in str(found.reading)
+    assert t_graph.chain is None and t_graph.unit == "" and t_graph.names == ("cell 1", "cell 2")
+    assert t_graph.reading.garden_of_eden == ("01",)
+    assert str(t_graph.reading.main_loop) == "00>11>10>00"
+    says(repr(t_graph), "TransitionGraph(", "2 cells", "4 vertices", "4 nodes", "6 snaps")
+    assert "driven by field" in str(t_graph.reading)
 
 
 def test_a_state_that_stands_nowhere_is_passed_in_an_avalanche():
     # 10 would need a drive above its down field 0.5 and below the up field 0 of the other.
-    found = from_switching_fields([[1.0, 2.0], [4.0, -1.0], [0.5, 0.0], [-2.0, -3.0]])
-    assert set(found) == {"00", "01", "11"}
-    way = found.transition("00", 1)
+    t_graph = from_switching_fields([[1.0, 2.0], [4.0, -1.0], [0.5, 0.0], [-2.0, -3.0]])
+    assert set(t_graph) == {"00", "01", "11"}
+    way = t_graph.transition("00", 1)
     assert way is not None and (way[0], way[1].cells) == ("11", (0, 1))
 
 
@@ -303,7 +303,7 @@ RACE = [
 
 
 @pytest.mark.parametrize(
-    ("fields", "told"),
+    ("fields", "message"),
     [
         ([[1, 1], [2, -1], [-2, 2], [-2, -3]], "from 00 at the drive 1 .*cell 1, cell 2"),
         (RACE, "from 000 at the drive 1 .* a race: cell 2, cell 3"),
@@ -312,8 +312,8 @@ RACE = [
         ([[1, 2], [1.5, -1], [-2, 1], [-1.5, -0.5]], "a field is just that drive.*: cell 2"),
     ],
 )
-def test_what_the_rule_does_not_decide_is_an_error(fields, told):
-    with pytest.raises(ValueError, match=told):
+def test_what_the_rule_does_not_decide_is_an_error(fields, message):
+    with pytest.raises(ValueError, match=message):
         from_switching_fields(fields)
 
 
@@ -341,12 +341,12 @@ def test_random_fields_have_the_graph_of_hysteron_tgraphs(seed, n, coupling):
         expected = model.make_graph(theirs)
     except Exception:  # theirs refuses with bare exceptions
         return
-    found = from_switching_fields(fields)
+    t_graph = from_switching_fields(fields)
     for state, direction in itertools.product(states(n), (+1, -1)):
         label = "".join(map(str, state))
-        if label not in found or (0 if direction > 0 else 1) not in state:
+        if label not in t_graph or (0 if direction > 0 else 1) not in state:
             continue
-        way, flipped = found.transition(label, direction), expected[state, direction]
+        way, flipped = t_graph.transition(label, direction), expected[state, direction]
         assert way is not None
         assert way[0] == "".join(str(int(s)) for s in flipped.final_state)
         assert way[1].drive == fields[states(n).index(state), flipped.critical_hysteron]
@@ -355,6 +355,6 @@ def test_random_fields_have_the_graph_of_hysteron_tgraphs(seed, n, coupling):
 @pytest.mark.parametrize(("out", "back"), WAYS)
 def test_ties_come_back_with_their_advice(out, back):
     slack = [sw.Band((0, 0), (x, 0.0), rest_length=x + 0.016) for x in (0.001, 0.0012)]
-    found = graph(sw.Chain([sw.Cell(band) for band in slack]))
-    assert found.ties
-    assert same(back(out(found)), found)
+    t_graph = graph(sw.Chain([sw.Cell(band) for band in slack]))
+    assert t_graph.ties
+    assert same(back(out(t_graph)), t_graph)

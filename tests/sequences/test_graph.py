@@ -50,12 +50,12 @@ def drawn(seed: int, cells: int, drive, kind=any_chain) -> TransitionGraph:
     assume(sum(np.any(force == 0) for force in forces) < 2)
     assume(any(np.any(force) for force in forces))
     try:
-        found = graph(chain, drive)
+        t_graph = graph(chain, drive)
     except StaticsError:
         assume(False)
         raise
-    assume(not found.ties)
-    return found
+    assume(not t_graph.ties)
+    return t_graph
 
 
 def state_at(chain: sw.Chain, travels) -> str:
@@ -99,42 +99,42 @@ def within(node: Node, share: float) -> float:
 @settings(max_examples=examples(8, full=800))
 @given(SEEDS, st.integers(1, 4), DRIVES)
 def test_every_node_stands_from_one_end_to_the_other_with_nothing_happening(seed, cells, drive):
-    found = drawn(seed, cells, drive)
-    assert found.chain is not None
-    for label in found:
-        node = found.node(label)
+    t_graph = drawn(seed, cells, drive)
+    assert t_graph.chain is not None
+    for label in t_graph:
+        node = t_graph.node(label)
         if is_flat(node):
             continue
-        inside = found.chain.path(
-            [within(node, 0.5), within(node, 0.999)], start=middle(found, node)
+        inside = t_graph.chain.path(
+            [within(node, 0.5), within(node, 0.999)], start=middle(t_graph, node)
         )
-        assert state_at(found.chain, inside.end) == node.state
+        assert state_at(t_graph.chain, inside.end) == node.state
         assert not inside.events
-        down = found.chain.path([within(node, 0.5), within(node, 0.001)], start=inside.start)
-        assert state_at(found.chain, down.end) == node.state
+        down = t_graph.chain.path([within(node, 0.5), within(node, 0.001)], start=inside.start)
+        assert state_at(t_graph.chain, down.end) == node.state
         assert not down.events
 
 
-def middle(found: TransitionGraph, node: Node) -> list[float]:
+def middle(t_graph: TransitionGraph, node: Node) -> list[float]:
     """Travels half-way along a node, coming from an end or from the node before."""
-    assert found.chain is not None
+    assert t_graph.chain is not None
     goal = within(node, 0.5)
     ways = [([node.low, goal], node.travel_low), ([node.high, goal], node.travel_high)]
     for points, travels in ways:
         try:
-            path = found.chain.path(points, start=travels)
+            path = t_graph.chain.path(points, start=travels)
         except ValueError:
             continue  # that end is a fold, where an equilibrium is only just stable
-        if state_at(found.chain, path.end) == node.state:
+        if state_at(t_graph.chain, path.end) == node.state:
             return path.end.tolist()
-    for label, target, way in found.transitions():
+    for label, target, way in t_graph.transitions():
         if target != node.label:
             continue
-        before = found.node(label)
+        before = t_graph.node(label)
         beyond = way.drive + 1e-3 * ((node.high if way.direction > 0 else node.low) - way.drive)
         points = [within(before, 0.5), beyond, goal]
-        path = found.chain.path(points, start=middle(found, before))
-        if state_at(found.chain, path.end) == node.state:
+        path = t_graph.chain.path(points, start=middle(t_graph, before))
+        if state_at(t_graph.chain, path.end) == node.state:
             return path.end.tolist()
     raise AssertionError(f"nothing leads to {node}")
 
@@ -143,20 +143,20 @@ def middle(found: TransitionGraph, node: Node) -> list[float]:
 @settings(max_examples=examples(8, full=800))
 @given(SEEDS, st.integers(1, 4), DRIVES)
 def test_every_edge_is_what_the_engine_does_across_the_end_of_a_node(seed, cells, drive):
-    found = drawn(seed, cells, drive)
-    chain = found.chain
+    t_graph = drawn(seed, cells, drive)
+    chain = t_graph.chain
     assert chain is not None
-    for label, direction in itertools.product(found, (+1, -1)):
-        node, way = found.node(label), found.transition(label, direction)
+    for label, direction in itertools.product(t_graph, (+1, -1)):
+        node, way = t_graph.node(label), t_graph.transition(label, direction)
         if way is None:
             assert set(node.state) == {"1" if direction > 0 else "0"}
             continue
-        target, end = found.node(way[0]), way[1]
+        target, end = t_graph.node(way[0]), way[1]
         if is_flat(node) or is_flat(target):
             continue
         assert end.drive == pytest.approx(node.high if direction > 0 else node.low, abs=1e-12)
         beyond = (end.drive + (target.high if direction > 0 else target.low)) / 2
-        path = chain.path([within(node, 0.5), beyond], start=middle(found, node))
+        path = chain.path([within(node, 0.5), beyond], start=middle(t_graph, node))
         assert state_at(chain, path.end) == target.state
         snaps = [event for event in path.events if event.kind is EventKind.SNAP]
         assert len(snaps) == (end.kind is TransitionKind.SNAP)
@@ -169,43 +169,43 @@ def test_every_edge_is_what_the_engine_does_across_the_end_of_a_node(seed, cells
 def test_edges_are_what_a_brute_force_follower_does(seed, control):
     rng = np.random.default_rng(seed)
     chain = concave_chain(rng, 3)
-    found = graph(chain, control)
+    t_graph = graph(chain, control)
     cells = [
         OracleCell(c.lever, c.limit, [(*b.d, b.stiffness, b.rest_length, 0.0, 0.0, False)])
         for c in chain.levers
         for b in c.bands
     ]
-    for label in found.vertices:
-        node = found.node(label)
+    for label in t_graph.vertices:
+        node = t_graph.node(label)
         for direction in (+1, -1):
-            way = found.transition(label, direction)
+            way = t_graph.transition(label, direction)
             # Leaving a vertex of a rigid chain is a switch; its snap comes after that.
             while way is not None and way[1].kind is TransitionKind.SWITCH:
-                way = found.transition(way[0], direction)
+                way = t_graph.transition(way[0], direction)
             if way is None:
                 continue
-            target, end = found.node(way[0]), way[1]
+            target, end = t_graph.node(way[0]), way[1]
             # Far enough past the end for a drive step, and not to the next event.
             beyond = end.drive + 0.5 * ((target.high if direction > 0 else target.low) - end.drive)
             if abs(beyond - end.drive) < 2e-4:
                 continue
             points = [(node.low + node.high) / 2, beyond]
             run = follow(cells, points, start=node.travel_low, control=control, steps=400)
-            expected = _followed(found, label, direction, beyond)
+            expected = _followed(t_graph, label, direction, beyond)
             np.testing.assert_allclose(run.travel[-1], expected, atol=2e-4)
 
 
-def _followed(found: TransitionGraph, label: str, direction: int, drive: float):
+def _followed(t_graph: TransitionGraph, label: str, direction: int, drive: float):
     """Travels where the graph says that the chain stands at a drive."""
     while True:
-        node = found.node(label)
+        node = t_graph.node(label)
         if node.low <= drive <= node.high:
             break
-        way = found.transition(label, direction)
+        way = t_graph.transition(label, direction)
         assert way is not None
         label = way[0]
-    assert found.chain is not None
-    return found.chain.path([within(node, 0.5), drive], start=middle(found, node)).end
+    assert t_graph.chain is not None
+    return t_graph.chain.path([within(node, 0.5), drive], start=middle(t_graph, node)).end
 
 
 @pytest.mark.slow
@@ -242,9 +242,9 @@ def test_concave_cells_under_a_force_have_the_engines_graph_in_closed_form(seed,
 
 def test_fourteen_cells_under_a_force_are_seen_whole():
     x = np.random.default_rng(0).permutation(np.linspace(10, 30, 14))
-    found = graph(straight(*x), "force")
-    assert len(found) == len(found.vertices) == 2**14
-    assert len(found.reachable()) == 2**14
+    t_graph = graph(straight(*x), "force")
+    assert len(t_graph) == len(t_graph.vertices) == 2**14
+    assert len(t_graph.reachable()) == 2**14
 
 
 def falling_subsequences(down: list[float]) -> int:
@@ -267,9 +267,9 @@ def test_relays_reach_as_many_states_as_there_are_falling_subsequences(n):
     # Terzi and Mungan 2020; all permutations.
     for order in itertools.permutations(range(n)):
         down = [-1.0 - rank for rank in order]
-        found = relay_graph(np.arange(1.0, n + 1), np.array(down))
-        assert len(found) == 2**n
-        assert len(found.reachable()) == falling_subsequences(down)
+        t_graph = relay_graph(np.arange(1.0, n + 1), np.array(down))
+        assert len(t_graph) == 2**n
+        assert len(t_graph.reachable()) == falling_subsequences(down)
 
 
 @pytest.mark.parametrize("n", [7, 8, 9, 10])
@@ -290,15 +290,15 @@ def test_so_do_random_ones_up_to_ten_and_both_extremes(n):
 def test_from_all_0_every_ideal_is_reached_and_nothing_else_if_the_order_is_kept(
     seed, cells, drive
 ):
-    found = drawn(seed, cells, drive, concave_chain)
-    assert found.chain is not None
-    fields = relays(found.chain)
+    t_graph = drawn(seed, cells, drive, concave_chain)
+    assert t_graph.chain is not None
+    fields = relays(t_graph.chain)
     assume(fields is not None)
     assert fields is not None
     ideals = {v for v in states(cells) if is_ideal(v, fields.up, fields.down)}
-    reached = {v for v in found.reachable() if "-" not in v}
+    reached = {v for v in t_graph.reachable() if "-" not in v}
     assert reached >= ideals
-    if drive == "force" or (drive == "stroke" and order_kept(found.chain, fields).only_ideals):
+    if drive == "force" or (drive == "stroke" and order_kept(t_graph.chain, fields).only_ideals):
         assert reached == ideals
         assert len(ideals) == falling_subsequences(fields.down[np.argsort(fields.up)].tolist())
 
@@ -320,15 +320,15 @@ def test_where_another_cell_overtakes_the_leader_more_than_the_ideals_is_reached
 
 def without_predecessor(up, down) -> set[str]:
     """States that stand and in whose window of forces no cell of theirs has come to be as it is."""
-    found: set[str] = set()
+    starts: set[str] = set()
     for state in states(len(up)):
         at_1 = np.array([c == "1" for c in state])
         low, high = np.max(down[at_1], initial=-np.inf), np.min(up[~at_1], initial=np.inf)
         entered = np.any((low <= up[at_1]) & (up[at_1] < high))
         entered |= np.any((low < down[~at_1]) & (down[~at_1] <= high))
         if low <= high and not entered:
-            found.add(state)
-    return found
+            starts.add(state)
+    return starts
 
 
 def swept(up, down) -> set[str]:
@@ -380,11 +380,11 @@ def test_the_counter_example_of_the_theory_page_has_gardens_that_the_ends_of_the
 def test_a_garden_of_eden_is_out_of_reach_and_under_a_force_the_fields_tell_which(
     seed, cells, drive
 ):
-    found = drawn(seed, cells, drive, concave_chain)
-    assert found.chain is not None
-    gardens = set(found.reading.garden_of_eden or ())
-    assert not gardens & found.reachable()
-    fields = relays(found.chain)
+    t_graph = drawn(seed, cells, drive, concave_chain)
+    assert t_graph.chain is not None
+    gardens = set(t_graph.reading.garden_of_eden or ())
+    assert not gardens & t_graph.reachable()
+    fields = relays(t_graph.chain)
     assume(fields is not None)
     assert fields is not None
     if drive == "force":
@@ -453,30 +453,30 @@ def test_a_graph_tells_what_it_is_of():
 def test_a_graph_cannot_be_changed():
     import networkx
 
-    found = graph(straight(10), "force")
+    t_graph = graph(straight(10), "force")
     with pytest.raises(networkx.NetworkXError, match="rozen"):
-        found.networkx.add_node("2")
+        t_graph.networkx.add_node("2")
     with pytest.raises(ValueError, match="read-only"):
-        found.target[0, 0] = 1
+        t_graph.target[0, 0] = 1
 
 
 @pytest.mark.parametrize("drive", ["stroke", "force", 50.0])
 def test_its_graph_of_networkx_holds_the_same_nodes_and_transitions(drive):
-    found = graph(straight(10, 20, 15), drive)
-    net = found.networkx
-    assert list(net) == list(found)
-    assert [net.nodes[label]["node"] for label in net] == list(found.nodes)
-    told = {(a, b, one) for a, b, together in net.edges(data="transitions") for one in together}
-    assert told == set(found.transitions()) and len(told) == found.transition_count
-    for label in found:
-        assert found.node(label).label == label
+    t_graph = graph(straight(10, 20, 15), drive)
+    net = t_graph.networkx
+    assert list(net) == list(t_graph)
+    assert [net.nodes[label]["node"] for label in net] == list(t_graph.nodes)
+    triples = {(a, b, one) for a, b, together in net.edges(data="transitions") for one in together}
+    assert triples == set(t_graph.transitions()) and len(triples) == t_graph.transition_count
+    for label in t_graph:
+        assert t_graph.node(label).label == label
         for direction in (+1, -1):
-            way = found.transition(label, direction)
-            out = [one for a, b, one in told if a == label and one.direction == direction]
+            way = t_graph.transition(label, direction)
+            out = [one for a, b, one in triples if a == label and one.direction == direction]
             assert out == ([] if way is None else [way[1]])
             assert way is None or way[0] in net[label]
     with pytest.raises(KeyError, match="nowhere"):
-        found.node("nowhere")
+        t_graph.node("nowhere")
 
 
 def test_a_graph_of_sixty_thousand_states_is_small_until_its_nodes_are_asked_for():
@@ -485,12 +485,12 @@ def test_a_graph_of_sixty_thousand_states_is_small_until_its_nodes_are_asked_for
     fields = relays(chain)
     assert fields is not None
     tracemalloc.start()
-    found = preisach(chain, fields)
+    t_graph = preisach(chain, fields)
     most = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert len(found) == 2**16 and most < 200 * 2**16  # bytes a state
+    assert len(t_graph) == 2**16 and most < 200 * 2**16  # bytes a state
     state = "0110100110010110"
-    assert found.node(state).state == state and "networkx" not in vars(found)
+    assert t_graph.node(state).state == state and "networkx" not in vars(t_graph)
 
 
 @pytest.mark.parametrize("cells", [1, 5, 8])
@@ -508,8 +508,8 @@ def test_what_is_reached_under_a_force_is_listed_without_the_rest(cells):
 
 def test_of_more_cells_than_can_be_listed_what_is_reached_from_one_state_is():
     chain = stacked(24)
-    found = graph(chain, "force", start="0" * 24)
-    assert len(found) == chain.implicit_graph("force").reached_count == 25
+    t_graph = graph(chain, "force", start="0" * 24)
+    assert len(t_graph) == chain.implicit_graph("force").reached_count == 25
     with pytest.raises(ValueError, match=r"24 cells.*at most 20"):
         graph(chain, "force")
 
@@ -534,37 +534,37 @@ def test_what_has_no_graph_is_refused_with_advice():
 
 
 def test_progress_is_told():
-    told: list[tuple[int, int]] = []
-    graph(straight(10, 20), progress=lambda done, total: told.append((done, total)))
+    calls: list[tuple[int, int]] = []
+    graph(straight(10, 20), progress=lambda done, total: calls.append((done, total)))
     # Starts, then branches: those followed, of those known so far.
-    assert told[:4] == [(0, 4), (1, 4), (2, 4), (3, 4)]
-    assert told[-1] == (2, 2)
-    assert told[4:] == sorted(told[4:])
-    assert all(0 <= done <= total == 2 for done, total in told[4:])
+    assert calls[:4] == [(0, 4), (1, 4), (2, 4), (3, 4)]
+    assert calls[-1] == (2, 2)
+    assert calls[4:] == sorted(calls[4:])
+    assert all(0 <= done <= total == 2 for done, total in calls[4:])
 
 
 def test_slack_cells_that_share_a_motion_leave_ties_and_still_a_graph():
     # Where two slack cells stand is not told by statics, so a way back is not the way there.
     slack = sw.Cell(sw.Band((0, 0), (0.001, 0.0), rest_length=0.017))
     looser = sw.Cell(sw.Band((0, 0), (0.0012, 0.0), rest_length=0.0172))
-    found = graph(sw.Chain([slack, looser, straight(20).cells[0]]))
-    assert found.ties
-    assert found.reading.main_loop.up[0].startswith("000")
-    assert "ties" in str(found.reading)
-    assert math.isclose(found.node(found.reading.main_loop.up[-1]).high, 0.06, rel_tol=1e-9)
+    t_graph = graph(sw.Chain([slack, looser, straight(20).cells[0]]))
+    assert t_graph.ties
+    assert t_graph.reading.main_loop.up[0].startswith("000")
+    assert "ties" in str(t_graph.reading)
+    assert math.isclose(t_graph.node(t_graph.reading.main_loop.up[-1]).high, 0.06, rel_tol=1e-9)
 
 
 def test_a_fold_that_rounding_finds_twice_is_left_by_one_snap():
     # The engine's path has a snap of some nanometres there, and one at the same drive after it.
     chain = any_chain(np.random.default_rng(1366), 3, friction=False)
-    found = graph(chain)
-    for _, _, transition in found.transitions():
+    t_graph = graph(chain)
+    for _, _, transition in t_graph.transitions():
         if transition.kind is TransitionKind.SNAP:
             assert transition.released > 1e-12
 
 
 def test_slack_cells_come_back_to_other_places_of_their_branch():
     chain = any_chain(np.random.default_rng(3673), 3, friction=False)
-    found = graph(chain)
-    assert found.ties
-    assert len(found.reachable()) == len(found)
+    t_graph = graph(chain)
+    assert t_graph.ties
+    assert len(t_graph.reachable()) == len(t_graph)

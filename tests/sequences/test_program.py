@@ -162,11 +162,11 @@ def test_the_fewest_strokes_are_counted_by_falling_subsequences_of_f1(seed, cell
     wanted = [
         sum(falls(c) for c in itertools.combinations(down.tolist(), m)) for m in range(cells + 1)
     ]
-    found = [0] * (cells + 1)
+    counts = [0] * (cells + 1)
     for to in states(cells):
         if is_ideal(to, fields.up, fields.down):
-            found[chain.program(to).strokes] += 1
-    assert found == wanted
+            counts[chain.program(to).strokes] += 1
+    assert counts == wanted
 
 
 @pytest.mark.slow
@@ -201,7 +201,7 @@ def test_relays_need_no_more_strokes_than_a_search_of_all_their_states():
 
 def breadth_first(up: np.ndarray, down: np.ndarray) -> dict[tuple[str, str], int]:
     n = len(up)
-    found: dict[tuple[str, str], int] = {}
+    strokes_between: dict[tuple[str, str], int] = {}
     stable = [
         s
         for s in states(n)
@@ -211,7 +211,7 @@ def breadth_first(up: np.ndarray, down: np.ndarray) -> dict[tuple[str, str], int
     for start in stable:
         level, strokes = {(start, 0)}, 0
         seen = {start}
-        found[start, start] = 0
+        strokes_between[start, start] = 0
         while level:
             strokes += 1
             following: set[tuple[str, int]] = set()
@@ -227,11 +227,11 @@ def breadth_first(up: np.ndarray, down: np.ndarray) -> dict[tuple[str, str], int
                             for i in range(n)
                         )
                         if now not in seen:
-                            found[start, now] = strokes
+                            strokes_between[start, now] = strokes
                         following.add((now, way))
             level = {(s, d) for s, d in following if s not in seen}
             seen |= {s for s, _ in following}
-    return {pair: strokes for pair, strokes in found.items() if pair[1] in stable}
+    return {pair: strokes for pair, strokes in strokes_between.items() if pair[1] in stable}
 
 
 def test_a_state_that_only_a_hand_can_set_is_proved_out_of_reach_with_the_reason():
@@ -276,10 +276,10 @@ def test_nothing_but_ideals_is_reached_exactly_where_the_full_cycle_says_so():
         fields, n = relays(chain), len(chain)
         if fields is None:
             continue
-        found = graph(chain, start="0" * n)
-        if found.ties or chain.cycle().degenerate:
+        t_graph = graph(chain, start="0" * n)
+        if t_graph.ties or chain.cycle().degenerate:
             continue
-        reached = {label for label in found.reachable() if "-" not in label}
+        reached = {label for label in t_graph.reachable() if "-" not in label}
         ideals = {to for to in states(n) if is_ideal(to, fields.up, fields.down)}
         only = order_kept(chain, fields).only_ideals
         assert (reached == ideals) == only, seed

@@ -41,22 +41,22 @@ def drawn(seed: int, cells: int, drive, concave: bool = True) -> TransitionGraph
     rng = np.random.default_rng(seed)
     chain = concave_chain(rng, cells) if concave else any_chain(rng, cells, friction=False)
     try:
-        found = graph(chain, drive, start="0" * cells)
+        t_graph = graph(chain, drive, start="0" * cells)
     except StaticsError:
         assume(False)
         raise
-    assume(not found.ties)
-    return found
+    assume(not t_graph.ties)
+    return t_graph
 
 
-def stands(found: TransitionGraph, drives) -> np.ndarray:
-    assert found.chain is not None
-    return np.asarray(found.chain.path(drives).end)
+def stands(t_graph: TransitionGraph, drives) -> np.ndarray:
+    assert t_graph.chain is not None
+    return np.asarray(t_graph.chain.path(drives).end)
 
 
-def state_of(found: TransitionGraph, travels) -> str:
-    assert found.chain is not None
-    full = [cell.full_travel for cell in found.chain.cells]
+def state_of(t_graph: TransitionGraph, travels) -> str:
+    assert t_graph.chain is not None
+    full = [cell.full_travel for cell in t_graph.chain.cells]
     return "".join(
         "0" if s == 0 else "1" if s == f else "-" for s, f in zip(travels, full, strict=True)
     )
@@ -82,9 +82,9 @@ def test_the_main_loop_is_what_full_strokes_visit():
 
 def test_loops_of_three_nested_relays_written_out_by_hand():
     # A rises 0, 1, 2; B falls: every pair of loops is nested, so all eight states are reached.
-    found = hysterons(lambda state, i: -1 - i if state[i] else 1 + i, 3).reading
-    assert found.sub_loops is not None
-    assert {str(loop) for loop in found.sub_loops} == {
+    reading = hysterons(lambda state, i: -1 - i if state[i] else 1 + i, 3).reading
+    assert reading.sub_loops is not None
+    assert {str(loop) for loop in reading.sub_loops} == {
         "000>100>000",
         "000>100>110>010>000",
         "001>101>001",
@@ -92,8 +92,8 @@ def test_loops_of_three_nested_relays_written_out_by_hand():
         "010>110>010",
         "011>111>011",
     }
-    assert found.sub_loop_count == 6
-    widest = max(found.sub_loops, key=lambda loop: loop.high - loop.low)
+    assert reading.sub_loop_count == 6
+    widest = max(reading.sub_loops, key=lambda loop: loop.high - loop.low)
     assert (widest.low, widest.high) == (-2, 2)
     assert repr(widest) == "Loop(000>100>110>010>000, drive -2 to 2)"
 
@@ -102,19 +102,19 @@ def test_loops_of_three_nested_relays_written_out_by_hand():
 @settings(max_examples=examples(10, full=400))
 @given(SEEDS, st.integers(2, 5), DRIVES)
 def test_going_to_and_fro_between_its_drives_goes_round_a_loop(seed, cells, drive):
-    found = drawn(seed, cells, drive)
-    assert found.chain is not None
-    branches = atlas(found)
+    t_graph = drawn(seed, cells, drive)
+    assert t_graph.chain is not None
+    branches = atlas(t_graph)
     routes = Routes(branches.mesostates, branches.bottom)
-    for loop in (found.reading.sub_loops or ())[:5]:
-        begin = routes.turns(int(branches.branch_of[found.nodes.find(loop.up[0])]), loop.low)
+    for loop in (t_graph.reading.sub_loops or ())[:5]:
+        begin = routes.turns(int(branches.branch_of[t_graph.nodes.find(loop.up[0])]), loop.low)
         gap = 1e-6 * (loop.high - loop.low)
         round_it = [loop.high + gap, loop.low - gap]
-        once = stands(found, [*begin, *round_it])
-        again = found.chain.path([loop.low - gap, *round_it], start=once.tolist())
+        once = stands(t_graph, [*begin, *round_it])
+        again = t_graph.chain.path([loop.low - gap, *round_it], start=once.tolist())
         np.testing.assert_allclose(again.end, once, atol=1e-9)
         passed = {state for state in sequence_of(again).states if "-" not in state}
-        assert passed == {found.node(label).state for label in loop.vertices}
+        assert passed == {t_graph.node(label).state for label in loop.vertices}
 
 
 @pytest.mark.slow
@@ -124,29 +124,29 @@ def test_all_that_relays_reach_lies_on_the_main_loop_and_its_sub_loops(seed, n):
     # Terzi and Mungan 2020.
     rng = np.random.default_rng(seed)
     up, down = rng.uniform(0, 1, n), rng.uniform(-1, 0, n)
-    found = hysterons(lambda state, i: down[i] if state[i] else up[i], n)
-    loops = [found.reading.main_loop, *(found.reading.sub_loops or ())]
-    assert {v for loop in loops for v in loop.vertices} == set(found.reachable())
+    t_graph = hysterons(lambda state, i: down[i] if state[i] else up[i], n)
+    loops = [t_graph.reading.main_loop, *(t_graph.reading.sub_loops or ())]
+    assert {v for loop in loops for v in loop.vertices} == set(t_graph.reachable())
 
 
 def test_more_loops_than_anyone_reads_are_counted_only(monkeypatch):
     monkeypatch.setattr(reading_module, "MOST_LOOPS", 5)
-    found = read_memory(graph(NESTED, "force"))
-    assert found.sub_loops is None and found.sub_loop_count == 6
-    assert "sub-loops            6\n" in str(found)
+    reading = read_memory(graph(NESTED, "force"))
+    assert reading.sub_loops is None and reading.sub_loop_count == 6
+    assert "sub-loops            6\n" in str(reading)
 
 
 # --- memory ---------------------------------------------------------------------------------
 
 
 def test_three_nested_cells_forget_a_turning_point():
-    found = graph(NESTED)
-    memory = found.reading.return_point_memory
+    t_graph = graph(NESTED)
+    memory = t_graph.reading.return_point_memory
     assert not memory.holds and memory.witness is not None
     witness = memory.witness
     assert (witness.first, witness.later) == ("-11", "1-1")
-    first, later = stands(found, witness.turns[:-2]), stands(found, witness.turns)
-    assert state_of(found, first) == "-11" and state_of(found, later) == "1-1"
+    first, later = stands(t_graph, witness.turns[:-2]), stands(t_graph, witness.turns)
+    assert state_of(t_graph, first) == "-11" and state_of(t_graph, later) == "1-1"
     assert witness.before <= witness.excursion < witness.at
     assert witness.before == 0
     # The example of the theory page lies in the same windows.
@@ -154,7 +154,7 @@ def test_three_nested_cells_forget_a_turning_point():
         ((0, 0.0542), (14.2, 20, 20)),
         ((0, 0.0542, 0.020, 0.0542), (20, 14.2, 20)),
     ):
-        np.testing.assert_allclose(stands(found, drives) * 1e3, travels, atol=0.01)
+        np.testing.assert_allclose(stands(t_graph, drives) * 1e3, travels, atol=0.01)
 
 
 @pytest.mark.slow
@@ -187,9 +187,9 @@ def test_two_concave_cells_remember_under_a_prescribed_stroke_whatever_their_tra
         ]
     )
     assume(relays(chain) is not None)
-    found = graph(chain, start="00")
-    assert found.reading.return_point_memory.holds
-    assert found.reading.branches <= 2
+    t_graph = graph(chain, start="00")
+    assert t_graph.reading.return_point_memory.holds
+    assert t_graph.reading.branches <= 2
 
 
 @pytest.mark.slow
@@ -238,13 +238,13 @@ def test_cells_under_a_force_remember_whatever_they_are(seed, cells, concave):
 @settings(max_examples=examples(12, full=1200))
 @given(SEEDS, st.integers(3, 5), DRIVES, st.booleans())
 def test_a_witness_of_forgetting_is_what_the_engine_does(seed, cells, drive, concave):
-    found = drawn(seed, cells, drive, concave)
-    witness = found.reading.return_point_memory.witness
+    t_graph = drawn(seed, cells, drive, concave)
+    witness = t_graph.reading.return_point_memory.witness
     if witness is None:
         return
-    first, later = stands(found, witness.turns[:-2]), stands(found, witness.turns)
-    assert state_of(found, first) == found.node(witness.first).state
-    assert state_of(found, later) == found.node(witness.later).state
+    first, later = stands(t_graph, witness.turns[:-2]), stands(t_graph, witness.turns)
+    assert state_of(t_graph, first) == t_graph.node(witness.first).state
+    assert state_of(t_graph, later) == t_graph.node(witness.later).state
     assert float(np.max(np.abs(first - later))) > 1e-7
     ends = sorted((witness.before, witness.at))
     assert ends[0] <= witness.excursion <= ends[1]
@@ -254,15 +254,15 @@ def test_a_witness_of_forgetting_is_what_the_engine_does(seed, cells, drive, con
 @settings(max_examples=examples(12, full=1200))
 @given(SEEDS, st.integers(2, 4), DRIVES, st.booleans())
 def test_what_is_said_to_remember_does_so_for_random_turning_points(seed, cells, drive, concave):
-    found = drawn(seed, cells, drive, concave)
-    assume(found.reading.return_point_memory.holds)
-    loop = found.reading.main_loop
+    t_graph = drawn(seed, cells, drive, concave)
+    assume(t_graph.reading.return_point_memory.holds)
+    loop = t_graph.reading.main_loop
     rng = np.random.default_rng(seed)
     for _ in range(10):
         points = [loop.low, *rng.uniform(loop.low, loop.high, rng.integers(1, 4))]
         before, at = points[-1], rng.uniform(loop.low, loop.high)
         excursion = rng.uniform(min(before, at), max(before, at))
-        first, later = stands(found, [*points, at]), stands(found, [*points, at, excursion, at])
+        first, later = stands(t_graph, [*points, at]), stands(t_graph, [*points, at, excursion, at])
         np.testing.assert_allclose(later, first, atol=1e-9)
 
 
@@ -275,23 +275,23 @@ def test_hysterons_that_drag_each_other_forget():
         up, down, pull = rng.uniform(0, 1, 3), rng.uniform(-1, 0, 3), rng.normal(0, 0.3, (3, 3))
         np.fill_diagonal(pull, 0)
         try:
-            found = hysterons(lambda s, i: (down if s[i] else up)[i] - pull[i] @ s, 3)  # noqa: B023
+            t_graph = hysterons(lambda s, i: (down if s[i] else up)[i] - pull[i] @ s, 3)  # noqa: B023
         except ValueError:
             continue
-        witness = found.reading.return_point_memory.witness
+        witness = t_graph.reading.return_point_memory.witness
         if witness is not None:
             forgets += 1
-            assert walk(found, witness.turns[:-2]) == witness.first
-            assert walk(found, witness.turns) == witness.later
+            assert walk(t_graph, witness.turns[:-2]) == witness.first
+            assert walk(t_graph, witness.turns) == witness.later
     assert forgets > 5
 
 
-def walk(found: TransitionGraph, drives) -> str:
+def walk(t_graph: TransitionGraph, drives) -> str:
     """Where the drive leads by the graph itself, from all cells at 0."""
-    label = "0" * found.cells
+    label = "0" * t_graph.cells
     for drive in drives:
-        while not found.node(label).low <= drive <= found.node(label).high:
-            way = found.transition(label, +1 if drive > found.node(label).high else -1)
+        while not t_graph.node(label).low <= drive <= t_graph.node(label).high:
+            way = t_graph.transition(label, +1 if drive > t_graph.node(label).high else -1)
             assert way is not None
             label = way[0]
     return label
@@ -301,59 +301,59 @@ def walk(found: TransitionGraph, drives) -> str:
 
 
 def test_a_chain_of_four_cells_counts_to_two():
-    found = graph(COUNTER, start="0000")
-    counted = found.reading.counting
+    t_graph = graph(COUNTER, start="0000")
+    counted = t_graph.reading.counting
     assert counted.exhaustive
     best = counted.accumulators[0]
     assert best.transient == 2 and best.period == 1
     assert len(best.states) == 4 and best.states[2] == best.states[3]
     for cycles, label in enumerate(best.states):
-        travels = stands(found, best.drives(cycles)) if len(best.drives(cycles)) > 1 else None
+        travels = stands(t_graph, best.drives(cycles)) if len(best.drives(cycles)) > 1 else None
         if travels is not None:
-            assert state_of(found, travels) == found.node(label).state
+            assert state_of(t_graph, travels) == t_graph.node(label).state
     assert repr(best).startswith(f"Accumulator({'>'.join(best.states)}, drive ")
-    assert "in cycles of " in str(found.reading)
+    assert "in cycles of " in str(t_graph.reading)
 
 
 @pytest.mark.slow
 def test_the_countdown_of_the_gallery_is_found_to_count_from_three_when_set_by_hand():
-    found = graph(sw.preset("countdown"))
-    counts = [a for a in found.reading.counting.accumulators if a.transient == 3]
+    t_graph = graph(sw.preset("countdown"))
+    counts = [a for a in t_graph.reading.counting.accumulators if a.transient == 3]
     assert all(a.by_hand and a.period == 1 for a in counts)
-    states = {tuple(found.node(label).state for label in a.states) for a in counts}
+    states = {tuple(t_graph.node(label).state for label in a.states) for a in counts}
     assert any("01001" in names[0] or names[0].count("1") <= 2 for names in states)
     # The program of the preset lies within the extremes of one of them.
     assert any(a.low - a.slack <= 0.040 <= a.low + a.slack for a in counts)
-    assert "(set by hand)" in str(found.reading)
+    assert "(set by hand)" in str(t_graph.reading)
     assert graph(sw.preset("countdown"), start="00000").reading.counting.accumulators == ()
 
 
 def test_the_extremes_of_a_count_may_be_off_by_its_slack():
-    found = graph(COUNTER, start="0000")
-    best = max(found.reading.counting.accumulators, key=lambda a: a.slack)
+    t_graph = graph(COUNTER, start="0000")
+    best = max(t_graph.reading.counting.accumulators, key=lambda a: a.slack)
     assert best.slack > 1e-5
     low, high = (best.low, best.high) if best.direction > 0 else (best.high, best.low)
     for a, b in itertools.product((-0.99, 0.99), repeat=2):
         drives = [*best.turns[:-1], low + a * best.slack]
         for cycles, label in enumerate(best.states):
             pair = [high + b * best.slack, low + a * best.slack]
-            travels = stands(found, drives + pair * cycles)
-            assert state_of(found, travels) == found.node(label).state, cycles
+            travels = stands(t_graph, drives + pair * cycles)
+            assert state_of(t_graph, travels) == t_graph.node(label).state, cycles
 
 
 @pytest.mark.slow
 @settings(max_examples=examples(7, full=600))
 @given(SEEDS, st.integers(2, 4), DRIVES)
 def test_where_no_accumulator_is_found_random_cycles_settle_after_one(seed, cells, drive):
-    found = drawn(seed, cells, drive)
-    counted = found.reading.counting
+    t_graph = drawn(seed, cells, drive)
+    counted = t_graph.reading.counting
     assume(counted.exhaustive and not counted.accumulators)
-    loop, rng = found.reading.main_loop, np.random.default_rng(seed)
+    loop, rng = t_graph.reading.main_loop, np.random.default_rng(seed)
     for _ in range(5):
         begin = [loop.low, *rng.uniform(loop.low, loop.high, 2)]
         cycle = list(rng.uniform(loop.low, loop.high, 2))
-        once = stands(found, [*begin, cycle[0], *cycle[::-1]])
-        twice = stands(found, [*begin, cycle[0], *cycle[::-1] * 2])
+        once = stands(t_graph, [*begin, cycle[0], *cycle[::-1]])
+        twice = stands(t_graph, [*begin, cycle[0], *cycle[::-1] * 2])
         np.testing.assert_allclose(twice, once, atol=1e-9)
 
 
@@ -368,13 +368,13 @@ def test_hysterons_that_alternate_are_said_to_have_a_period_of_two():
         bits = np.array(list(itertools.product((0, 1), repeat=3)))
         fields = np.where(bits == 1, fields - 0.6, fields + 0.6)
         try:
-            found = from_switching_fields(fields)
+            t_graph = from_switching_fields(fields)
         except ValueError:
             continue
-        for a in [a for a in found.reading.counting.accumulators if not a.by_hand][:1]:
+        for a in [a for a in t_graph.reading.counting.accumulators if not a.by_hand][:1]:
             periods.add(a.period)
             for cycles, label in enumerate(a.states):
-                assert walk(found, a.drives(cycles)) == label
+                assert walk(t_graph, a.drives(cycles)) == label
         if len(periods) > 1:
             break
     assert 2 in periods
@@ -382,9 +382,9 @@ def test_hysterons_that_alternate_are_said_to_have_a_period_of_two():
 
 def test_a_search_that_is_cut_short_says_so(monkeypatch):
     monkeypatch.setattr(counting_module, "_BUDGET", 100.0)
-    found = graph(COUNTER, start="0000").reading
-    assert not found.counting.exhaustive
-    assert "searched in part" in str(found) and "searched in part" in repr(found.counting)
+    reading = graph(COUNTER, start="0000").reading
+    assert not reading.counting.exhaustive
+    assert "searched in part" in str(reading) and "searched in part" in repr(reading.counting)
 
 
 # --- scrambling, latches, gardens -----------------------------------------------------------
@@ -397,12 +397,12 @@ def test_an_order_that_depends_on_a_third_cell_is_scrambled():
             return (-10, -3, -2)[i]
         return (3.0, 2.5 if state[0] else 1.5, 2.0)[i]
 
-    found = hysterons(rule, 3).reading
-    assert [(s.cells, s.direction) for s in found.scrambling] == [((1, 2), 1)]
-    scrambled = found.scrambling[0]
+    reading = hysterons(rule, 3).reading
+    assert [(s.cells, s.direction) for s in reading.scrambling] == [((1, 2), 1)]
+    scrambled = reading.scrambling[0]
     assert (scrambled.i_first, scrambled.j_first, scrambled.reachable) == ("000", "100", True)
     says(repr(scrambled), "Scrambling(", "up", "2", "before 3", "000", "100")
-    says(str(found).splitlines(), "cell 2", "up", "before cell 3", "000", "after", "100")
+    says(str(reading).splitlines(), "cell 2", "up", "before cell 3", "000", "after", "100")
 
 
 def test_relays_are_never_scrambled():
@@ -415,12 +415,12 @@ def test_relays_are_never_scrambled():
 def test_what_is_scrambled_flips_in_either_order_by_the_engine(seed, cells):
     rng = np.random.default_rng(seed)
     chain = concave_chain(rng, cells)
-    found = graph(chain)
-    for scrambled in found.reading.scrambling[:3]:
+    t_graph = graph(chain)
+    for scrambled in t_graph.reading.scrambling[:3]:
         i, j = scrambled.cells
         for label, first, other in ((scrambled.i_first, i, j), (scrambled.j_first, j, i)):
-            at = found.node(label).low
-            end = found.reading.main_loop.high if scrambled.direction > 0 else 0.0
+            at = t_graph.node(label).low
+            end = t_graph.reading.main_loop.high if scrambled.direction > 0 else 0.0
             sequence = _sequence(chain, at, end, label)
             flipped = "1" if scrambled.direction > 0 else "0"
             following = sequence[1]
@@ -435,22 +435,22 @@ def test_gardens_of_eden_are_unreachable_and_leave_by_latches():
     # d = (10, 0) goes up first, d = (20, 15) comes down last: neither order is nested.
     chain = straight(10, 20)
     other = sw.Cell(sw.Band((0, 0), (0.020, 0.015)))
-    found = graph(sw.Chain([*chain.cells, other]), "force").reading
-    assert found.garden_of_eden is not None
-    assert set(found.garden_of_eden) <= set(found.unreachable)
-    left = {label for latch in found.latches for label in latch.nodes}
-    assert left == set(found.unreachable)
-    for latch in found.latches:
+    reading = graph(sw.Chain([*chain.cells, other]), "force").reading
+    assert reading.garden_of_eden is not None
+    assert set(reading.garden_of_eden) <= set(reading.unreachable)
+    left = {label for latch in reading.latches for label in latch.nodes}
+    assert left == set(reading.unreachable)
+    for latch in reading.latches:
         for a, b, _ in latch.ways:
             assert a in latch.nodes and b not in latch.nodes
-            assert a not in found.graph.reachable(b)
-    assert repr(found.latches[0]).endswith("for good)")
+            assert a not in reading.graph.reachable(b)
+    assert repr(reading.latches[0]).endswith("for good)")
 
 
 def test_what_was_not_looked_at_is_not_told():
-    found = graph(NESTED, start="000").reading
-    assert found.garden_of_eden is None and "not known" in str(found)
-    assert found.latches == () and found.unreachable == ()
+    reading = graph(NESTED, start="000").reading
+    assert reading.garden_of_eden is None and "not known" in str(reading)
+    assert reading.latches == () and reading.unreachable == ()
 
 
 @pytest.mark.slow
@@ -458,13 +458,13 @@ def test_every_vertex_alone_without_predecessor_is_a_garden_of_eden():
     rng = np.random.default_rng(4)
     chain = concave_chain(rng, 4)
     for drive in ("stroke", 60.0, "force"):
-        found = graph(chain, drive)
+        t_graph = graph(chain, drive)
         expected = {
             v
-            for v in found.vertices
-            if not any(v in found.reachable(w) for w in found.vertices if w != v)
+            for v in t_graph.vertices
+            if not any(v in t_graph.reachable(w) for w in t_graph.vertices if w != v)
         }
-        assert set(found.reading.garden_of_eden or ()) == expected
+        assert set(t_graph.reading.garden_of_eden or ()) == expected
 
 
 def test_a_reading_is_printed_in_millimetres_or_newtons():
@@ -481,6 +481,6 @@ def test_a_reading_is_printed_in_millimetres_or_newtons():
 
 def test_a_long_list_is_cut_when_printed():
     # A and B both rise: only six of 32 states are reached.
-    found = hysterons(lambda state, i: i - 10 if state[i] else 1 + i, 5).reading
-    assert len(found.unreachable) == 26
-    says(str(found).splitlines(), "not from", "all at 0", "and 20 more")
+    reading = hysterons(lambda state, i: i - 10 if state[i] else 1 + i, 5).reading
+    assert len(reading.unreachable) == 26
+    says(str(reading).splitlines(), "not from", "all at 0", "and 20 more")

@@ -61,11 +61,11 @@ def test_a_robust_program_turns_back_early_where_a_snap_on_the_way_hangs_on_the_
     plain = BEHIND.program("0001")
     hangs = replace(plain, robust=RATIO).hangs
     assert hangs is not None and hangs.elsewhere
-    found = BEHIND.program("0001", robust=RATIO)
-    assert found.robust == RATIO and found.hangs is None and found.landings
-    assert found.turns[0].drive < plain.turns[0].low
-    assert arrivals(found, 10) == {"0001"}
-    says(found.reason, "mobility ratios", "10")
+    program = BEHIND.program("0001", robust=RATIO)
+    assert program.robust == RATIO and program.hangs is None and program.landings
+    assert program.turns[0].drive < plain.turns[0].low
+    assert arrivals(program, 10) == {"0001"}
+    says(program.reason, "mobility ratios", "10")
 
 
 def test_where_a_landing_stands_in_the_way_of_every_program_it_is_named():
@@ -86,8 +86,8 @@ def test_where_a_landing_stands_in_the_way_of_every_program_it_is_named():
 def test_a_program_whose_landings_hold_is_the_same_when_robust():
     leg = sw.preset("paper-forward")
     for to in ("01", "10", "11"):
-        plain, found = leg.program(to), leg.program(to, robust=RATIO)
-        assert found.turning_points == plain.turning_points
+        plain, robust = leg.program(to), leg.program(to, robust=RATIO)
+        assert robust.turning_points == plain.turning_points
         assert (plain.robust, plain.landings) == (None, ())
 
 
@@ -109,11 +109,11 @@ def test_concave_cells_are_turned_past_vertices_where_a_landing_hangs():
         chain = concave_chain(rng, 4)
         for state in sorted(set(chain.graph(start="0000").vertices)):
             try:
-                found = chain.program(state, robust=RATIO)
+                program = chain.program(state, robust=RATIO)
             except Unreachable:
                 continue
-            turned += found.method is ProgramMethod.VERTICES
-            assert arrivals(found, 4) == {state}
+            turned += program.method is ProgramMethod.VERTICES
+            assert arrivals(program, 4) == {state}
     assert turned
 
 
@@ -122,17 +122,17 @@ def test_concave_cells_are_turned_past_vertices_where_a_landing_hangs():
 @pytest.mark.parametrize("friction", [False, True])
 def test_robust_programs_arrive_with_any_mobilities_within_the_ratio(stiffness, friction):
     rng = np.random.default_rng(3)
-    found = 0
+    count = 0
     for _ in range(examples(4)):
         chain = replace(any_chain(rng, 3, friction=friction), actuator_stiffness=stiffness)
         try:
             program = chain.program("010", robust=RATIO)
         except (Unreachable, ValueError):
             continue
-        found += 1
+        count += 1
         assert all(landing.holds for landing in program.landings)
         assert arrivals(program, 8) == {"010"}
-    assert found
+    assert count
 
 
 def test_branches_know_of_each_exit_what_the_path_through_it_says():

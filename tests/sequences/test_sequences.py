@@ -62,9 +62,9 @@ def test_a_path_that_starts_between_the_stops_begins_with_its_first_vertex():
 
 
 def test_a_sequence_is_read_from_the_text_it_prints():
-    found = sw.Sequence.parse("000 > 010>011>111>101>001>000")
-    assert str(found) == "000>010>011>111>101>001>000"
-    assert found.orders == ((1, 2, 0), (1, 0, 2))
+    sequence = sw.Sequence.parse("000 > 010>011>111>101>001>000")
+    assert str(sequence) == "000>010>011>111>101>001>000"
+    assert sequence.orders == ((1, 2, 0), (1, 0, 2))
     assert sw.Sequence.parse("00>11>00").orders is None
     assert sw.Sequence.parse("00>10>00>01>00").orders is None
 

@@ -22,8 +22,8 @@ def advised(chain: sw.Chain, index: int, advice: str) -> sw.Chain:
     """The chain with that cell changed as the advice says."""
     cells = list(chain.cells)
     one = cells[index]
-    if found := re.search(r"friction of ([\d.e-]+) N", advice):
-        cells[index] = replace(one, friction=float(found[1]))
+    if match := re.search(r"friction of ([\d.e-]+) N", advice):
+        cells[index] = replace(one, friction=float(match[1]))
     elif "Scale the forces" in advice:
         assert isinstance(one, sw.Element)
         cells[index] = replace(one, force_scale=1.011 * one.force_scale)
@@ -79,10 +79,10 @@ def test_a_lost_follower_names_the_cells_and_says_what_is_possible_for_them(
     status, cells, involved, says
 ):
     chain = sw.Chain(cells)
-    with pytest.raises(StaticsError, match=re.escape(says)) as told:
+    with pytest.raises(StaticsError, match=re.escape(says)) as error:
         refuse_failure(status, chain, np.zeros(len(chain)), 0.5, involved)
-    assert all(chain.names[i] in str(told.value) for i in involved)
-    assert ("anchor" in str(told.value)) == any(isinstance(cells[i], sw.Cell) for i in involved)
+    assert all(chain.names[i] in str(error.value) for i in involved)
+    assert ("anchor" in str(error.value)) == any(isinstance(cells[i], sw.Cell) for i in involved)
 
 
 @pytest.mark.parametrize("seed", [1245, 1375])

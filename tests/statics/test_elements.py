@@ -106,10 +106,10 @@ def test_a_curve_that_folds_back_is_the_spring_and_the_element_inside_it(stiffne
     whole = sw.Chain([other, inner, spring], actuator_stiffness=stiffness)
     part = sw.Chain([other, folded], actuator_stiffness=stiffness)
     expected = whole.cycle()
-    found = part.path(expected.path.turning_points)
-    assert [e.kind for e in found.events] == [e.kind for e in expected.events]
-    assert [e.drive for e in found.events] == pytest.approx([e.drive for e in expected.events])
-    assert found.dissipated == pytest.approx(expected.dissipated, rel=1e-6)
+    path = part.path(expected.path.turning_points)
+    assert [e.kind for e in path.events] == [e.kind for e in expected.events]
+    assert [e.drive for e in path.events] == pytest.approx([e.drive for e in expected.events])
+    assert path.dissipated == pytest.approx(expected.dissipated, rel=1e-6)
 
 
 def inner_points(element):
@@ -139,12 +139,12 @@ def test_a_chain_inside_an_element_does_what_it_does_written_out(stiffness, leve
     element = sw.Element.from_chain(sw.Chain(inner), "two")
     expected = sw.Chain([outer, *inner], actuator_stiffness=stiffness).cycle()
     chain = sw.Chain([outer, element], actuator_stiffness=stiffness)
-    found = chain.path(expected.path.turning_points)
-    assert sum(e.kind is EventKind.SNAP for e in found.events) == len(expected.snaps)
-    snaps = [e.drive for e in found.events if e.kind is EventKind.SNAP]
+    path = chain.path(expected.path.turning_points)
+    assert sum(e.kind is EventKind.SNAP for e in path.events) == len(expected.snaps)
+    snaps = [e.drive for e in path.events if e.kind is EventKind.SNAP]
     reach = np.ptp(expected.path.turning_points)
     assert snaps == pytest.approx([e.drive for e in expected.snaps], abs=2e-4 * reach)
-    assert found.dissipated == pytest.approx(expected.dissipated, rel=1e-4)
+    assert path.dissipated == pytest.approx(expected.dissipated, rel=1e-4)
 
 
 def test_a_snap_without_stops_is_told_in_phases():

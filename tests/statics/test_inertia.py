@@ -142,8 +142,8 @@ def independent(chain: sw.Chain, landing: InertialLanding, start: np.ndarray, le
 def test_an_integration_that_knows_no_contacts_lands_in_the_same_place(stiffness):
     # Behind the spring this chain landed elsewhere as long as these stops had 30 N/mm.
     # The quick run takes a short chain, since this other integration is slow.
-    rng, found = np.random.default_rng(examples(5, full=4)), 0
-    while found < examples(1, full=60):
+    rng, compared = np.random.default_rng(examples(5, full=4)), 0
+    while compared < examples(1, full=60):
         cells = int(rng.integers(2, examples(4, full=5)))
         chain = replace(concave_chain(rng, cells), actuator_stiffness=stiffness)
         path, n = chain.cycle().path, len(chain)
@@ -174,7 +174,7 @@ def test_an_integration_that_knows_no_contacts_lands_in_the_same_place(stiffness
         # A stop gives way by a force over its stiffness, some thousandths of a millimetre.
         assert there == pytest.approx(np.array(landing.travel), abs=1e-4), event
         assert peak == pytest.approx(landing.peak_speed, rel=0.05)
-        found += 1
+        compared += 1
 
 
 @pytest.mark.slow

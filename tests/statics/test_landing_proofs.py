@@ -160,9 +160,9 @@ def test_no_proof_is_found_where_the_engine_lands_elsewhere_with_other_mobilitie
             n = len(snap.travel)
             ends = corners_of(np.arange(n), n, 10.0, seed)
             factors = np.concatenate([ends, factors_of(n, 10.0, 64 - len(ends), seed)])
-            found = land_all(problem, snap.start, factors)
-            rests = found.settled == 1
-            off = np.abs(found.travel[rests] - snap.travel) / problem.laws.full
+            landings = land_all(problem, snap.start, factors)
+            rests = landings.settled == 1
+            off = np.abs(landings.travel[rests] - snap.travel) / problem.laws.full
             elsewhere = bool(np.max(off) > 1e-4)
             says = enclosed(problem, snap.start, snap.travel, 10.0)
             assert not (says and elsewhere), (kind, seed, snap.start.drive)

@@ -122,10 +122,10 @@ def test_looking_at_landings_leaves_the_path_as_it_was():
 
 def test_a_landing_that_hangs_on_mobilities_is_found_with_mobilities_that_lead_elsewhere():
     path = RACE.cycle().path
-    told = path.landings()
-    assert [landing.event for landing in told] == snaps(path)
-    assert [landing.holds for landing in told] == [True, True, True, False]
-    (there,) = told[-1].elsewhere
+    landings = path.landings()
+    assert [landing.event for landing in landings] == snaps(path)
+    assert [landing.holds for landing in landings] == [True, True, True, False]
+    (there,) = landings[-1].elsewhere
     assert there.state == "00-"
     assert there.mobility == pytest.approx([1.0, 10.0, 10.0])
     # About one in twenty of mobilities at random; corners do not count.
@@ -161,8 +161,8 @@ def same_place(one, two):
 
 def test_given_mobilities_are_where_the_factors_begin():
     given = (1.0, 10.0, 10.0)
-    told = with_mobility(RACE, given).cycle().path.landings(1.0)[-2]
-    assert told.holds
+    landing = with_mobility(RACE, given).cycle().path.landings(1.0)[-2]
+    assert landing.holds
     (there,) = with_mobility(RACE, given).cycle().path.landings(10.0)[-2].elsewhere
     assert there.state == "-00"
 
@@ -263,9 +263,9 @@ def claim(elsewhere: int) -> Landing:
 def test_friction_makes_no_other_landing_of_a_place_in_the_same_phases():
     """Where three cells rub they rest a little elsewhere with every mobility, in one state."""
     rubbed = [replace(cell, friction=0.02) for cell in RACE.cells]
-    told = sw.Chain(rubbed).cycle().path.landings()
-    assert all(there.state != "" for landing in told for there in landing.elsewhere)
-    for landing in told:
+    landings = sw.Chain(rubbed).cycle().path.landings()
+    assert all(there.state != "" for landing in landings for there in landing.elsewhere)
+    for landing in landings:
         states = [there.state for there in landing.elsewhere]
         assert len(set(states)) == len(states)
 
@@ -275,23 +275,23 @@ def test_friction_makes_no_other_landing_of_a_place_in_the_same_phases():
 
 def test_under_a_force_no_landing_hangs_on_mobilities():
     chain = replace(RACE, actuator_stiffness=0.0)
-    told = chain.cycle().path.landings(1e3)
-    assert told
-    assert all(landing.proof is Proof.FREEDOM and landing.samples == 0 for landing in told)
+    landings = chain.cycle().path.landings(1e3)
+    assert landings
+    assert all(landing.proof is Proof.FREEDOM and landing.samples == 0 for landing in landings)
 
 
 def test_a_pair_at_a_prescribed_stroke_has_one_way_to_go():
     pair = sw.Chain([PAPER, PAPER.with_anchors(q=(0.020, 0.0))])
-    told = pair.cycle().path.landings(1e3)
-    assert told
-    assert all(landing.proof is Proof.FREEDOM for landing in told)
+    landings = pair.cycle().path.landings(1e3)
+    assert landings
+    assert all(landing.proof is Proof.FREEDOM for landing in landings)
 
 
 def test_a_cell_behind_a_spring_has_one_way_to_go():
     alone = sw.Chain([PAPER], actuator_stiffness=30.0)
-    told = alone.cycle().path.landings(1e3)
-    assert told
-    assert all(landing.proof is Proof.FREEDOM for landing in told)
+    landings = alone.cycle().path.landings(1e3)
+    assert landings
+    assert all(landing.proof is Proof.FREEDOM for landing in landings)
 
 
 def test_a_pair_that_a_third_cell_may_join_is_not_proved_by_its_freedom():
@@ -326,18 +326,18 @@ def test_what_is_proved_no_sample_contradicts():
 def test_the_landings_of_a_long_sorted_cycle_are_looked_at_too():
     anchors = np.random.default_rng(0).uniform((5, -3), (22, 3), (16, 2)) * 1e-3
     path = sw.Chain([PAPER.with_anchors(q=tuple(q)) for q in anchors]).cycle().path
-    told = path.landings(1.05, bound=0.5)
-    assert [landing.event for landing in told] == snaps(path)
-    assert any(landing.proof is Proof.FREEDOM for landing in told)
+    landings = path.landings(1.05, bound=0.5)
+    assert [landing.event for landing in landings] == snaps(path)
+    assert any(landing.proof is Proof.FREEDOM for landing in landings)
 
 
 # --- what it says --------------------------------------------------------------------------------
 
 
 def test_a_landing_says_in_words_whether_it_holds():
-    told = [str(landing) for landing in RACE.cycle().path.landings()]
-    says(told[0], "holds", "mobility ratios", "10")
-    says(told[-1], "elsewhere", "00-", "5%")
+    texts = [str(landing) for landing in RACE.cycle().path.landings()]
+    says(texts[0], "holds", "mobility ratios", "10")
+    says(texts[-1], "elsewhere", "00-", "5%")
     says(repr(RACE.cycle().path.landings()[-1]), "SNAP", "4.693 mm", "unloading")
 
 
@@ -347,13 +347,13 @@ def test_snaps_that_leave_a_saddle_at_once_have_one_landing():
     rng = np.random.default_rng(133)
     one, two = any_cell(rng), any_cell(rng)
     path = sw.Chain([one, two, one, two]).cycle().path
-    found = starts(path)
-    assert max(snap.rows for snap in found) == 2
-    assert sum(snap.rows for snap in found) == len(snaps(path))
-    told = path.landings(bound=0.5)
-    assert [landing.event.drive for landing in told] == [snap.start.drive for snap in found]
-    again = land_all(path._problem, found[0].start, np.ones((1, 4)))
-    assert again.travel[0] == pytest.approx(found[0].travel, abs=1e-12)
+    begins = starts(path)
+    assert max(snap.rows for snap in begins) == 2
+    assert sum(snap.rows for snap in begins) == len(snaps(path))
+    landings = path.landings(bound=0.5)
+    assert [landing.event.drive for landing in landings] == [snap.start.drive for snap in begins]
+    again = land_all(path._problem, begins[0].start, np.ones((1, 4)))
+    assert again.travel[0] == pytest.approx(begins[0].travel, abs=1e-12)
 
 
 @pytest.mark.parametrize("ratio", [1.0, 1e3])

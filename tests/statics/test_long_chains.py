@@ -58,7 +58,7 @@ def snaps_of_tables(tables: list[Table]) -> list[tuple[int, float, float]]:
         (s_0, s_1), (f_0, f_1) = travel[places], force[places]
         return float(np.sum(s_0 + (now - f_0) * (s_1 - s_0) / (f_1 - f_0)))
 
-    found: list[tuple[int, float, float]] = []
+    snaps: list[tuple[int, float, float]] = []
     for j in np.argsort(force[1]):
         peak = float(force[1, j])
         begin = stroke(peak)
@@ -67,8 +67,8 @@ def snaps_of_tables(tables: list[Table]) -> list[tuple[int, float, float]]:
         for _ in range(100):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if stroke(middle) < begin else (low, middle)
-        found.append((int(j), begin, 0.5 * (low + high)))
-    return found
+        snaps.append((int(j), begin, 0.5 * (low + high)))
+    return snaps
 
 
 def followed(

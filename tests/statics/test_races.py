@@ -51,9 +51,9 @@ def compared(chain: sw.Chain):
 @pytest.mark.slow
 def test_races_with_friction_land_within_a_millionth_of_a_travel_of_where_scipy_does():
     seeds = [*WORST, *range(200, 200 + examples(0, full=200))]
-    found = np.array([pair for seed in seeds for pair in compared(rubbing(seed))])
-    assert len(found) > 8
-    off, estimate = found.T
+    differences = np.array([pair for seed in seeds for pair in compared(rubbing(seed))])
+    assert len(differences) > 8
+    off, estimate = differences.T
     assert np.max(off) < 1e-6
     # Brute force itself sets out a hundred-millionth of a travel off.
     assert np.all(off <= np.maximum(estimate, 1e-7))

@@ -116,12 +116,12 @@ def test_a_landing_that_no_tenth_of_a_micrometre_changes_is_no_tie():
             chains += 1
             if not any(len(tie.cells) == 1 for tie in chain.cycle().degenerate):
                 continue
-            told = [landings(nudged(chain, rng, 1e-7)) for _ in range(6)]
+            nudges = [landings(nudged(chain, rng, 1e-7)) for _ in range(6)]
             if all(
-                t[0] == told[0][0]
-                and len(t[1]) == len(told[0][1])
-                and all(np.abs(a - b).max() <= 1 for a, b in zip(t[1], told[0][1], strict=True))
-                for t in told
+                t[0] == nudges[0][0]
+                and len(t[1]) == len(nudges[0][1])
+                and all(np.abs(a - b).max() <= 1 for a, b in zip(t[1], nudges[0][1], strict=True))
+                for t in nudges
             ):
                 false.append((cells, seed))
     assert chains > 0.4 * examples(60)
@@ -131,14 +131,14 @@ def test_a_landing_that_no_tenth_of_a_micrometre_changes_is_no_tie():
 @pytest.mark.slow
 def test_where_a_picometre_changes_what_is_lost_a_tie_is_told_with_friction_too():
     # Found by search: between these anchors the outcome of a snap changes by jumps.
-    found = 0
+    tied = 0
     for seed, cells in EDGES:
         chain = any_chain(np.random.default_rng([seed, cells, 77]), cells)
         sides = _edge_of_an_outcome(chain)
         if sides:
-            found += 1
+            tied += 1
             assert any(side.cycle().degenerate for side in sides), (seed, cells)
-    assert found == len(EDGES)
+    assert tied == len(EDGES)
 
 
 def _edge_of_an_outcome(chain: sw.Chain) -> list[sw.Chain]:
@@ -392,9 +392,9 @@ def test_a_travel_found_from_anywhere_has_the_force_to_rounding(cell, at, near, 
     piece = first + which % (last + 1 - first)
     ends = pieces.force_left[piece], pieces.force_right[piece]
     force = float(ends[0] + at * (ends[1] - ends[0]))
-    found = invert_near(laws, pieces, cell, piece, force, near)
-    assert pieces.left[piece] <= found <= pieces.right[piece]
-    value, slope, bend = law(laws, cell, pieces.picked[piece], found)
+    travel = invert_near(laws, pieces, cell, piece, force, near)
+    assert pieces.left[piece] <= travel <= pieces.right[piece]
+    value, slope, bend = law(laws, cell, pieces.picked[piece], travel)
     # Next to an extremum the last digit of the travel is worth more of the force.
     digit = 4e-16 * full
     assert abs(value - force) <= 1e-14 * problem.scale + abs(slope) * digit + abs(bend) * digit**2
@@ -407,9 +407,9 @@ def general_chain(cells: int) -> sw.Chain:
 
 @pytest.mark.slow
 def test_a_long_run_tells_how_far_it_is_and_gets_there():
-    told: list[tuple[float, float]] = []
-    watched = general_chain(40).cycle(progress=lambda done, total: told.append((done, total)))
-    assert all(0 <= done <= total for done, total in told)
+    calls: list[tuple[float, float]] = []
+    watched = general_chain(40).cycle(progress=lambda done, total: calls.append((done, total)))
+    assert all(0 <= done <= total for done, total in calls)
     assert str(watched.sequence) == str(general_chain(40).cycle().sequence)
 
 

@@ -35,10 +35,10 @@ def levels(windows: Windows, slip: float) -> Levels:
 
 def _firsts(ends: set[float], slip: float) -> dict[float, float]:
     """By end the first of those that it ties with."""
-    found: dict[float, float] = {}
+    firsts: dict[float, float] = {}
     for before, end in pairwise([-math.inf, *sorted(ends)]):
-        found[end] = found[before] if end - before <= slip else end
-    return found
+        firsts[end] = firsts[before] if end - before <= slip else end
+    return firsts
 
 
 def standing_states(known: Levels) -> int:
@@ -51,15 +51,15 @@ def standing_states(known: Levels) -> int:
     """
     begins, ends = _by_level(known)
     holding = _Product([sum(low < 0 for low, _ in cell) for cell in known])
-    found = holding.value
+    total = holding.value
     for begun, ended in zip(begins, ends, strict=True):
         before = holding.value
         for cell, _ in begun:
             holding.change(cell, +1)
-        found += holding.value - before
+        total += holding.value - before
         for cell, _ in ended:
             holding.change(cell, -1)
-    return found
+    return total
 
 
 class _Product:
@@ -105,14 +105,14 @@ def landings(cell: Sequence[tuple[int, int]], direction: int) -> dict[int, int]:
     By phase the next one that holds at this force, as it rises (direction +1) or falls (-1);
     without phases that never end.
     """
-    found: dict[int, int] = {}
+    targets: dict[int, int] = {}
     for phase, (low, high) in enumerate(cell):
         rest = cell[phase + 1 :] if direction > 0 else cell[:phase][::-1]
         for step, (least, most) in enumerate(rest, 1):
             if most > high if direction > 0 else least < low:
-                found[phase] = phase + direction * step
+                targets[phase] = phase + direction * step
                 break
-    return found
+    return targets
 
 
 def garden_states(known: Levels) -> int:
@@ -150,17 +150,17 @@ def garden_states(known: Levels) -> int:
                     left[i] = number - 1
                     all_left = all_left // number * (number - 1) if number else 0
 
-        found = 0
+        total = 0
         for level in range(max(first, 0), count):
             if level > first:
                 lose(fallen[level])
             before = all_left
             lose(ends[level])
-            found += before - all_left
+            total += before - all_left
             lose(risen[level])
             if not all_left:
-                return found
-        return found + all_left
+                return total
+        return total + all_left
 
     holding = _Product([sum(low < 0 for low, _ in cell) for cell in known])
     total = without_entry(-1, -1)
@@ -177,13 +177,13 @@ def garden_states(known: Levels) -> int:
 
 def switches(known: Levels) -> list[tuple[int, int]] | None:
     """The levels (A, B) of independent relays; None where a cell can pass a phase of its own by."""
-    found: set[tuple[int, int]] = set()
+    levels: set[tuple[int, int]] = set()
     for cell in known:
         own = [(a[1], b[0]) for a, b in pairwise(cell)]
         if any(p[0] > q[0] or p[1] > q[1] for p, q in pairwise(own)):
             return None
-        found.update(own)
-    return sorted(found)
+        levels.update(own)
+    return sorted(levels)
 
 
 def _falling(relays: Sequence[tuple[int, int]]) -> list[int]:
@@ -192,20 +192,20 @@ def _falling(relays: Sequence[tuple[int, int]]) -> list[int]:
     rank = {b: k for k, b in enumerate(sorted({b for _, b in relays}), 1)}
     # Sums of what was found, by B, in the tree of Fenwick 1994.
     tree = [0] * (len(rank) + 1)
-    found = [1] * len(relays)
+    lengths = [1] * len(relays)
     for _, together in groupby(order, key=lambda i: relays[i][0]):
         same = list(together)
         for i in same:
             k = rank[relays[i][1]] - 1
             while k:
-                found[i] += tree[k]
+                lengths[i] += tree[k]
                 k &= k - 1
         for i in same:
             k = rank[relays[i][1]]
             while k < len(tree):
-                tree[k] += found[i]
+                tree[k] += lengths[i]
                 k += k & -k
-    return found
+    return lengths
 
 
 def ideals(relays: Iterable[tuple[int, int]]) -> int:

@@ -89,9 +89,9 @@ class SortedChain:
         """
         if math.isfinite(chain.actuator_stiffness) or not one_travel(chain):
             return None
-        if (found := proved_cells(chain)) is None:
+        if (proved := proved_cells(chain)) is None:
             return None
-        cells, ends = found
+        cells, ends = proved
         loading, unloading = motion_orders(ends)
         return cls(
             cells, (ends[:, 0], ends[:, 1]), tuple(loading.tolist()), tuple(unloading.tolist())
@@ -105,16 +105,16 @@ class SortedChain:
         The sequence changes exactly when an end force of the cell passes one of these: whatever
         it passes first is next to it in the sorted list.
         """
-        found: list[Neighbour] = []
+        neighbours: list[Neighbour] = []
         # Ranks rise with F0 and fall with F1.
         orders = orders or (self.loading, self.unloading)
         for order, force, side in zip(orders, self.forces, (-1, +1), strict=True):
             place, own, up = order.index(cell), float(force[cell]), -side
             if place > 0:
-                found.append(Neighbour(side, own, float(force[order[place - 1]]), -up))
+                neighbours.append(Neighbour(side, own, float(force[order[place - 1]]), -up))
             if place + 1 < len(order):
-                found.append(Neighbour(side, own, float(force[order[place + 1]]), up))
-        return found
+                neighbours.append(Neighbour(side, own, float(force[order[place + 1]]), up))
+        return neighbours
 
     def smallest_gap(self) -> float:
         """Smallest difference of two F0 or of two F1 [N]; infinite for a single cell."""

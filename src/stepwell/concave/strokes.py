@@ -39,13 +39,13 @@ def _first(ends: Floats, state: int, skip: int, side: int) -> int:
     """The cell but `skip` that lets go first at 0, of the least force, or at 1, of the largest; or
     -1.
     """
-    found = -1
+    first = -1
     for cell in range(len(ends)):
         if cell != skip and state >> cell & 1 == side:
             own = ends[cell, side]
-            if found < 0 or (own > ends[found, side] if side else own < ends[found, side]):
-                found = cell
-    return found
+            if first < 0 or (own > ends[first, side] if side else own < ends[first, side]):
+                first = cell
+    return first
 
 
 @kernel
@@ -312,7 +312,9 @@ def _nearest(ends: Floats) -> tuple[float, float]:
 
 
 @entry(_EACH, "numbers")
-def _classed(numbers: Floats, drive: int, key: Ints, cycle: Ints, gap: Floats, told: Ints) -> None:
+def _classed(
+    numbers: Floats, drive: int, key: Ints, cycle: Ints, gap: Floats, decided: Ints
+) -> None:
     n = numbers.shape[1]
     size = (n + 1) << n
     up, down = np.empty(size, np.int64), np.empty(size, np.int64)
@@ -321,7 +323,7 @@ def _classed(numbers: Floats, drive: int, key: Ints, cycle: Ints, gap: Floats, t
     own = np.arange(n, dtype=np.int64)
     for k in range(len(numbers)):
         key[k], cycle[k], gap[k, 0], gap[k, 1] = -1, -1, 0.0, 0.0
-        told[k] = NOT_PROVED
+        decided[k] = NOT_PROVED
         proved, scale, longest, least = True, 0.0, 0.0, np.inf
         for i in range(n):
             cell = of_row(numbers[k, i])
@@ -338,7 +340,7 @@ def _classed(numbers: Floats, drive: int, key: Ints, cycle: Ints, gap: Floats, t
         rank(-ends[:, 1], own, unloading)
         nearest, apart = _nearest(ends)
         slip = TIED * scale
-        told[k] = TIES
+        decided[k] = TIES
         if nearest <= slip:
             continue
         code = 0
@@ -354,9 +356,9 @@ def _classed(numbers: Floats, drive: int, key: Ints, cycle: Ints, gap: Floats, t
             ends[i, 0], ends[i, 1] = end_forces(of_row(cells[i]))
         clear = graph_of(cells, ends, drive, slip, up, down)
         if clear < 0.0:
-            told[k] = WAKES
+            decided[k] = WAKES
             continue
-        told[k] = TOLD
+        decided[k] = TOLD
         gap[k, 0] = min(nearest, clear) / scale
         first, second = 1, 1
         for node in range(size):
@@ -434,14 +436,14 @@ def _ways(cells: Floats, ends: Floats, drive: int) -> tuple[Way, ...]:
     n = len(ends)
     up, down = np.empty((2, (n + 1) << n), np.int64)
     _graph(cells, ends, drive, up, down)
-    found: list[Way] = []
+    ways: list[Way] = []
     for direction, targets in ((+1, up), (-1, down)):
         for node in np.flatnonzero(targets >= 0).tolist():
             target = int(targets[node])
             # By stroke whatever begins or ends at a vertex can be turned back.
             snaps = drive == FORCE or (node >> n < n and target >> n < n)
-            found.append((_label(node, n), _label(target, n), direction, snaps))
-    return tuple(found)
+            ways.append((_label(node, n), _label(target, n), direction, snaps))
+    return tuple(ways)
 
 
 def _label(node: int, n: int) -> str:
@@ -470,7 +472,7 @@ def classed(numbers: Floats, drive: int) -> tuple[Ints, Ints, Floats, Ints]:
     m, n = numbers.shape[:2]
     if n > MOST_CELLS:
         raise InputError(f"{n} cells: must be at most {MOST_CELLS}.")
-    key, cycle, told = np.empty((3, m), np.int64)
+    key, cycle, decided = np.empty((3, m), np.int64)
     gap = np.empty((m, 2))
-    _classed(np.ascontiguousarray(numbers), drive, key, cycle, gap, told)
-    return key, cycle, gap, told
+    _classed(np.ascontiguousarray(numbers), drive, key, cycle, gap, decided)
+    return key, cycle, gap, decided

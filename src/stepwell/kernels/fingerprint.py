@@ -73,19 +73,19 @@ def named_by(function: FunctionType) -> dict[str, Any]:
     none, so that machine code cannot use what is two levels away.
     """
     names = _names(function.__code__)
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for name in names & function.__globals__.keys():
         value = function.__globals__[name]
         if isinstance(value, ModuleType) and _is_ours(value):
             inside = {one: getattr(value, one) for one in names & vars(value).keys()}
-            found |= {
+            values |= {
                 f"{name}.{one}": inner
                 for one, inner in inside.items()
                 if not isinstance(inner, ModuleType)
             }
         else:
-            found[name] = value
-    return found
+            values[name] = value
+    return values
 
 
 def _is_ours(module: ModuleType) -> bool:

@@ -80,9 +80,9 @@ class Cell(ByValue, Drawn):
         object.__setattr__(self, "mobility", a_mobility(self.mobility))
         _refuse_limit(self.limit)
         if not (self.unusual or self._asked):
-            found = sizes.slips(self)
-            if found:
-                raise sizes.SlipError(found, _WAY)
+            slips = sizes.slips(self)
+            if slips:
+                raise sizes.SlipError(slips, _WAY)
         object.__setattr__(self, "_asked", True)
         if self.load is not None:
             _refuse_steps(self.load, self.full_travel)
@@ -113,8 +113,8 @@ class Cell(ByValue, Drawn):
             # Beside those there are: what has gone far already may go on.
             own = max([self.lever, *(math.hypot(*a) for b in self.bands for a in (b.p, b.q))])
             given = ((name, at) for name, at in (("p", p), ("q", q)) if at is not None)
-            found = (sizes.far(name, check.vector(name, at), own) for name, at in given)
-            far = tuple(slip for slips in found for slip in slips)
+            groups = (sizes.far(name, check.vector(name, at), own) for name, at in given)
+            far = tuple(slip for slips in groups for slip in slips)
             if far:
                 raise sizes.SlipError(far, _WAY)
         bands = [

@@ -411,11 +411,13 @@ def _phases_of_sheet(element: Element, number: int, forces: Floats, rises: Ints)
 
 def _phases_of(element: Element, turns: Sequence[tuple[Floats, Ints]]) -> tuple[Phase, ...]:
     """The phases of all sheets; `turns` has `signs` by sheet."""
-    found = [phase for i, turn in enumerate(turns) for phase in _phases_of_sheet(element, i, *turn)]
-    if len(found) > _MOST_PHASES:
+    phases = [
+        phase for i, turn in enumerate(turns) for phase in _phases_of_sheet(element, i, *turn)
+    ]
+    if len(phases) > _MOST_PHASES:
         raise InputError(
-            f"the force turns so often that there are {len(found)} stretches on which it rises: "
+            f"the force turns so often that there are {len(phases)} stretches on which it rises: "
             f"at most {_MOST_PHASES} can be told apart by the digits of a state. Is it measured "
             f"noise? Then pass noise=, the standard deviation of the forces."
         )
-    return tuple(found)
+    return tuple(phases)

@@ -98,7 +98,7 @@ def folded(travel: Iterable[float], force: Iterable[float], measure: Measure) ->
     heading = np.sign(np.diff(x)).astype(int)
     folds = [0, *(np.flatnonzero(np.diff(heading)) + 1).tolist(), len(x) - 1]
     unstable, energy = 0, 0.0
-    found: list[_Stretch] = []
+    stretches: list[_Stretch] = []
     for number, (a, b) in enumerate(pairwise(folds)):
         if number:
             unstable += _turn(x, y, a)
@@ -117,8 +117,8 @@ def folded(travel: Iterable[float], force: Iterable[float], measure: Measure) ->
         begin = energy if up else energy - work
         energy += work if up else -work
         rows = cubics.with_integrals(rows, begin)
-        found.append(_Stretch(unstable == 0, bool(up), rows, float(s[-1])))
-    return _linked(found, measure)
+        stretches.append(_Stretch(unstable == 0, bool(up), rows, float(s[-1])))
+    return _linked(stretches, measure)
 
 
 def _turn(x: Floats, y: Floats, at: int) -> int:
@@ -178,13 +178,13 @@ def beside(elements: "Sequence[Element]") -> tuple[tuple[Sheet, ...], tuple[bool
     reach = 2.0 * max(element.largest_force for element in elements)
     curves = [_curves(element, reach) for element in elements]
     start: Place = (0,) * len(elements)
-    found: dict[Place, tuple[Floats, float, Place | None, Place | None]] = {}
+    sheet_at: dict[Place, tuple[Floats, float, Place | None, Place | None]] = {}
     waiting, stops = [start], [False, False]
     while waiting:
         place = waiting.pop()
-        if place in found:
+        if place in sheet_at:
             continue
-        require("branches", len(found), "side by side the elements have")
+        require("branches", len(sheet_at), "side by side the elements have")
         parts = [curve[sheet] for curve, sheet in zip(curves, place, strict=True)]
         low, below = _end(place, parts, 0, stops)
         high, above = _end(place, parts, 1, stops)
@@ -194,12 +194,12 @@ def beside(elements: "Sequence[Element]") -> tuple[tuple[Sheet, ...], tuple[bool
                 f"elements share no travel where they should stand side by side: one begins at "
                 f"{low * factor:.6g} {unit}, where another has ended at {high * factor:.6g} {unit}."
             )
-        found[place] = _sum([part[0] for part in parts], low, high), high, below, above
+        sheet_at[place] = _sum([part[0] for part in parts], low, high), high, below, above
         waiting += [other for other in (below, above) if other is not None]
-    number: dict[Place | None, int] = {place: k for k, place in enumerate(sorted(found))}
+    number: dict[Place | None, int] = {place: k for k, place in enumerate(sorted(sheet_at))}
     sheets = [
         Sheet.of(rows, end, number.get(below), number.get(above))
-        for _, (rows, end, below, above) in sorted(found.items())
+        for _, (rows, end, below, above) in sorted(sheet_at.items())
     ]
     return tuple(sheets), (stops[0], stops[1]), sum(element.friction for element in elements)
 

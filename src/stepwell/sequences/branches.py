@@ -196,8 +196,8 @@ class Branches:
             # Past this snap, and not as far as the next.
             past = (exit_.snap.drive[1] + (onto.high if direction > 0 else onto.low)) / 2.0
             run = statics.path(self.chain, [branch.drive, past], start=branch.begin)
-            found = run.landings(ratio)
-            self._landings[key] = next((one for one in found if not one.holds), found[0])
+            landings = run.landings(ratio)
+            self._landings[key] = next((one for one in landings if not one.holds), landings[0])
         return self._landings[key]
 
     def vertex(self, state: str) -> tuple[statics.Configuration, float] | None:
@@ -215,9 +215,9 @@ class Branches:
         seen, waiting, limit = set(numbers), list(numbers), most("branches")
         while waiting:
             if len(seen) > limit:
-                found = problem("branches", len(seen), "there are", so_far=True)
+                text = problem("branches", len(seen), "there are", so_far=True)
                 raise InputError(
-                    f"{found} Or look at a shorter chain, walk only so far with "
+                    f"{text} Or look at a shorter chain, walk only so far with "
                     f"chain.implicit_graph().walk(most=...), or ask chain.program(target=...) for "
                     f"one way."
                 )
@@ -272,14 +272,14 @@ class Branches:
     ) -> tuple[Passage, After]:
         key = self._key(place, drive, direction)
         if key not in self._passages:
-            found = statics.path(self.chain, [drive, self.range[direction > 0]], start=place)
-            self._keep(found, direction)
+            run = statics.path(self.chain, [drive, self.range[direction > 0]], start=place)
+            self._keep(run, direction)
         return self._passages[key]
 
-    def _keep(self, found: statics.Path, direction: int) -> None:
+    def _keep(self, run: statics.Path, direction: int) -> None:
         """Write down every passage of a run: the later ones begin where a snap ended."""
-        self.ties |= dict.fromkeys(found.degenerate)
-        passages = passages_of(found)
+        self.ties |= dict.fromkeys(run.degenerate)
+        passages = passages_of(run)
         for passage, following in zip(passages, [*passages[1:], None], strict=True):
             place, drive = _begin(passage)
             after = None
@@ -305,7 +305,7 @@ def windows(
         return [(point, point) for point in inner]
     begin: str | statics.Configuration = start
     limits = reach(chain)
-    found: list[tuple[float, float]] = []
+    intervals: list[tuple[float, float]] = []
     for before, point in pairwise(turning_points[:-1]):
         rises = point > before
         end = max(point, limits[1]) if rises else min(point, limits[0])
@@ -315,9 +315,9 @@ def windows(
         ahead = [drive for drive in snaps if drive not in done]
         last = done[-1] if done else before
         next_ = ahead[0] if ahead else whole.turning_points[-1]
-        found.append((min(last, next_), max(last, next_)))
+        intervals.append((min(last, next_), max(last, next_)))
         begin = statics.path(chain, [before, point], start=begin).end_configuration
-    return found
+    return intervals
 
 
 # Points on every section of a branch, closer towards its ends, where the force may turn sharply.
@@ -369,9 +369,9 @@ def _points(
     chain: Chain, branch: Branch, turns: list[float]
 ) -> tuple[list[tuple[float, float]], statics.Configuration]:
     """(stroke, force) on the way through these strokes, up to a snap, and where it ends."""
-    found = statics.path(chain, turns, start=branch.begin)
-    points, travels, sheets = [(turns[0], found.start_force)], [*found.start], [*found.start_sheet]
-    for segment in found.segments():
+    run = statics.path(chain, turns, start=branch.begin)
+    points, travels, sheets = [(turns[0], run.start_force)], [*run.start], [*run.start_sheet]
+    for segment in run.segments():
         if segment.kind is statics.SegmentKind.SNAP:
             break
         for cell, travel in zip(segment.cells, segment.after, strict=True):

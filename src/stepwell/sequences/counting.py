@@ -85,7 +85,7 @@ def counting(atlas: BranchAtlas, routes: Routes, *, by_hand: bool) -> Counting:
     exhaustive = len(gaps) <= most
     if not exhaustive:
         gaps = gaps[np.unique(np.linspace(0, len(gaps) - 1, most).astype(int))]
-    found: list[Accumulator] = []
+    accumulators: list[Accumulator] = []
     for direction in (+1, -1):
         seen = gaps if direction > 0 else -gaps[::-1, ::-1]
         for orbit, (low, high) in _orbits(branches.toward(direction), seen).items():
@@ -97,9 +97,11 @@ def counting(atlas: BranchAtlas, routes: Routes, *, by_hand: bool) -> Counting:
             hand = not routes.reached[first]
             turns = (begin,) if hand else routes.turns(first, begin)
             drives = min(begin, end), max(begin, end)
-            found.append(Accumulator(*drives, direction, states, *rhythm, slack, hand, turns))
-    found.sort(key=lambda a: (-len(a.states), -a.period, -a.slack))
-    return Counting(tuple(found), exhaustive)
+            accumulators.append(
+                Accumulator(*drives, direction, states, *rhythm, slack, hand, turns)
+            )
+    accumulators.sort(key=lambda a: (-len(a.states), -a.period, -a.slack))
+    return Counting(tuple(accumulators), exhaustive)
 
 
 def _orbits(branches: Mesostates, gaps: Floats) -> dict[tuple[int, ...], tuple[Floats, Floats]]:
@@ -109,7 +111,7 @@ def _orbits(branches: Mesostates, gaps: Floats) -> dict[tuple[int, ...], tuple[F
     everywhere = np.broadcast_to(np.arange(len(branches)), (len(gaps), len(branches)))
     risen = branches.risen(everywhere, middles[:, None])
     fallen = branches.toward(-1).risen(everywhere, -middles[:, None])
-    found: dict[tuple[int, ...], tuple[float, int, int]] = {}
+    widest_gaps: dict[tuple[int, ...], tuple[float, int, int]] = {}
     for low in range(len(gaps) - 1):
         stands = (branches.low <= middles[low]) & (middles[low] <= branches.high)
         starts = np.flatnonzero(stands)
@@ -124,8 +126,8 @@ def _orbits(branches: Mesostates, gaps: Floats) -> dict[tuple[int, ...], tuple[F
         for row in np.unique(orbits, axis=0, return_index=True)[1].tolist() if len(orbits) else ():
             orbit = tuple(orbits[row][orbits[row] >= 0].tolist())
             better = (float(width[widest[row]]), low, low + 1 + int(extreme[row]))
-            found[orbit] = max(found.get(orbit, better), better)
-    return {orbit: (gaps[low], gaps[high]) for orbit, (_, low, high) in found.items()}
+            widest_gaps[orbit] = max(widest_gaps.get(orbit, better), better)
+    return {orbit: (gaps[low], gaps[high]) for orbit, (_, low, high) in widest_gaps.items()}
 
 
 def _followed(cycle: Ints, extreme: Ints, start: Ints) -> Ints:

@@ -72,12 +72,12 @@ class Sequence(ByValue):
     def states(self) -> tuple[str, ...]:
         """All vertices as strings."""
         state = list(self.first)
-        found = [self.first]
+        states = [self.first]
         for change in self.changes:
             for cell, phase in change:
                 state[cell] = str(phase)
-            found.append("".join(state))
-        return tuple(found)
+            states.append("".join(state))
+        return tuple(states)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.states)
@@ -154,7 +154,7 @@ def sequence_of(path: statics.Path) -> Sequence:
     at = at.copy()
     between = sum(phase < 0 for phase in at)
     vertex, first = at.copy(), None if between else at.copy()
-    found: list[tuple[tuple[int, int], ...]] = []
+    steps: list[tuple[tuple[int, int], ...]] = []
     touched: set[int] = set()
     for change in changes:
         for cell, phase in change:
@@ -168,12 +168,12 @@ def sequence_of(path: statics.Path) -> Sequence:
         else:
             moved = tuple((cell, at[cell]) for cell in sorted(touched) if at[cell] != vertex[cell])
             if moved:
-                found.append(moved)
+                steps.append(moved)
         for cell in touched:
             vertex[cell] = at[cell]
         touched.clear()
     state = "".join("-" if phase < 0 else str(phase) for phase in first or at)
-    return Sequence(state, tuple(found))
+    return Sequence(state, tuple(steps))
 
 
 @dataclass(frozen=True, eq=False)
@@ -306,7 +306,7 @@ def cycles_of(
         progress: called with (0, count) before a design is built, and now and then from there on.
     """
     base.notify(progress, 0, count)
-    number, found = np.full(count, _ASK), np.full((count, batch.FOUND), np.nan)
+    number, numbers = np.full(count, _ASK), np.full((count, batch.FOUND), np.nan)
     sequences: dict[Sequence, int] = {}
     which = np.arange(count)
     if designs is None:
@@ -316,7 +316,7 @@ def cycles_of(
     if designs is not None and len(which):
         followed = statics.full_cycles(designs, progress)
         number[which] = _numbered(followed.visited, designs.cells.shape[1], sequences)
-        found[which] = followed.found
+        numbers[which] = followed.found
     left = np.flatnonzero(number == _ASK).tolist()
     for done, i in enumerate(left, count - len(left)):
         base.notify(progress, done, count)
@@ -330,8 +330,8 @@ def cycles_of(
             number[i] = UNSOLVED
             continue
         number[i] = sequences.setdefault(result.sequence, len(sequences))
-        found[i] = _found(result)
-    return Cycles(tuple(sequences), number, found)
+        numbers[i] = _found(result)
+    return Cycles(tuple(sequences), number, numbers)
 
 
 def _numbered(rows: Ints, cells: int, sequences: dict[Sequence, int]) -> list[int]:
@@ -359,13 +359,13 @@ def _built(build: Callable[[int], Chain], i: int) -> Chain | None:
 
 
 def _found(result: Cycle) -> Floats:
-    found = np.full(batch.FOUND, np.nan)
-    found[batch.SNAPS], found[batch.TIES] = len(result.snaps), len(result.degenerate)
-    found[batch.PEAK], found[batch.LOST] = result.peak_force, result.dissipated
+    numbers = np.full(batch.FOUND, np.nan)
+    numbers[batch.SNAPS], numbers[batch.TIES] = len(result.snaps), len(result.degenerate)
+    numbers[batch.PEAK], numbers[batch.LOST] = result.peak_force, result.dissipated
     for snap in reversed(result.snaps):
-        found[batch.STROKE_UP if snap.direction > 0 else batch.STROKE_DOWN] = snap.stroke
-    found[batch.STEPS_UP], found[batch.STEPS_DOWN] = snapping_steps(result)
-    return found
+        numbers[batch.STROKE_UP if snap.direction > 0 else batch.STROKE_DOWN] = snap.stroke
+    numbers[batch.STEPS_UP], numbers[batch.STEPS_DOWN] = snapping_steps(result)
+    return numbers
 
 
 def snapping_steps(result: Cycle) -> tuple[int, int]:

@@ -25,15 +25,20 @@ def endings(unit: str) -> Endings:
     """The units with which keys end, in a graph whose drives have this one."""
     measure = measure_of(unit)
     units = {_DRIVES: unit, _FORCES: measure.force_unit, _TRAVELS: measure.travel_unit}
-    found = {name: told for names, told in units.items() for name in names} | {"released": "J"}
-    spelled = {name: told.replace("³", "3").replace(" ", "") for name, told in found.items()}
-    return {name: f"_{told}" if told else "" for name, told in spelled.items()}
+    units_by_name = {name: unit_text for names, unit_text in units.items() for name in names} | {
+        "released": "J"
+    }
+    spelled = {
+        name: unit_text.replace("³", "3").replace(" ", "")
+        for name, unit_text in units_by_name.items()
+    }
+    return {name: f"_{unit_text}" if unit_text else "" for name, unit_text in spelled.items()}
 
 
 def drives_text(unit: str, drives: Iterable[float], between: str = " to ") -> str:
     """Drives as people read them, in mm, N and such, or bare."""
-    told, factor = display_unit(unit)
-    sign = Quantity("drive", told).sign
+    shown_unit, factor = display_unit(unit)
+    sign = Quantity("drive", shown_unit).sign
     return f"{between.join(f'{drive * factor:.4g}' for drive in drives)} {sign}".rstrip()
 
 
@@ -117,7 +122,7 @@ _LISTS = ("cells", "ties", "switching_fields")
 
 def _rows(graph: TransitionGraph) -> Row:
     ends = endings(graph.unit)
-    found = {
+    data = {
         "format": _FORMAT,
         "cells": list(graph.names),
         "actuator": graph.actuator,
@@ -129,8 +134,8 @@ def _rows(graph: TransitionGraph) -> Row:
         "edges": [{"from": a, "to": b, **_row(t, ends)} for a, b, t in graph.transitions()],
     }
     if graph.fields is not None:
-        found["switching_fields"] = graph.fields.tolist()
-    return found
+        data["switching_fields"] = graph.fields.tolist()
+    return data
 
 
 def record(graph: TransitionGraph) -> Row:
@@ -191,13 +196,13 @@ def to_graphml(graph: TransitionGraph) -> str:
     data = _rows(graph)
     nodes, edges = data.pop("nodes"), data.pop("edges")
     data["start"] = data["start"] or ""
-    found = nx.MultiDiGraph()
-    found.graph.update(data | {key: json.dumps(data[key]) for key in _LISTS if key in data})
+    multigraph = nx.MultiDiGraph()
+    multigraph.graph.update(data | {key: json.dumps(data[key]) for key in _LISTS if key in data})
     for row in map(_flat, nodes):
-        found.add_node(row.pop("label"), **row)
+        multigraph.add_node(row.pop("label"), **row)
     for row in map(_flat, edges):
-        found.add_edge(row.pop("from"), row.pop("to"), **row)
-    return "\n".join(nx.generate_graphml(found)) + "\n"
+        multigraph.add_edge(row.pop("from"), row.pop("to"), **row)
+    return "\n".join(nx.generate_graphml(multigraph)) + "\n"
 
 
 def from_graphml(text: str) -> TransitionGraph:
@@ -205,14 +210,16 @@ def from_graphml(text: str) -> TransitionGraph:
     import networkx as nx
 
     try:
-        found = nx.parse_graphml(text, force_multigraph=True)
+        multigraph = nx.parse_graphml(text, force_multigraph=True)
     except (nx.NetworkXError, SyntaxError) as error:
         raise InputError(f"graph: is not GraphML: {error}.") from None
-    data = ours(dict(found.graph), "to_graphml")
+    data = ours(dict(multigraph.graph), "to_graphml")
     data |= {key: json.loads(data[key]) for key in _LISTS if key in data}
     data["start"] = data.get("start") or None
-    data["nodes"] = [{"label": label, **_listed(row)} for label, row in found.nodes(data=True)]
-    data["edges"] = [{"from": a, "to": b, **_listed(row)} for a, b, row in found.edges(data=True)]
+    data["nodes"] = [{"label": label, **_listed(row)} for label, row in multigraph.nodes(data=True)]
+    data["edges"] = [
+        {"from": a, "to": b, **_listed(row)} for a, b, row in multigraph.edges(data=True)
+    ]
     return graph_of(data)
 
 
@@ -225,11 +232,11 @@ def _flat(row: Row) -> Row:
 
 def _listed(row: Row) -> Row:
     lists = {"cells": int, "travel": float}
-    found: Row = {}
+    listed: Row = {}
     for key, value in row.items():
         kind = lists.get(key.partition("_")[0])
-        found[key] = [kind(word) for word in str(value).split()] if kind else value
-    return found
+        listed[key] = [kind(word) for word in str(value).split()] if kind else value
+    return listed
 
 
 _KEPT = re.compile(r'stepwell="((?:[^"\\]|\\.)*)"')
@@ -296,4 +303,4 @@ def _kept(row: Row) -> str:
 
 
 def _unquoted(text: str) -> str:
-    return re.sub(r"\\(.)", lambda found: {"n": "\n"}.get(found[1], found[1]), text)
+    return re.sub(r"\\(.)", lambda match: {"n": "\n"}.get(match[1], match[1]), text)

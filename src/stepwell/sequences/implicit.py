@@ -69,8 +69,8 @@ class _ByBranches:
         if place is None:
             raise InputError(transition_graph.no_equilibrium(self.chain, "state", label))
         number = self._branches.at(*place)
-        found = number, self._branches[number].find(label, place[1])
-        self._label(found)
+        section = number, self._branches[number].find(label, place[1])
+        self._label(section)
         return self._sections[label]
 
     def _label(self, section: tuple[int, int]) -> str:

@@ -59,15 +59,15 @@ def main_loop(atlas: BranchAtlas) -> Loop:
 def loop_pairs(atlas: BranchAtlas, among: Ints) -> Ints:
     """(M, 2) all pairs (μ, ν) of these branches that make a loop, the main one left out."""
     branches = atlas.mesostates
-    found = [np.empty((0, 2), int)]
+    blocks = [np.empty((0, 2), int)]
     low = np.array(among)
     high = branches.rise[low]
     while np.any(high >= 0):
         low, high = low[high >= 0], high[high >= 0]
         closed = branches.falls_to(high, low)
-        found.append(np.column_stack([low[closed], high[closed]]))
+        blocks.append(np.column_stack([low[closed], high[closed]]))
         high = branches.rise[high]
-    pairs = np.concatenate(found)
+    pairs = np.concatenate(blocks)
     main = (pairs[:, 0] == atlas.bottom) & (branches.rise[pairs[:, 1]] < 0)
     pairs = pairs[~main]
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
@@ -129,11 +129,11 @@ def latches(graph: TransitionGraph, groups: Ints) -> tuple[Latch, ...]:
         at = 1 - row, node
         a, b = graph.nodes.label(node), graph.nodes.label(int(graph.target[at]))
         ways.setdefault(int(groups[node]), []).append((a, b, graph.ways[graph.number[at]]))
-    found = [
+    unsorted = [
         Latch(tuple(sorted(graph.nodes.labels(np.flatnonzero(groups == group)))), tuple(out))
         for group, out in ways.items()
     ]
-    return tuple(sorted(found, key=lambda latch: latch.nodes))
+    return tuple(sorted(unsorted, key=lambda latch: latch.nodes))
 
 
 def groups_of(graph: TransitionGraph) -> Ints:
@@ -265,18 +265,18 @@ def _lapses(branches: Mesostates, routes: Routes) -> list[_Lapse]:
     left, first, room = left[room > 0], first[room > 0], room[room > 0]
     just_above = branches.high[left] + np.minimum(branches.slip, room / 2)
     least = _least_end(branches, routes)[left] + branches.slip
-    found: list[_Lapse] = []
+    lapses: list[_Lapse] = []
     rows, at = np.arange(len(left)), first
     while True:
         go = (branches.low[at] > least[rows]) & (branches.fall[at] >= 0)
         if not np.any(go):
-            return found
+            return lapses
         rows, entered = rows[go], branches.low[at[go]]
         at = branches.fall[at[go]]
         later = branches.risen(at, just_above[rows])
         for k in np.flatnonzero(later != first[rows]).tolist():
             turned, drive, end = int(at[k]), float(entered[k]), int(later[k])
-            found.append(_Lapse(int(left[rows[k]]), int(first[rows[k]]), turned, drive, end))
+            lapses.append(_Lapse(int(left[rows[k]]), int(first[rows[k]]), turned, drive, end))
 
 
 def _alike(atlas: BranchAtlas, branches: Mesostates, lapse: _Lapse, direction: int) -> bool:
@@ -373,7 +373,7 @@ def scrambling(graph: TransitionGraph, reached: Ints, others: Ints) -> tuple[Scr
     # Flip m is that of cell[m] out of phase step[m], and of a falling drive back to it.
     cell = np.repeat(np.arange(len(last)), last)
     step = np.arange(len(cell)) - np.searchsorted(cell, cell)
-    found: list[Scrambling] = []
+    scramblings: list[Scrambling] = []
     for direction in (+1, -1):
         order = _Order(graph, cell, step, direction)
         # before[i, j]: whether flip i is before flip j somewhere.
@@ -386,8 +386,8 @@ def scrambling(graph: TransitionGraph, reached: Ints, others: Ints) -> tuple[Scr
                 i_first, j_first = (order.example(part, *pair) for pair in ((i, j), (j, i)))
                 cells, label = (int(cell[i]), int(cell[j])), graph.nodes.label
                 orders = label(i_first), label(j_first)
-                found.append(Scrambling(cells, direction, *orders, reachable))
-    return tuple(found)
+                scramblings.append(Scrambling(cells, direction, *orders, reachable))
+    return tuple(scramblings)
 
 
 @dataclass(frozen=True, eq=False)
@@ -401,11 +401,11 @@ class _Order:
 
     def before(self, vertices: Ints) -> Bools:
         """(M, M) whether flip i is on the way from one of these vertices while flip j waits."""
-        found = np.zeros((len(self.cell),) * 2, bool)
+        pairs = np.zeros((len(self.cell),) * 2, bool)
         for begin in range(0, len(vertices), _BLOCK):
             flips, waits = self._of(vertices[begin : begin + _BLOCK])
-            found |= flips.T.astype(np.float32) @ waits.astype(np.float32) > 0
-        return found
+            pairs |= flips.T.astype(np.float32) @ waits.astype(np.float32) > 0
+        return pairs
 
     def example(self, vertices: Ints, i: int, j: int) -> int:
         """The first of these vertices from which flip i is on the way while flip j waits."""

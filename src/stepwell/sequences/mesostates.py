@@ -50,15 +50,15 @@ class Mesostates:
 
     def falls_to(self, at: Ints, goal: Ints) -> Bools:
         """Whether a falling drive leads from one branch to the other, at once or later."""
-        here, found = np.array(at), np.zeros(len(at), bool)
+        here, reached = np.array(at), np.zeros(len(at), bool)
         going = np.arange(len(here))
         for _ in range(len(self)):
             here[going] = self.fall[here[going]]
-            found[going] = here[going] == goal[going]
-            going = going[~found[going] & (here[going] >= 0)]
+            reached[going] = here[going] == goal[going]
+            going = going[~reached[going] & (here[going] >= 0)]
             if not len(going):
                 break
-        return found
+        return reached
 
     def among(self, numbers: Ints) -> "Mesostates":
         """These branches alone, renumbered; nothing may lead out of them."""

@@ -133,8 +133,8 @@ class Nodes(Sequence[Node]):
         Of equal sums the state with the smaller phase of the outermost cell comes first.
         """
         numbered = enumerate(self._nodes)
-        found = sorted((x.level, x.label[::-1], k) for k, x in numbered if x.is_vertex)
-        return np.array([number for *_, number in found], int)
+        vertices = sorted((x.level, x.label[::-1], k) for k, x in numbered if x.is_vertex)
+        return np.array([number for *_, number in vertices], int)
 
     @overload
     def __getitem__(self, number: int) -> Node: ...
@@ -238,10 +238,10 @@ class States:
 
     def phases(self, codes: Ints) -> Digits:
         """(S, N) the phase of every cell in each of these states."""
-        found = np.empty((len(codes), len(self.sizes)), np.uint8)
+        phases = np.empty((len(codes), len(self.sizes)), np.uint8)
         for cell, size in reversed(list(enumerate(self.sizes))):
-            codes, found[:, cell] = np.divmod(codes, size)
-        return found
+            codes, phases[:, cell] = np.divmod(codes, size)
+        return phases
 
     def labels(self, codes: Ints) -> list[str]:
         """These states as strings of digits."""

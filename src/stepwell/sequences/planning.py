@@ -60,9 +60,9 @@ def _by_trying(task: _Task) -> Program:
         for section in _sections(chain, place, drive, branches.range[direction > 0]):
             if section.state == task.target:
                 low, high = sorted(section.drive)
-                found = _widened(task, turns, (low, high))
-                if found is not None:
-                    return found
+                program = _widened(task, turns, (low, high))
+                if program is not None:
+                    return program
             if len(turns) < _MOST_TURNS and section.drive[0] != section.drive[1]:
                 middle = sum(section.drive) / 2
                 stopped = path(chain, [drive, middle], start=place).end_configuration
@@ -94,11 +94,11 @@ def _widened(task: _Task, turns: tuple[float, ...], ends: tuple[float, float]) -
 
     def works(k: int, drive: float) -> bool:
         try:
-            found = path(chain, [*points[:k], drive, *points[k + 1 :]], start=task.place)
+            run = path(chain, [*points[:k], drive, *points[k + 1 :]], start=task.place)
         except (StaticsError, ValueError):
             return False
-        arrives = state_of(chain.stretches, found.end_configuration) == task.target
-        return arrives and (robust is None or all(x.holds for x in found.landings(robust)))
+        arrives = state_of(chain.stretches, run.end_configuration) == task.target
+        return arrives and (robust is None or all(x.holds for x in run.landings(robust)))
 
     if robust is not None and not works(0, points[0]):
         return None
@@ -151,18 +151,18 @@ def _planned(
     task = _task(chain, start, target, progress)
     rubbed = any(cell.friction > 0 for cell in chain.cells)
     search = _by_trying if rubbed else _by_branches
-    found = _by_fields(task) if not rubbed and len(chain) > _LOOKED_AT else None
-    found = replace(found or search(task), robust=robust)
-    if found.hangs is None:
-        return found
+    program = _by_fields(task) if not rubbed and len(chain) > _LOOKED_AT else None
+    program = replace(program or search(task), robust=robust)
+    if program.hangs is None:
+        return program
     task = replace(task, robust=robust)
     turned = None if rubbed else _by_fields(task)
     if turned is not None:
-        return replace(turned, shortest=found.shortest and turned.strokes == found.strokes)
+        return replace(turned, shortest=program.shortest and turned.strokes == program.strokes)
     try:
         return search(task)
     except Unreachable as why:
-        text = _hanging(found, found.hangs) + ("" if why.proved else f" {_NO_PROOF}")
+        text = _mobility_failure(program, program.hangs) + ("" if why.proved else f" {_NO_PROOF}")
         raise Unreachable(text, proved=why.proved) from None
 
 
@@ -179,19 +179,18 @@ def _task(chain: Chain, start: str, target: str, progress: Progress = None) -> _
 _NO_PROOF = "That is no proof: not all ways could be looked at, or a tie stands in one."
 
 
-def _hanging(found: Program, hangs: Landing) -> str:
-    """What stands in the way of a program that works for all mobilities within a ratio."""
+def _mobility_failure(program: Program, hangs: Landing) -> str:
+    """Reason why no program holds for all mobilities within a ratio."""
     event, place = hangs.event, hangs.elsewhere[0]
-    at = amount(event.drive, found.chain.drive_unit, 4)
-    way = "up" if event.direction > 0 else "down"
-    cells = ", ".join(found.chain.names[cell] for cell in event.cells)
+    at = amount(event.drive, program.chain.drive_unit, 4)
+    way = "loading" if event.direction > 0 else "unloading"
+    cells = ", ".join(program.chain.names[cell] for cell in event.cells)
     factors = ", ".join(f"{one:.3g}" for one in place.mobility)
     return (
-        f"no program leads from {found.start} to {found.target} on which every snap lands in one "
-        f"place for all mobilities up to {hangs.ratio:g} apart. On the shortest, {found}, the "
-        f"snap at {at} on the way {way} ({cells}) stands in the way: with {factors} times the "
-        f"mobilities given it lands in {place.state}. Ask for a smaller ratio or another state, or "
-        f"move an anchor."
+        f"no program from {program.start} to {program.target} has snaps that all land in one place "
+        f"for mobility ratios up to {hangs.ratio:g}. On the shortest program, {program}, the snap "
+        f"at {at} while {way} ({cells}) fails: with {factors} times the given mobilities it lands "
+        f"in {place.state}. Set a smaller ratio, choose another target state or change a cell."
     )
 
 
@@ -348,7 +347,7 @@ def _by_branches(task: _Task) -> Program:
     raise Unreachable(
         f"no program leads from {start} to {target}: every branch that can be reached from {start} "
         f"({len(looked)} of them) was followed to both ends, and they hold {', '.join(states)} "
-        f"only. {_why(branches, target)}".strip(),
+        f"only. {_reason(branches, target)}".strip(),
         proved=not branches.ties,
     )
 
@@ -375,7 +374,7 @@ def _end(branches: Branches, reached: _Reached, target: str) -> tuple[float, flo
     return None
 
 
-def _why(branches: Branches, target: str) -> str:
+def _reason(branches: Branches, target: str) -> str:
     """The order of fields that forbids a state, where there is one; or why nothing is proved."""
     tie = next(iter(branches.ties), None)
     if tie is not None:
@@ -383,8 +382,8 @@ def _why(branches: Branches, target: str) -> str:
     chain = branches.chain
     fields = relays(chain)
     # What a stroke does to elements, their fields do not tell.
-    told = not chain.elements or chain.actuator_stiffness == 0
-    if fields is None or fields.skips or not told:
+    decided = not chain.elements or chain.actuator_stiffness == 0
+    if fields is None or fields.skips or not decided:
         return ""
     blocked = fewest_strokes(fields, chain.first_state, target).blocked
     if blocked is None:

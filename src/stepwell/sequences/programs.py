@@ -122,8 +122,8 @@ class Program(base.ByValue, base.Drawn):
         start = chain.first_state if start is None else start
         points = tuple(float(point) for point in turning_points)
         path = chain.path(points, start=start)
-        found = zip(points[1:-1], windows(chain, start, points), strict=True)
-        turns = tuple(Turn(point, low, high, ()) for point, (low, high) in found)
+        intervals = zip(points[1:-1], windows(chain, start, points), strict=True)
+        turns = tuple(Turn(point, low, high, ()) for point, (low, high) in intervals)
         target, ends = target or arrival(path), (points[-1], points[-1])
         begin = Configuration(path.start, path.start_sheet)
         given = points[0], turns, *ends, ProgramMethod.GIVEN, False, begin
@@ -216,8 +216,8 @@ class Program(base.ByValue, base.Drawn):
         base.write_csv(file, zip(schema, zip(*rows, strict=True), strict=True), 9)
 
     def __str__(self):
-        told, factor = base.display_unit(self.chain.drive_unit)
-        unit = base.Quantity("drive", told).sign
+        shown_unit, factor = base.display_unit(self.chain.drive_unit)
+        unit = base.Quantity("drive", shown_unit).sign
         # A billionth of the way is rounding, and no place to stand.
         least = 1e-9 * max(map(abs, self.turning_points))
         shown = (0.0 if abs(point) < least else point for point in self.turning_points)

@@ -108,7 +108,7 @@ class MemoryReading(ByValue, Drawn):
         part = "" if counted.exhaustive else " (searched in part)"
         eden = "not known: the graph began with one state" if gardens is None else _listed(gardens)
         ways = (f"{a}>{b}" for latch in self.latches for a, b, _ in latch.ways)
-        found = {
+        facts = {
             "main loop": str(self.main_loop),
             "sub-loops": sub_loops,
             "Garden of Eden": eden,
@@ -119,12 +119,12 @@ class MemoryReading(ByValue, Drawn):
             "latches": _listed(ways),
         }
         if graph.ties:
-            found["ties"] = f"{len(graph.ties)}, so other ways are possible"
-        return found
+            facts["ties"] = f"{len(graph.ties)}, so other ways are possible"
+        return facts
 
     def __str__(self):
-        found = (f"{name:<21}{text}" for name, text in self.facts.items())
-        return "\n".join([self.summary, *found])
+        lines = (f"{name:<21}{text}" for name, text in self.facts.items())
+        return "\n".join([self.summary, *lines])
 
 
 def read_memory(graph: TransitionGraph) -> MemoryReading:

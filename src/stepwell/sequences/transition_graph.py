@@ -127,12 +127,12 @@ class TransitionGraph(ByValue, Drawn):
         """
         import networkx as nx
 
-        found: nx.DiGraph[str] = nx.DiGraph()
-        found.add_nodes_from((node.label, {"node": node}) for node in self.nodes)
+        digraph: nx.DiGraph[str] = nx.DiGraph()
+        digraph.add_nodes_from((node.label, {"node": node}) for node in self.nodes)
         for a, b, transition in self.transitions():
-            before = found.edges[a, b]["transitions"] if found.has_edge(a, b) else ()
-            found.add_edge(a, b, transitions=(*before, transition))
-        return nx.freeze(found)
+            before = digraph.edges[a, b]["transitions"] if digraph.has_edge(a, b) else ()
+            digraph.add_edge(a, b, transitions=(*before, transition))
+        return nx.freeze(digraph)
 
     def node(self, label: str) -> Node:
         """The node of that label; KeyError if there is none."""
@@ -247,9 +247,9 @@ def graph(
             first.append(branches.at(*place))
     if start is not None and not first:
         raise InputError(no_start(chain, start))
-    found = sorted(branches.all_from(first, progress))
-    base.notify(progress, len(found), len(found))
-    return _assembled(branches, found, start)
+    reached = sorted(branches.all_from(first, progress))
+    base.notify(progress, len(reached), len(reached))
+    return _assembled(branches, reached, start)
 
 
 def listable(chain: Chain) -> bool:

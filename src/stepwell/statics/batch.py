@@ -189,13 +189,13 @@ def _work(designs: Designs) -> _Work:
     n, phases = len(laws.lever), designs.phases.shape[1]
     room = 64 + 16 * n * 3
     cutting = (
-        cuts.room_of_pieces(laws, sheets, 64 + 16 * n + 4 * len(laws.rows)),
-        cuts.room_for(laws),
+        cuts.memory_for_pieces(laws, sheets, 64 + 16 * n + 4 * len(laws.rows)),
+        cuts.cutting_space(laws),
     )
     state = st.blank_state(np.zeros(n), logged.empty_log(room, 4 * room))
     sheet, rank, phase = np.zeros((3, n), np.int64)
     own = np.zeros(n), sheet, np.ones(n), rank, phase, np.zeros((phases, 5)), np.zeros(3)
-    follows = st.spare_room(n), no_rising(n), state
+    follows = st.spare_memory(n), no_rising(n), state
     return _Work(laws, sheets, *cutting, *follows, *own, np.array([0, _LOOKS]))
 
 
@@ -207,7 +207,7 @@ def follow_each(designs: Designs, begin: int, end: int, work: _Work, out: Follow
 
 
 @leaf
-def _follow_one(designs: Designs, k: int, work: _Work, visited: Ints, found: Floats) -> None:
+def _follow_one(designs: Designs, k: int, work: _Work, visited: Ints, numbers: Floats) -> None:
     if not _build(designs, k, work):
         return
     laws, sheets, pieces, effort = work.laws, work.sheets, work.pieces, work.effort
@@ -226,7 +226,7 @@ def _follow_one(designs: Designs, k: int, work: _Work, visited: Ints, found: Flo
     effort[0], effort[MOST] = 0, _LOOKS
     _, promise, _ = audit(problem, state.log, work.begin, work.sheet)
     if promise == KEPT:
-        _read(designs, work, (problem.alpha, problem.beta), visited, found)
+        _read(designs, work, (problem.alpha, problem.beta), visited, numbers)
 
 
 @leaf
@@ -366,7 +366,7 @@ def _phase_at(designs: Designs, phases: Floats, cell: int, sheet: int, travel: f
 
 @leaf
 def _read(
-    designs: Designs, work: _Work, drive: tuple[float, float], visited: Ints, found: Floats
+    designs: Designs, work: _Work, drive: tuple[float, float], visited: Ints, numbers: Floats
 ) -> None:
     log, travel = work.state.log, work.state.travel
     code = _first_state(designs, work)
@@ -382,11 +382,11 @@ def _read(
             snaps += 1
             snapped = int(row[logged.DIRECTION])
             way = STROKE_UP if snapped > 0 else STROKE_DOWN
-            if np.isnan(found[way]):
+            if np.isnan(numbers[way]):
                 # Cells without a row follow λ: the drive knows the sum, but under a dead load.
-                (alpha, beta), found[way] = drive, mech.summed(travel)
+                (alpha, beta), numbers[way] = drive, mech.summed(travel)
                 if alpha > 0.0:
-                    found[way] = (row[logged.DRIVE_0] - beta * row[logged.FORCE_0]) / alpha
+                    numbers[way] = (row[logged.DRIVE_0] - beta * row[logged.FORCE_0]) / alpha
         more, left = _moved_on(designs, work, k)
         code, between = code + more, between + left
         if between == 0:
@@ -398,8 +398,8 @@ def _read(
                     return
                 visited[used] = last = code
                 used += 1
-    found[SNAPS], found[TIES], found[PEAK], found[LOST] = snaps, ties, _peak(log), lost
-    found[STEPS_UP], found[STEPS_DOWN] = steps_up, steps_down
+    numbers[SNAPS], numbers[TIES], numbers[PEAK], numbers[LOST] = snaps, ties, _peak(log), lost
+    numbers[STEPS_UP], numbers[STEPS_DOWN] = steps_up, steps_down
 
 
 @leaf

@@ -92,7 +92,7 @@ class FreeCells(NamedTuple):
     stiff: float  # of the actuator [N/m]; 0 under a dead load
     free: int  # how many groups of blocks move: k, or k - 1 where the outermost is held
     rows: Ints  # (k, slots) of each law, the same all through a step: there the law is smooth
-    room: Ints  # (slots,) for other rows
+    spare: Ints  # (slots,) memory for other rows
 
 
 @kernel

@@ -10,7 +10,7 @@ import numpy as np
 
 from stepwell.base import ByValue, Floats, InputError, Measure, amount, check
 from stepwell.mechanism import Chain
-from stepwell.statics import outcome, ride
+from stepwell.statics import integrate, outcome
 from stepwell.statics.events import Event
 from stepwell.statics.following.pieces import sheets_of, stand_all_on
 from stepwell.statics.following.state import DrivenChain
@@ -112,15 +112,17 @@ class InertialLanding(ByValue):
 
 
 @dataclass(frozen=True, slots=True)
-class _Ride:
-    motion: ride.MotionState
+class _Integration:
+    motion: integrate.MotionState
     sheet: tuple[int, ...]
     history: Floats
     freed: float
 
     @property
     def imbalance(self) -> float:
-        taken = self.motion.book[[ride.DAMPED, ride.RUBBED, ride.STRUCK, ride.JUMPED]]
+        taken = self.motion.book[
+            [integrate.DAMPED, integrate.RUBBED, integrate.STRUCK, integrate.JUMPED]
+        ]
         return self.freed - float(np.sum(taken))
 
 
@@ -134,48 +136,48 @@ def inertial_landing(
     """Where a snap of a chain lands with masses, as for `Path.inertial_landing`."""
     body = _body(chain, problem, snap, inertia)
 
-    def go(tolerance: float, push: float) -> _Ride:
+    def go(tolerance: float, push: float) -> _Integration:
         push *= problem.scale * snap.start.heading
-        return _ride(chain, problem, snap, body._replace(tolerance=tolerance, push=push))
+        return _integrate(chain, problem, snap, body._replace(tolerance=tolerance, push=push))
 
-    def alike(one: _Ride, two: _Ride) -> bool:
+    def alike(one: _Integration, two: _Integration) -> bool:
         here, there = ((r.motion.travel, np.array(r.sheet)) for r in (one, two))
         return _same(chain, problem, snap, here, there)
 
-    found, tie, tolerance = go(_TOLERANCES[0], _PUSH), True, 0.0
+    fine, tie, tolerance = go(_TOLERANCES[0], _PUSH), True, 0.0
     for tolerance in _TOLERANCES[1:]:
-        coarse, found = found, go(tolerance, _PUSH)
-        speeds = coarse.motion.book[ride.PEAK], found.motion.book[ride.PEAK]
-        tie = not alike(coarse, found)
+        coarse, fine = fine, go(tolerance, _PUSH)
+        speeds = coarse.motion.book[integrate.PEAK], fine.motion.book[integrate.PEAK]
+        tie = not alike(coarse, fine)
         slow = abs(speeds[1] - speeds[0]) <= _SPEEDS_AGREE * speeds[1]
-        if not tie and slow and abs(found.imbalance) <= _ENERGIES_AGREE * found.freed:
+        if not tie and slow and abs(fine.imbalance) <= _ENERGIES_AGREE * fine.freed:
             break
     else:
         if not tie:
             raise outcome.StaticsError(
                 f"the snap at {event.drive:.6g} does not come out right with masses: energies are "
-                f"{amount(found.imbalance, 'J')} apart. Its masses or dampers are too far apart "
+                f"{amount(fine.imbalance, 'J')} apart. Its masses or dampers are too far apart "
                 f"for double precision: look for one that was meant in another unit."
             )
-    tie = tie or not alike(found, go(tolerance, 10.0 * _PUSH))
-    book, rows, n = found.motion.book, found.history, len(chain)
+    tie = tie or not alike(fine, go(tolerance, 10.0 * _PUSH))
+    book, rows, n = fine.motion.book, fine.history, len(chain)
     kept = np.vstack([[0.0, *snap.start.travel, *np.zeros(n)], rows])
-    travel, sheet = landed = found.motion.travel, np.array(found.sheet)
+    travel, sheet = landed = fine.motion.travel, np.array(fine.sheet)
     return InertialLanding(
         event,
         tuple(map(float, inertia[0])),
         tuple(map(float, inertia[1])),
         body.restitution,
         tuple(travel.tolist()),
-        found.sheet,
+        fine.sheet,
         state_of(chain, travel, sheet),
-        float(book[ride.TIME]),
-        float(book[ride.PEAK]),
-        found.freed,
-        float(book[ride.DAMPED]),
-        float(book[ride.RUBBED]),
-        float(book[ride.STRUCK]),
-        float(book[ride.JUMPED]),
+        float(book[integrate.TIME]),
+        float(book[integrate.PEAK]),
+        fine.freed,
+        float(book[integrate.DAMPED]),
+        float(book[integrate.RUBBED]),
+        float(book[integrate.STRUCK]),
+        float(book[integrate.JUMPED]),
         _same(chain, problem, snap, landed, (snap.travel, snap.sheet)),
         tie,
         len(rows),
@@ -191,7 +193,7 @@ def _same(chain: Chain, problem: DrivenChain, snap: Snap, here: Place, there: Pl
     return same_place(chain, problem, snap, here, there)
 
 
-def _body(chain: Chain, problem: DrivenChain, snap: Snap, inertia: Inertia) -> ride.Inertias:
+def _body(chain: Chain, problem: DrivenChain, snap: Snap, inertia: Inertia) -> integrate.Inertias:
     masses, damping, restitution = inertia
     mass_unit, damping_unit = _UNITS[chain.measure]
     n = len(chain)
@@ -220,27 +222,31 @@ def _body(chain: Chain, problem: DrivenChain, snap: Snap, inertia: Inertia) -> r
         loose[-1], heavy[-1] = 0.0, np.min(heavy[:-1], initial=np.inf)
     start = snap.start
     args = start.travel.copy(), start.force, start.leader
-    return ride.Inertias(heavy, loose, np.array(damper), restitution, *args, 0.0, 0.0)
+    return integrate.Inertias(heavy, loose, np.array(damper), restitution, *args, 0.0, 0.0)
 
 
-def _ride(chain: Chain, problem: DrivenChain, snap: Snap, body: ride.Inertias) -> _Ride:
+def _integrate(
+    chain: Chain, problem: DrivenChain, snap: Snap, body: integrate.Inertias
+) -> _Integration:
     n, start, laws = len(chain), snap.start, problem.laws
     stand_all_on(laws, problem.sheets, problem.pieces, start.sheet)
     still = np.zeros(n, np.int64)
-    motion = ride.MotionState(start.travel.copy(), np.zeros(n), still, still.copy(), np.zeros(7))
+    motion = integrate.MotionState(
+        start.travel.copy(), np.zeros(n), still, still.copy(), np.zeros(7)
+    )
     lightest, shortest = float(np.min(body.mass)), float(np.min(laws.full))
-    motion.book[ride.STEP] = 1e-3 * math.sqrt(lightest * shortest / problem.scale)
+    motion.book[integrate.STEP] = 1e-3 * math.sqrt(lightest * shortest / problem.scale)
     parts: list[Floats] = []
-    status = ride.GOES_ON
-    while status == ride.GOES_ON and len(parts) * _ROWS < _MOST_STEPS:
+    status = integrate.GOES_ON
+    while status == integrate.GOES_ON and len(parts) * _ROWS < _MOST_STEPS:
         rows = np.full((_ROWS, 1 + 2 * n), np.nan)
-        status = ride.ride(problem, body, motion, rows)
+        status = integrate.integrate(problem, body, motion, rows)
         parts.append(rows[np.isfinite(rows[:, 0])])
-    if status != ride.RESTS:
+    if status != integrate.RESTS:
         unit = _UNITS[chain.measure][1]
         raise outcome.StaticsError(
             f"with these masses the snap does not come to rest in {len(parts) * _ROWS} steps, "
-            f"{amount(float(motion.book[ride.TIME]), 's')}: too little takes its energy. Give "
+            f"{amount(float(motion.book[integrate.TIME]), 's')}: too little takes its energy. Give "
             f"every cell some damping [{unit}]."
         )
     sheet, travel = tuple(sheets_of(problem.sheets).tolist()), motion.travel
@@ -253,4 +259,4 @@ def _ride(chain: Chain, problem: DrivenChain, snap: Snap, body: ride.Inertias) -
         way = math.fsum(travel - start.travel)
         freed.append(way * (start.force - 0.5 * problem.alpha / problem.beta * way))
     freed.append(body.push * float(travel[start.leader] - start.travel[start.leader]))
-    return _Ride(motion, sheet, np.concatenate(parts), math.fsum(freed))
+    return _Integration(motion, sheet, np.concatenate(parts), math.fsum(freed))

@@ -165,16 +165,16 @@ def landings(
     """Whether each snap lands where it does for the (ratio, samples, seed) that are tried."""
     # `events` has those that follow at once one by one.
     ratio, samples, seed = tried
-    for found in snaps:
-        passed, events = events[: found.rows], events[found.rows :]
-        proof = _proof(problem, found, ratio)
+    for snap in snaps:
+        passed, events = events[: snap.rows], events[snap.rows :]
+        proof = _proof(problem, snap, ratio)
         if proof is not None:
             yield Landing(passed[0], ratio, proof, 0, 0, ())
             continue
         cells = sorted({cell for one in passed for cell in one.cells})
         corners = corners_of(np.array(cells), len(chain), ratio, seed)
         factors = factors_of(len(chain), ratio, samples, seed)
-        yield Landing(passed[0], ratio, None, *_sampled(chain, problem, found, corners, factors))
+        yield Landing(passed[0], ratio, None, *_sampled(chain, problem, snap, corners, factors))
 
 
 def _proof(problem: DrivenChain, snap: Snap, ratio: float) -> Proof | None:
@@ -208,7 +208,7 @@ def _sampled(
         else:
             at[k] = len(places)
             places.append(here)
-    found: list[tuple[int, Floats, Place]] = []
+    confirmed: list[tuple[int, Floats, Place]] = []
     parts = at[: len(corners)], at[len(corners) :]
     hits = [[int(np.sum(part == k)) for part in parts] for k in range(len(places))]
     extreme, random = hits[0]
@@ -216,9 +216,9 @@ def _sampled(
         again = _least_apart(chain, problem, snap, tried[np.argmax(at == k)], places[k])
         if again is not None:
             extreme, random = extreme + hits[k][0], random + hits[k][1]
-            found.append((hits[k][1], *again))
+            confirmed.append((hits[k][1], *again))
     elsewhere: list[OtherLanding] = []
-    for count, mobility, place in sorted(found, key=lambda one: -one[0]):
+    for count, mobility, place in sorted(confirmed, key=lambda one: -one[0]):
         where = tuple(place[0].tolist()), tuple(place[1].tolist()), state_of(chain, *place)
         share = count / random if random else 0.0
         elsewhere.append(OtherLanding(tuple(mobility.tolist()), *where, share))

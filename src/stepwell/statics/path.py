@@ -65,7 +65,7 @@ class Path(base.ByValue, base.Drawn):
     @cached_property
     def _samples(self) -> certificate.Samples:
         problem = self._problem
-        samples = certificate.room_for_samples(self._log, self.points, len(self.chain))
+        samples = certificate.memory_for_samples(self._log, self.points, len(self.chain))
         start = np.array(self.start), np.array(self.start_sheet), self._start_force
 
         def fill(effort: base.Ints) -> int:
@@ -251,11 +251,11 @@ class Path(base.ByValue, base.Drawn):
                 f"number, from 0, or the event itself."
             )
         first, inertia = 0, (tuple(masses), tuple(damping), restitution)
-        for found in self._snaps():
-            if number < first + found.rows:
-                args = self.chain, self._problem, found, events[first], inertia
+        for each in self._snaps():
+            if number < first + each.rows:
+                args = self.chain, self._problem, each, events[first], inertia
                 return inertial_landing(*args, history=history)
-            first += found.rows
+            first += each.rows
         raise AssertionError("every snap is in the log")
 
     @property

@@ -49,7 +49,7 @@ def problem_of(
         )
     scale, rank = cutting.force_scale(laws, sheets, pieces), _ranks(len(chain), prefer)
     weights, mobility = drive_weights(chain), mech.mobilities_of(chain.cells)
-    room = np.array([0, UNLIMITED]), st.spare_room(len(chain))
+    room = np.array([0, UNLIMITED]), st.spare_memory(len(chain))
     return DrivenChain(laws, sheets, pieces, *weights, scale, rank, mobility, *room)
 
 
@@ -225,9 +225,9 @@ def _forces(chain: Chain, problem: DrivenChain, phases: Sequence[int]) -> tuple[
 
 def _at(problem: DrivenChain, stretches: Sequence[Stretch], force: float) -> Floats:
     """(N,) travels in these phases at a force [m]; at an end of the phase past its forces."""
-    found = np.empty(len(stretches))
-    cutting.travels_between(*problem[:3], np.array(stretches, float), force, found)
-    return found
+    travels = np.empty(len(stretches))
+    cutting.travels_between(*problem[:3], np.array(stretches, float), force, travels)
+    return travels
 
 
 def travel_in(problem: DrivenChain, cell: int, stretch: Stretch, force: float) -> float:

@@ -173,8 +173,8 @@ def _as_path(
     # Long chains have many branches: fewer samples on each keep the arrays in memory.
     points = max(2, min(33, 4_000_000 // max(1, int(log.used[0]) * len(chain))))
     turns, written = tuple(turning.tolist()), logged.written(log)
-    found = Path(chain, turns, begin.travel, points, begin.sheet, force, written)
-    return found.with_problem(problem)
+    result = Path(chain, turns, begin.travel, points, begin.sheet, force, written)
+    return result.with_problem(problem)
 
 
 def _finite_turns(turning_points: Sequence[float]) -> Floats:

@@ -233,7 +233,7 @@ class Samples(NamedTuple):
     stability: Floats  # (n,) [N/m]
 
 
-def room_for_samples(log: logged.Log, points: int, cells: int) -> Samples:
+def memory_for_samples(log: logged.Log, points: int, cells: int) -> Samples:
     """Room for the samples of a log, with so many on every smooth branch."""
     kinds = log.segments[:, logged.KIND]
     ends = np.where(kinds == logged.SNAP, 1, np.where(kinds == logged.HOLD, 2, points))

@@ -160,7 +160,7 @@ def _first_return(
 class FallEnd(NamedTuple):
     """Where a fall ends."""
 
-    found: bool
+    exists: bool
     force: float  # λ
     piece: int  # of the cell that fell
     travel: float  # of it

@@ -67,7 +67,7 @@ class CuttingSpace(NamedTuple):
     depth: Ints  # (2, 4 _DEPTH) how small they are, and what is open on them
 
 
-def room_for(laws: Laws) -> CuttingSpace:
+def cutting_space(laws: Laws) -> CuttingSpace:
     """Room to cut these cells in."""
     bands = int(np.max(np.diff(laws.band_first)))
     points, cuts = np.empty(2 + 2 * len(laws.rows) + 4 * bands), np.empty(4 * MOST_PIECES)
@@ -253,15 +253,15 @@ def cut(laws: Laws, sheets: Sheets) -> Pieces:
     """All pieces of all cells."""
     size = 16 * len(laws.lever) + len(laws.rows) + 64
     while True:
-        pieces = room_of_pieces(laws, sheets, size)
-        total = cut_into(laws, sheets, pieces, room_for(laws))
+        pieces = memory_for_pieces(laws, sheets, size)
+        total = cut_into(laws, sheets, pieces, cutting_space(laws))
         if total >= 0:
             columns = (column[:total].copy() for column in pieces[2:])
             return Pieces._make((*pieces[:2], *columns))
         size *= 2
 
 
-def room_of_pieces(laws: Laws, sheets: Sheets, size: int) -> Pieces:
+def memory_for_pieces(laws: Laws, sheets: Sheets, size: int) -> Pieces:
     """Room for so many pieces."""
     cells, slots = len(laws.lever), int(np.max(np.diff(laws.band_first))) + 1
     among = np.zeros(len(sheets.table) + 1, np.int64), np.zeros((cells, 2), np.int64)

@@ -343,7 +343,7 @@ def advance(
         before = risings.energy_in(problem, state, rising)
         before += stored(laws, leader, pieces.picked[piece], travel)
         landing = land_after(problem, state, rising, falling, floor, drive)
-        if not landing.found:
+        if not landing.exists:
             break
         _name(rising, leader, travel)
         risings.stroke_at(problem, state, rising, landing.force)

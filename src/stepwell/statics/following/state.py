@@ -42,7 +42,7 @@ class Spare(NamedTuple):
     counts: Ints  # (3,) of the flow
 
 
-def spare_room(cells: int) -> Spare:
+def spare_memory(cells: int) -> Spare:
     """Room to follow so many cells in."""
     number, whole = np.zeros((_NUMBERS, cells)), np.zeros((_WHOLES, cells), np.int64)
     return Spare(number, whole, np.zeros((8, _STACK)), np.zeros(3, np.int64))

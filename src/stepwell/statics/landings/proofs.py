@@ -12,13 +12,13 @@ from stepwell.statics.landings.reachability import boxes_of, grid_of, keeps_off
 from stepwell.statics.landings.reachable_box import (
     ReachableBox,
     energy_of,
+    full_box,
     leads_on,
     narrow,
-    room_of,
-    whole_room,
+    narrowed_box,
 )
 from stepwell.statics.landings.rests import places_of_rest
-from stepwell.statics.landings.start import Start, room_for, stand_before
+from stepwell.statics.landings.start import Start, empty_state, stand_before
 
 # Landings this share of the travel apart are one.
 _ALIKE = 1e-9
@@ -27,14 +27,14 @@ _ALIKE = 1e-9
 def goes_one_way(problem: DrivenChain, start: Start, landing: Floats, ratio: float) -> bool:
     """Whether a snap runs along one line to its landing for all mobilities within a ratio."""
     own = problem._replace(mobility=problem.mobility.copy(), effort=np.array([0, UNLIMITED]))
-    return _goes_one_way(own, start, room_for(len(landing)), landing, ratio)
+    return _goes_one_way(own, start, empty_state(len(landing)), landing, ratio)
 
 
 @entry()
 def _goes_one_way(
     problem: DrivenChain, start: Start, state: State, landing: Floats, ratio: float
 ) -> bool:
-    """The same, with room for a state and with mobilities to be written to."""
+    """The same, with memory for a state and for mobilities."""
     # Under a force no cell feels another one. Else only λ decides whether another cell joins: a
     # spring's, or between what one of the pair pulls and the other resists, nearer to the more
     # mobile one's. So it is enough to look at the leader `ratio` times faster and slower: in
@@ -68,14 +68,14 @@ _COARSE, _FINE = 1500, 6000
 
 @kernel
 def lands_only_at(
-    problem: DrivenChain, start: Start, room: ReachableBox, landing: Floats, ratio: float
+    problem: DrivenChain, start: Start, box: ReachableBox, landing: Floats, ratio: float
 ) -> bool:
     """Whether a landing alone is reached for mobilities within `ratio`; inf: by energy alone."""
     laws, n = problem.laws, len(landing)
     places = np.empty((_MOST_PLACES, 2, n))
-    found = places_of_rest(problem, room, start, places)
+    rests = places_of_rest(problem, box, start, places)
     here, others, more = False, 0, 10.0 * _KNOWN * problem.scale * np.max(laws.full)
-    for c in range(found):
+    for c in range(rests):
         low, high = places[c, 0], places[c, 1]
         same, known = True, True
         for i in range(n):
@@ -88,14 +88,14 @@ def lands_only_at(
             continue
         places[others] = places[c]
         others += 1
-    if found < 0 or not here:
+    if rests < 0 or not here:
         return False
     if others == 0:
         return True
     for most in (_COARSE, _FINE):
-        grid = grid_of(problem, room, start, most)
+        grid = grid_of(problem, box, start, most)
         small = boxes_of(grid) <= 4 * most
-        if small and keeps_off(problem, room, start, grid, places[:others], ratio):
+        if small and keeps_off(problem, box, start, grid, places[:others], ratio):
             return True
     return False
 
@@ -107,13 +107,13 @@ def energy_holds(problem: DrivenChain, start: Start, landing: Floats) -> bool:
     if np.max(problem.laws.friction) > 0.0 or len(landing) > MOST_MOVING:
         return False
     stand_all_on(problem.laws, problem.sheets, problem.pieces, start.sheet)
-    room = whole_room(problem, start)
-    # Each time with shorter steps, as the room is smaller.
+    box = full_box(problem, start)
+    # Each time with shorter steps, as the box is smaller.
     for _ in range(3):
-        narrow(problem, start, room)
-    if leads_on(problem, room):
+        narrow(problem, start, box)
+    if leads_on(problem, box):
         return False
-    return lands_only_at(problem, start, room, landing, np.inf)
+    return lands_only_at(problem, start, box, landing, np.inf)
 
 
 @entry(0.3, "problem.mobility")
@@ -124,13 +124,13 @@ def enclosed(problem: DrivenChain, start: Start, landing: Floats, ratio: float) 
         # Under a force no cell feels another one: nothing is to be enclosed.
         return False
     stand_all_on(laws, problem.sheets, problem.pieces, start.sheet)
-    room = room_of(problem, start, whole_room(problem, start))
+    box = narrowed_box(problem, start, full_box(problem, start))
     for _ in range(2):
-        moving = np.flatnonzero(room.high > room.low)
+        moving = np.flatnonzero(box.high > box.low)
         if not 0 < len(moving) <= MOST_MOVING or np.max(laws.friction[moving]) > 0.0:
             return False
-        narrow(problem, start, room)
-        room = room_of(problem, start, room)
-    if leads_on(problem, room):
+        narrow(problem, start, box)
+        box = narrowed_box(problem, start, box)
+    if leads_on(problem, box):
         return False
-    return lands_only_at(problem, start, room, landing, ratio)
+    return lands_only_at(problem, start, box, landing, ratio)

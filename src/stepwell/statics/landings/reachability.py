@@ -12,12 +12,12 @@ import numpy as np
 from stepwell.base import Floats, Ints
 from stepwell.kernels import kernel
 from stepwell.statics.following.state import DrivenChain, force_at
-from stepwell.statics.landings import reachable_box as box
+from stepwell.statics.landings import reachable_box
 from stepwell.statics.landings.reachable_box import ReachableBox
 from stepwell.statics.landings.start import Start
 
 # What lies next to the start decides which of two cells is ahead: nodes stand this share of the
-# widest room apart there, and from there on ever further.
+# widest box apart there, and from there on ever further.
 _NEAREST = 1e-5
 
 
@@ -61,10 +61,10 @@ def _nodes(low: float, high: float, far: float, out: Floats) -> int:
 
 
 @kernel
-def grid_of(problem: DrivenChain, room: ReachableBox, start: Start, most: int) -> Grid:
-    """A grid of at most `most` boxes over the room of the cells that move."""
+def grid_of(problem: DrivenChain, box: ReachableBox, start: Start, most: int) -> Grid:
+    """A grid of at most `most` boxes over the box of the cells that move."""
     rigid = problem.beta == 0.0
-    width = room.high - room.low
+    width = box.high - box.low
     last = int(np.argmax(width)) if rigid else -1
     cell = np.flatnonzero(width > 0.0)
     cell = cell[cell != last]
@@ -74,9 +74,9 @@ def grid_of(problem: DrivenChain, room: ReachableBox, start: Start, most: int) -
         boxes = 1.0
         for d in range(dims):
             i = int(cell[d])
-            # In shares of the widest room.
-            low = (room.low[i] - start.travel[i]) / widest
-            high = (room.high[i] - start.travel[i]) / widest
+            # In shares of the widest box.
+            low = (box.low[i] - start.travel[i]) / widest
+            high = (box.high[i] - start.travel[i]) / widest
             count[d] = _nodes(low, high, 1.0 / fine, nodes[d]) - 1
             boxes *= count[d]
         if boxes <= most or fine < 4.0:
@@ -96,11 +96,11 @@ def grid_of(problem: DrivenChain, room: ReachableBox, start: Start, most: int) -
         for k in range(count[d] + 1):
             at = begin[d] + k
             travel = start.travel[i] + widest * nodes[d, k]
-            travel = room.low[i] if k == 0 else room.high[i] if k == count[d] else travel
+            travel = box.low[i] if k == 0 else box.high[i] if k == count[d] else travel
             out[0, at], out[1, at] = travel, force_at(problem, i, travel)
-            out[2, at] = box.energy_at(problem, start, i, travel)
+            out[2, at] = reachable_box.energy_at(problem, start, i, travel)
         for k in range(begin[d], begin[d] + count[d]):
-            out[3, k], out[4, k] = box.forces_within(problem, i, out[0, k], out[0, k + 1])
+            out[3, k], out[4, k] = reachable_box.forces_within(problem, i, out[0, k], out[0, k + 1])
     return Grid(cell, count, begin, stride, out[0], out[1], out[2], out[3], out[4], last, free)
 
 
@@ -111,15 +111,15 @@ def boxes_of(grid: Grid) -> int:
 
 
 @kernel
-def _left(room: ReachableBox, grid: Grid, low: float, high: float) -> tuple[float, float]:
+def _left(box: ReachableBox, grid: Grid, low: float, high: float) -> tuple[float, float]:
     """Travels of the last cell where the others have gone from `low` to `high` together."""
-    most, least = room.high[grid.last], room.low[grid.last]
+    most, least = box.high[grid.last], box.low[grid.last]
     return min(max(grid.free - high, least), most), min(max(grid.free - low, least), most)
 
 
 @kernel
 def _enough_energy(
-    problem: DrivenChain, room: ReachableBox, start: Start, grid: Grid, at: Ints
+    problem: DrivenChain, box: ReachableBox, start: Start, grid: Grid, at: Ints
 ) -> bool:
     """Whether some point of a box takes no more energy than the start."""
     # A force taken off each cell and given to the drive changes no sum; one near λ bounds well.
@@ -130,16 +130,18 @@ def _enough_energy(
         low += node[k]
         high += node[k + 1]
     if grid.last >= 0:
-        a, b = _left(room, grid, low, high)
-        least, most = box.forces_within(problem, grid.last, a, b)
+        a, b = _left(box, grid, low, high)
+        least, most = reachable_box.forces_within(problem, grid.last, a, b)
         force = least - level, most - level
         tilt = 0.5 * (force[0] + force[1])
         energy = (
-            box.energy_at(problem, start, grid.last, a),
-            box.energy_at(problem, start, grid.last, b),
+            reachable_box.energy_at(problem, start, grid.last, a),
+            reachable_box.energy_at(problem, start, grid.last, b),
         )
         # Σ s is what there is to have.
-        total = tilt * (grid.free - a - low) + box.least_energy(energy, b - a, force, tilt)
+        total = tilt * (grid.free - a - low) + reachable_box.least_energy(
+            energy, b - a, force, tilt
+        )
     else:
         stiffness, begun = problem.alpha / problem.beta, 0.0
         for i in grid.cell:
@@ -151,23 +153,17 @@ def _enough_energy(
         k = int(grid.begin[d] + at[d])
         energy = grid.energy[k], grid.energy[k + 1]
         force = grid.least[k] - level, grid.most[k] - level
-        total += box.least_energy(energy, node[k + 1] - node[k], force, tilt)
-    return bool(total <= box.energy_slack(problem))
+        total += reachable_box.least_energy(energy, node[k + 1] - node[k], force, tilt)
+    return bool(total <= reachable_box.energy_slack(problem))
 
 
 @kernel
 def _can_leave(
-    problem: DrivenChain,
-    room: ReachableBox,
-    grid: Grid,
-    at: Ints,
-    axis: int,
-    up: bool,
-    ratio: float,
+    problem: DrivenChain, box: ReachableBox, grid: Grid, at: Ints, axis: int, up: bool, ratio: float
 ) -> bool:
     """Whether the flow can leave a box through its upper or lower face on an axis."""
     # Cell i rises where Σ m_j (F_i - F_j) < 0: take the largest F_j and mobilities that pull it.
-    node, slip = grid.node, box.CLOSE_FORCE * problem.scale
+    node, slip = grid.node, reachable_box.CLOSE_FORCE * problem.scale
     face = int(grid.begin[axis] + at[axis]) + (1 if up else 0)
     own, low, high, total = grid.force[face], node[face], node[face], 0.0
     for d in range(len(at)):
@@ -177,18 +173,18 @@ def _can_leave(
         low += node[k]
         high += node[k + 1]
         gap = own - grid.most[k] if up else grid.least[k] - own
-        pressed = room.stops[cell, int(up)] and at[d] == (grid.cuts[d] - 1 if up else 0)
+        pressed = box.stops[cell, int(up)] and at[d] == (grid.cuts[d] - 1 if up else 0)
         total += _weighed(gap - slip, pressed, problem.mobility[cell], ratio)
     if grid.last < 0:
         # The largest λ is where all others have gone least.
         level = problem.alpha / problem.beta * (grid.free - (low if up else high))
         return level > own - slip if up else level < own + slip
     cell = grid.last
-    a, b = _left(room, grid, low, high)
-    least, most = box.forces_within(problem, cell, a, b)
+    a, b = _left(box, grid, low, high)
+    least, most = reachable_box.forces_within(problem, cell, a, b)
     gap = own - most if up else least - own
-    stopped = b >= room.high[cell] if up else a <= room.low[cell]
-    pressed = room.stops[cell, int(up)] and stopped
+    stopped = b >= box.high[cell] if up else a <= box.low[cell]
+    pressed = box.stops[cell, int(up)] and stopped
     return total + _weighed(gap - slip, pressed, problem.mobility[cell], ratio) < 0.0
 
 
@@ -203,7 +199,7 @@ def _weighed(gap: float, pressed: bool, mobility: float, ratio: float) -> float:
 @kernel
 def _mark(
     problem: DrivenChain,
-    room: ReachableBox,
+    box: ReachableBox,
     grid: Grid,
     low: Floats,
     high: Floats,
@@ -216,7 +212,7 @@ def _mark(
     for d in range(dims):
         i, nodes = grid.cell[d], grid.node[grid.begin[d] : grid.begin[d] + grid.cuts[d] + 1]
         near = 1e-9 * problem.laws.full[i]
-        if high[i] < room.low[i] - near or low[i] > room.high[i] + near:
+        if high[i] < box.low[i] - near or low[i] > box.high[i] + near:
             return
         begin[d] = max(0, np.searchsorted(nodes, low[i] - near) - 1)
         end[d] = min(grid.cuts[d], max(np.searchsorted(nodes, high[i] + near), 1))
@@ -235,7 +231,7 @@ def _mark(
 
 
 @kernel
-def _exists(problem: DrivenChain, room: ReachableBox, grid: Grid, at: Ints) -> bool:
+def _exists(problem: DrivenChain, box: ReachableBox, grid: Grid, at: Ints) -> bool:
     """Whether a box holds points at which the last cell has what the others leave."""
     if grid.last < 0:
         return True
@@ -245,7 +241,7 @@ def _exists(problem: DrivenChain, room: ReachableBox, grid: Grid, at: Ints) -> b
         low += grid.node[k]
         high += grid.node[k + 1]
     near = 1e-9 * problem.laws.full[grid.last]
-    most, least = room.high[grid.last], room.low[grid.last]
+    most, least = box.high[grid.last], box.low[grid.last]
     return grid.free - low >= least - near and grid.free - high <= most + near
 
 
@@ -254,15 +250,15 @@ _SEEN, _ELSEWHERE, _CLOSED = 1, 2, 3
 
 @kernel
 def keeps_off(
-    problem: DrivenChain, room: ReachableBox, start: Start, grid: Grid, others: Floats, ratio: float
+    problem: DrivenChain, box: ReachableBox, start: Start, grid: Grid, others: Floats, ratio: float
 ) -> bool:
     """Whether no way leads to (C, 2, N) places for mobilities within a ratio; inf: by energy."""
     # One function: boxes wait in one list, and marks are in one array.
     dims, boxes = len(grid.cell), boxes_of(grid)
     seen, begun = np.zeros(boxes, np.int64), np.zeros(boxes, np.int64)
     for c in range(len(others)):
-        _mark(problem, room, grid, others[c, 0], others[c, 1], _ELSEWHERE, seen)
-    _mark(problem, room, grid, start.travel, start.travel, _SEEN, begun)
+        _mark(problem, box, grid, others[c, 0], others[c, 1], _ELSEWHERE, seen)
+    _mark(problem, box, grid, start.travel, start.travel, _SEEN, begun)
     waiting, used = np.empty(boxes, np.int64), 0
     for number in np.flatnonzero(begun):
         if seen[number] == _ELSEWHERE:
@@ -284,12 +280,12 @@ def keeps_off(
                 if seen[to] == _SEEN or seen[to] == _CLOSED:
                     continue
                 if np.isfinite(ratio) and not _can_leave(
-                    problem, room, grid, at, d, step > 0, ratio
+                    problem, box, grid, at, d, step > 0, ratio
                 ):
                     continue
                 at[d] += step
-                enters = _exists(problem, room, grid, at)
-                enters = enters and _enough_energy(problem, room, start, grid, at)
+                enters = _exists(problem, box, grid, at)
+                enters = enters and _enough_energy(problem, box, start, grid, at)
                 at[d] -= step
                 if not enters:
                     seen[to] = _CLOSED

@@ -59,47 +59,47 @@ def _pushed(problem: DrivenChain, i: int, travel: float, level: float, up: bool)
 
 
 @kernel
-def whole_room(problem: DrivenChain, start: Start) -> ReachableBox:
+def full_box(problem: DrivenChain, start: Start) -> ReachableBox:
     """All travels of the sheets on which the cells stand, and all forces."""
     n, ends = len(start.travel), problem.sheets.ends
-    room = ReachableBox(
+    box = ReachableBox(
         ends[:, LOW].copy(), ends[:, HIGH].copy(), np.ones((n, 2), np.int64), np.empty(2)
     )
     least, most, below, above = start.force, start.force, 0.0, 0.0
     for i in range(n):
-        low, high = forces_within(problem, i, room.low[i], room.high[i])
+        low, high = forces_within(problem, i, box.low[i], box.high[i])
         least, most = min(least, low), max(most, high)
-        below += room.low[i] - start.travel[i]
-        above += room.high[i] - start.travel[i]
+        below += box.low[i] - start.travel[i]
+        above += box.high[i] - start.travel[i]
     if problem.beta > 0.0:
         stiffness = problem.alpha / problem.beta
         least = min(least, start.force - stiffness * above)
         most = max(most, start.force - stiffness * below)
-    room.force[0], room.force[1] = least, most
-    return room
+    box.force[0], box.force[1] = least, most
+    return box
 
 
 @kernel
-def leads_on(problem: DrivenChain, room: ReachableBox) -> bool:
+def leads_on(problem: DrivenChain, box: ReachableBox) -> bool:
     """Whether some cell can come to where its curve folds back, and jump."""
     ends = problem.sheets.ends
-    for i in range(len(room.low)):
-        if room.high[i] > room.low[i] and (
-            (room.stops[i, 0] and ends[i, BEFORE] < ends[i, LOW])
-            or (room.stops[i, 1] and ends[i, BEYOND] > ends[i, HIGH])
+    for i in range(len(box.low)):
+        if box.high[i] > box.low[i] and (
+            (box.stops[i, 0] and ends[i, BEFORE] < ends[i, LOW])
+            or (box.stops[i, 1] and ends[i, BEYOND] > ends[i, HIGH])
         ):
             return True
     return False
 
 
 @kernel
-def room_of(problem: DrivenChain, start: Start, within: ReachableBox) -> ReachableBox:
-    """The room of overdamped flow, for all mobilities, within one that it is known not to leave."""
+def narrowed_box(problem: DrivenChain, start: Start, within: ReachableBox) -> ReachableBox:
+    """The box of overdamped flow, for all mobilities, within one that it is known not to leave."""
     # λ stays between the forces of the moving cells, friction added, and a cell short of where it
-    # holds the largest λ: the smallest room that is closed under both is never left.
+    # holds the largest λ: the smallest box that is closed under both is never left.
     laws, alpha, beta = problem.laws, problem.alpha, problem.beta
     n, slip = len(start.travel), CLOSE_FORCE * problem.scale
-    room = ReachableBox(
+    box = ReachableBox(
         within.low.copy(), within.high.copy(), within.stops.copy(), within.force.copy()
     )
     least, most = start.force, start.force
@@ -112,11 +112,11 @@ def room_of(problem: DrivenChain, start: Start, within: ReachableBox) -> Reachab
             s, rub = start.travel[i], laws.friction[i]
             up = _pushed(problem, i, s, most - rub + slip, True)
             down = _pushed(problem, i, s, least + rub - slip, False)
-            room.high[i], room.low[i] = min(up, within.high[i]), max(down, within.low[i])
-            below += room.low[i] - s
-            above += room.high[i] - s
-            if room.high[i] > room.low[i] and beta == 0.0:
-                low, high = forces_within(problem, i, room.low[i], room.high[i])
+            box.high[i], box.low[i] = min(up, within.high[i]), max(down, within.low[i])
+            below += box.low[i] - s
+            above += box.high[i] - s
+            if box.high[i] > box.low[i] and beta == 0.0:
+                low, high = forces_within(problem, i, box.low[i], box.high[i])
                 new_least, new_most = min(new_least, low + rub), max(new_most, high - rub)
         if beta > 0.0:
             new_least = min(new_least, start.force - alpha / beta * above)
@@ -129,17 +129,17 @@ def room_of(problem: DrivenChain, start: Start, within: ReachableBox) -> Reachab
             new_least -= 0.1 * (least - new_least)
             new_most += 0.1 * (new_most - most)
         least, most = new_least, new_most
-    room.force[0], room.force[1] = least, most
+    box.force[0], box.force[1] = least, most
     for i in range(n):
         near, low, high = CLOSE * laws.full[i], within.low[i], within.high[i]
-        below, above = room.low[i] <= low + near, room.high[i] >= high - near
-        room.low[i], room.high[i] = low if below else room.low[i], high if above else room.high[i]
-        room.stops[i, 0] *= below
-        room.stops[i, 1] *= above
-    return room
+        below, above = box.low[i] <= low + near, box.high[i] >= high - near
+        box.low[i], box.high[i] = low if below else box.low[i], high if above else box.high[i]
+        box.stops[i, 0] *= below
+        box.stops[i, 1] *= above
+    return box
 
 
-# Steps on the widest room.
+# Steps on the widest box.
 _STEPS = 64
 
 
@@ -197,25 +197,25 @@ def _cheapest(one: Floats, two: Floats) -> Floats:
 
 
 @kernel
-def narrow(problem: DrivenChain, start: Start, room: ReachableBox) -> None:
-    """Take off a room what the chain cannot come to without more energy than at the start."""
+def narrow(problem: DrivenChain, start: Start, box: ReachableBox) -> None:
+    """Take off a box what the chain cannot come to without more energy than at the start."""
     # Each cell is given the cheapest that all others can do at that drive, in steps that add up.
     # One function: each cell needs the energies of all others, made once.
-    moving = np.flatnonzero(room.high > room.low)
+    moving = np.flatnonzero(box.high > box.low)
     m, level = len(moving), start.force
     if m == 0:
         return
     rigid = problem.beta == 0.0
     stiffness = 0.0 if rigid else problem.alpha / problem.beta
-    step, energies = np.max(room.high - room.low) / _STEPS, np.empty((m, _STEPS + 2))
+    step, energies = np.max(box.high - box.low) / _STEPS, np.empty((m, _STEPS + 2))
     first, count = np.empty(m, np.int64), np.empty(m, np.int64)
     for k in range(m):
         i, s = int(moving[k]), start.travel[moving[k]]
-        first[k] = int(np.floor((room.low[i] - s) / step + 1e-9))
-        count[k] = max(1, int(np.ceil((room.high[i] - s) / step - 1e-9)) - first[k])
+        first[k] = int(np.floor((box.low[i] - s) / step + 1e-9))
+        count[k] = max(1, int(np.ceil((box.high[i] - s) / step - 1e-9)) - first[k])
         for j in range(count[k]):
-            a = float(max(room.low[i], s + (first[k] + j) * step))
-            b = float(min(room.high[i], s + (first[k] + j + 1) * step))
+            a = float(max(box.low[i], s + (first[k] + j) * step))
+            b = float(min(box.high[i], s + (first[k] + j + 1) * step))
             least, most = forces_within(problem, i, a, b)
             ends = energy_at(problem, start, i, a), energy_at(problem, start, i, b)
             energies[k, j] = least_energy(ends, b - a, (least - level, most - level), 0.0)
@@ -251,9 +251,9 @@ def narrow(problem: DrivenChain, start: Start, room: ReachableBox) -> None:
         while down >= 0 and reached[down]:
             down -= 1
         if up < count[k]:
-            room.high[i], room.stops[i, 1] = s + (first[k] + up) * step, 0
+            box.high[i], box.stops[i, 1] = s + (first[k] + up) * step, 0
         if down >= 0:
-            room.low[i], room.stops[i, 0] = s + (first[k] + down + 1) * step, 0
+            box.low[i], box.stops[i, 0] = s + (first[k] + down + 1) * step, 0
     if not rigid and highest >= lowest:
-        room.force[0] = max(room.force[0], start.force - stiffness * highest)
-        room.force[1] = min(room.force[1], start.force - stiffness * lowest)
+        box.force[0] = max(box.force[0], start.force - stiffness * highest)
+        box.force[1] = min(box.force[1], start.force - stiffness * lowest)

@@ -1,4 +1,4 @@
-"""Every place at which a chain could come to rest, stably, within a room.
+"""Every place at which a chain could come to rest, stably, within a box.
 
 At rest all cells share one λ, so a place is a choice of one branch for each cell and a root of one
 scalar equation. A branch is a stretch of travel on which the force does not fall, or does not rise;
@@ -51,15 +51,15 @@ def _add(
 
 
 @kernel
-def _branches(problem: DrivenChain, room: ReachableBox) -> Stretches:
+def _branches(problem: DrivenChain, box: ReachableBox) -> Stretches:
     # One function: every cell adds to the same seven arrays.
-    pieces, n, stops = problem.pieces, len(room.low), room.stops
+    pieces, n, stops = problem.pieces, len(box.low), box.stops
     count = 4 * n + np.sum(pieces.among[:, 1] - pieces.among[:, 0])
     whole, number = np.empty((3, count), np.int64), np.empty((4, count))
     ends = number[0], number[1], whole[1], whole[2], number[2], number[3]
     out, used = Stretches(np.zeros(n + 1, np.int64), whole[0], *ends), 0
     for i in range(n):
-        low, high = room.low[i], room.high[i]
+        low, high = box.low[i], box.high[i]
         piece, end = find_piece(pieces, i, low, 1), find_piece(pieces, i, high, 0)
         if not high > low:
             used = _add(out, used, 1, (piece, piece), (low, high), (-np.inf, np.inf))
@@ -102,7 +102,7 @@ def _travel_at(problem: DrivenChain, branches: Stretches, i: int, r: int, force:
 @kernel
 def _compliance(
     problem: DrivenChain,
-    room: ReachableBox,
+    box: ReachableBox,
     branches: Stretches,
     i: int,
     r: int,
@@ -125,8 +125,8 @@ def _compliance(
     most = 1.0 / softest if softest > 0.0 else np.inf
     if branches.sign[r] < 0:
         return -most, -least
-    below = room.stops[i, 0] and low <= room.low[i]
-    above = room.stops[i, 1] and high >= room.high[i]
+    below = box.stops[i, 0] and low <= box.low[i]
+    above = box.stops[i, 1] and high >= box.high[i]
     return (0.0 if below or above else least), most
 
 
@@ -135,7 +135,7 @@ class RestSearch(NamedTuple):
 
     branches: Stretches
     choice: Ints  # (N,) a branch of every cell
-    box: Floats  # (2, N) travels between which it rests under some interval of λ
+    rest_box: Floats  # (2, N) travels between which it rests under some interval of λ
     places: Floats  # (C, 2, N) the same of every place found
     counts: Ints  # (2,) places, intervals of λ
 
@@ -150,26 +150,33 @@ def _slip(problem: DrivenChain) -> float:
 @kernel
 def _span(problem: DrivenChain, search: RestSearch, low: float, high: float) -> Pair:
     """Fill the box of the choice for λ from `low` to `high`; the least and largest U less βλ."""
-    branches, choice, box = search.branches, search.choice, search.box
+    branches, choice, rest_box = search.branches, search.choice, search.rest_box
     least, most, slip = 0.0, 0.0, CLOSE_FORCE * problem.scale
     for i in range(len(choice)):
         r, begin, end = choice[i], low - slip, high + slip
         if branches.sign[r] < 0:
             begin, end = end, begin
-        box[0, i] = _travel_at(problem, branches, i, r, begin)
-        box[1, i] = _travel_at(problem, branches, i, r, end)
-        least += box[0, i]
-        most += box[1, i]
+        rest_box[0, i] = _travel_at(problem, branches, i, r, begin)
+        rest_box[1, i] = _travel_at(problem, branches, i, r, end)
+        least += rest_box[0, i]
+        most += rest_box[1, i]
     return least, most
 
 
 @kernel
-def _stability(problem: DrivenChain, room: ReachableBox, search: RestSearch) -> Pair:
+def _stability(problem: DrivenChain, box: ReachableBox, search: RestSearch) -> Pair:
     """Least and largest α Σ 1/κ + β in the box."""
-    branches, choice, box, alpha = search.branches, search.choice, search.box, problem.alpha
+    branches, choice, rest_box, alpha = (
+        search.branches,
+        search.choice,
+        search.rest_box,
+        problem.alpha,
+    )
     least, most = problem.beta, problem.beta
     for i in range(len(choice)):
-        low, high = _compliance(problem, room, branches, i, choice[i], box[0, i], box[1, i])
+        low, high = _compliance(
+            problem, box, branches, i, choice[i], rest_box[0, i], rest_box[1, i]
+        )
         least += alpha * low
         most += alpha * high
     return least, most
@@ -178,13 +185,13 @@ def _stability(problem: DrivenChain, room: ReachableBox, search: RestSearch) -> 
 @kernel
 def _noted(problem: DrivenChain, search: RestSearch) -> bool:
     """Whether the box is the place that was noted last: λ may be free there."""
-    last, box = search.counts[0] - 1, search.box
+    last, rest_box = search.counts[0] - 1, search.rest_box
     if last < 0:
         return False
     for i in range(len(search.choice)):
         near = 2.0 * _KNOWN * problem.laws.full[i]
         low, high = search.places[last, 0, i], search.places[last, 1, i]
-        if abs(low - box[0, i]) > near or abs(high - box[1, i]) > near:
+        if abs(low - rest_box[0, i]) > near or abs(high - rest_box[1, i]) > near:
             return False
     return True
 
@@ -192,16 +199,16 @@ def _noted(problem: DrivenChain, search: RestSearch) -> bool:
 @kernel
 def _note(problem: DrivenChain, start: Start, search: RestSearch) -> bool:
     """Whether the box is known well enough to be noted, which it then is, or is the start."""
-    laws, box, counts = problem.laws, search.box, search.counts
+    laws, rest_box, counts = problem.laws, search.rest_box, search.counts
     here, known = True, True
     for i in range(len(start.travel)):
         s, near = start.travel[i], NEAR_START * laws.full[i]
-        here = here and box[0, i] >= s - near and box[1, i] <= s + near
-        known = known and box[1, i] - box[0, i] <= _KNOWN * laws.full[i]
+        here = here and rest_box[0, i] >= s - near and rest_box[1, i] <= s + near
+        known = known and rest_box[1, i] - rest_box[0, i] <= _KNOWN * laws.full[i]
     if here:
         return True
     if known and not _noted(problem, search):
-        search.places[counts[0]] = box
+        search.places[counts[0]] = rest_box
         counts[0] += 1
     return known
 
@@ -246,14 +253,14 @@ def _one_place(
     _span(problem, search, a, b)
     if counts[0] >= len(search.places):
         return False
-    search.places[counts[0]] = search.box
+    search.places[counts[0]] = search.rest_box
     counts[0] += 1
     return True
 
 
 @kernel
 def _places(
-    problem: DrivenChain, room: ReachableBox, start: Start, search: RestSearch, ends: Pair
+    problem: DrivenChain, box: ReachableBox, start: Start, search: RestSearch, ends: Pair
 ) -> bool:
     """Note the places of one choice between two λ; False where there are too many."""
     alpha, beta, drive, slip = problem.alpha, problem.beta, start.drive, _slip(problem)
@@ -276,10 +283,10 @@ def _places(
             continue
         middle = 0.5 * (a + b)
         if b - a <= 1e-2 * CLOSE_FORCE * problem.scale or not a < middle < b:
-            search.places[counts[0]] = search.box
+            search.places[counts[0]] = search.rest_box
             counts[0] += 1
             continue
-        least, most = _stability(problem, room, search)
+        least, most = _stability(problem, box, search)
         if least > 0.0:
             # Wherever in it the chain were in equilibrium, it would leave it.
             continue
@@ -294,9 +301,9 @@ def _places(
 
 
 @kernel
-def places_of_rest(problem: DrivenChain, room: ReachableBox, start: Start, places: Floats) -> int:
+def places_of_rest(problem: DrivenChain, box: ReachableBox, start: Start, places: Floats) -> int:
     """Fill boxes (C, 2, N) that hold all stable places of rest but the start; how many, or -1."""
-    branches, n = _branches(problem, room), len(room.low)
+    branches, n = _branches(problem, box), len(box.low)
     search = RestSearch(
         branches, np.full(n, -1, np.int64), np.empty((2, n)), places, np.zeros(2, np.int64)
     )
@@ -305,10 +312,10 @@ def places_of_rest(problem: DrivenChain, room: ReachableBox, start: Start, place
     # what the others can add.
     least, most, below, above = np.empty(n + 1), np.empty(n + 1), np.zeros(n + 1), np.zeros(n + 1)
     falls, rest_low, rest_high = np.zeros(n + 1, np.int64), np.zeros(n + 1), np.zeros(n + 1)
-    least[0], most[0] = room.force[0], room.force[1]
+    least[0], most[0] = box.force[0], box.force[1]
     for i in range(n - 1, -1, -1):
-        rest_low[i] = rest_low[i + 1] + room.low[i]
-        rest_high[i] = rest_high[i + 1] + room.high[i]
+        rest_low[i] = rest_low[i + 1] + box.low[i]
+        rest_high[i] = rest_high[i + 1] + box.high[i]
     alpha, beta, drive, slack = problem.alpha, problem.beta, start.drive, 2.0 * _slip(problem)
     tries, level = 0, 0
     while level >= 0:
@@ -337,6 +344,6 @@ def places_of_rest(problem: DrivenChain, room: ReachableBox, start: Start, place
             level = after
             continue
         ends = min(least[n], most[n]), max(least[n], most[n])
-        if not _places(problem, room, start, search, ends):
+        if not _places(problem, box, start, search, ends):
             return -1
     return search.counts[0]

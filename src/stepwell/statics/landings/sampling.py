@@ -10,7 +10,7 @@ from stepwell.statics.following.pieces import sheets_of
 from stepwell.statics.following.smooth import LOST, choose
 from stepwell.statics.following.snap import FINE, snap
 from stepwell.statics.following.state import GOES, GOES_ON, SENSE, TRIGGER, DrivenChain, State
-from stepwell.statics.landings.start import Start, room_for, stand_before
+from stepwell.statics.landings.start import Start, empty_state, stand_before
 
 # A snap that leads from saddle to saddle more often than this comes to no end.
 _SADDLES = 20
@@ -34,15 +34,15 @@ def land_all(
     """Where a snap lands with its mobilities times each row of (n, N) factors."""
     count, n = factors.shape
     sheet, settled = np.zeros((count, n), np.int64), np.zeros(count, np.int64)
-    found = Landings(np.empty((count, n)), sheet, settled)
-    state, own = room_for(n), problem._replace(mobility=problem.mobility.copy())
+    landings = Landings(np.empty((count, n)), sheet, settled)
+    state, own = empty_state(n), problem._replace(mobility=problem.mobility.copy())
 
     def land(effort: Ints) -> int:
         limited = own._replace(effort=effort)
-        return _land_all(limited, start, state, factors, accuracy, found)
+        return _land_all(limited, start, state, factors, accuracy, landings)
 
     watched(land, long=factors.size > _MANY)
-    return found
+    return landings
 
 
 @entry(3e-2, "factors")
@@ -52,7 +52,7 @@ def _land_all(
     state: State,
     factors: Floats,
     accuracy: float,
-    found: Landings,
+    landings: Landings,
 ) -> int:
     given, rests = problem.mobility.copy(), 0
     for k in range(len(factors)):
@@ -60,9 +60,9 @@ def _land_all(
         problem.mobility[:] = mobility / np.max(mobility)
         stand_before(problem, start, state)
         settled = _land(problem, state, start.direction, accuracy)
-        found.travel[k], found.sheet[k] = state.travel, sheets_of(problem.sheets)
-        found.settled[k] = 1 if settled else 0
-        rests += found.settled[k]
+        landings.travel[k], landings.sheet[k] = state.travel, sheets_of(problem.sheets)
+        landings.settled[k] = 1 if settled else 0
+        rests += landings.settled[k]
     return rests
 
 

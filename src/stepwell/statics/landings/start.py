@@ -88,8 +88,8 @@ def _start(log: logged.Log, k: int, travel: Floats, sheet: Ints) -> Start:
     return Start(*where, leader, heading, direction, cause, sense, piece)
 
 
-def room_for(cells: int) -> State:
-    """Room for the state of a chain of so many cells."""
+def empty_state(cells: int) -> State:
+    """Uninitialised state of a chain of N cells."""
     return blank_state(np.zeros(cells), logged.empty_log(1, cells))
 
 

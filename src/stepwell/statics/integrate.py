@@ -12,7 +12,7 @@ from stepwell.statics.following.pieces import stand_on
 from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.inertia import FreeCells
 
-# How a ride ended, or that there is more of it.
+# How an integration ended, or that there is more of it.
 GOES_ON, RESTS, STUCK = 0, 1, 2
 
 # What is kept of the motion beside travels and speeds.
@@ -225,8 +225,8 @@ def _broken(
         low, high = ends_at(problem, i)
         past = max(low - travel, travel - high)
         worst = max(worst, past / problem.laws.full[i])
-        mech.pick_rows(problem.laws, i, travel, leg.room)
-        bent = mech.law(problem.laws, i, leg.room, travel)[0]
+        mech.pick_rows(problem.laws, i, travel, leg.spare)
+        bent = mech.law(problem.laws, i, leg.spare, travel)[0]
         bent = abs(bent - mech.law(problem.laws, i, leg.rows[m], travel)[0]) / problem.scale
         worst = max(worst, _PAST * (bent / (_BENT * body.tolerance) - 1.0))
         if motion.sense[i] != 0 and speed != 0.0:
@@ -244,7 +244,7 @@ def _broken(
             outer = force[m + 1] if m + 1 < k else end
             here += (outer - here) * carried / leg.mass[m]
         carried += body.mass[i]
-        low, high = _bounds(problem, body, motion, i, leg.room)
+        low, high = _bounds(problem, body, motion, i, leg.spare)
         past = max(low - here, here - high) / problem.scale - _SLIP
         worst = max(worst, past)
     return worst
@@ -402,7 +402,7 @@ def _arrive(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Free
         elif motion.travel[i] <= low + slip and motion.speed[i] <= 0.0:
             motion.travel[i] = low
     _strike(problem, body, motion)
-    set_off(problem, body, motion, leg.room)
+    set_off(problem, body, motion, leg.spare)
 
 
 @kernel
@@ -452,10 +452,10 @@ def _rests(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeC
     for m in range(k):
         i, at = leg.cells[m], begin[m]
         to, before = at + (way[m] - before), way[m]
-        mech.pick_rows(problem.laws, i, at, leg.room)
-        trifle += mech.stored(problem.laws, i, leg.room, at) + leg.offset[m] * (at - to)
-        mech.pick_rows(problem.laws, i, to, leg.room)
-        trifle -= mech.stored(problem.laws, i, leg.room, to)
+        mech.pick_rows(problem.laws, i, at, leg.spare)
+        trifle += mech.stored(problem.laws, i, leg.spare, at) + leg.offset[m] * (at - to)
+        mech.pick_rows(problem.laws, i, to, leg.spare)
+        trifle -= mech.stored(problem.laws, i, leg.spare, to)
     # What the actuator does on the way there.
     trifle += way[-1] * (leg.level - 0.5 * leg.stiff * way[-1]) if leg.free == k else 0.0
     if trifle > _SPENT * lost:
@@ -476,7 +476,7 @@ def _rests(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeC
 
 
 @entry()
-def ride(problem: DrivenChain, body: Inertias, motion: MotionState, history: Floats) -> int:
+def integrate(problem: DrivenChain, body: Inertias, motion: MotionState, history: Floats) -> int:
     """Let the chain move on; GOES_ON, RESTS or STUCK."""
     # `history` (rows, 1 + 2N) takes time, travels and speeds after each step, or stays NaN.
     n, slots = len(motion.travel), 1
