@@ -148,9 +148,9 @@ def test_a_tally_counts_as_numpy_does():
     key_counts = KeyCounts(100)
     for first in range(0, 5000, 777):
         key_counts.add(key[first : first + 777], gap[first : first + 777], first)
-    there, key_counts = np.unique(key[key >= 0], return_counts=True)
+    there, sizes = np.unique(key[key >= 0], return_counts=True)
     best = [np.flatnonzero(key == k)[np.argmax(gap[key == k])] for k in there]
-    wanted = [there.tolist(), key_counts.tolist(), gap[best].tolist(), [int(b) for b in best]]
+    wanted = [there.tolist(), sizes.tolist(), gap[best].tolist(), [int(b) for b in best]]
     assert [list(column) for column in zip(*key_counts.rows, strict=True)] == wanted
 
 

@@ -265,7 +265,7 @@ def test_units_are_those_of_the_keys():
         (f"{POINTS}\nstop = true", "chain.cell[0].stop: unknown key. Did you mean stops?"),
         (
             f"beside = [{{ {POINTS} }}]",
-            "chain.cell[0]: elements: 1 given: side by side there are two or more.",
+            "chain.cell[0]: elements: 1 given: must be two or more in parallel.",
         ),
         (
             f"beside = [{{ {POINTS} }}, {{ name = 'x' }}]",

@@ -131,7 +131,7 @@ def test_a_cubic_law_and_a_table_of_it_pull_alike():
         (lambda: CELL.angle(0.021), "must be between 0 and 20 mm"),
         (
             lambda: sw.Band((0, 0), (0.02, 0), law=sw.Table((0, 0.01), (0, 0.01)), two_sided=True),
-            "a table says nothing of compression",
+            "a table has no values for compression",
         ),
     ],
 )

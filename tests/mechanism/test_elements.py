@@ -233,7 +233,7 @@ def test_what_cannot_stand_side_by_side_is_refused():
     with refuses(ValueError, "side by side", "travel"):
         sw.Element.side_by_side([snap, sw.elements.balloon()])
     far = sw.Element.from_points([0.1, 0.2], [1.0, -1.0], stops=True)
-    with pytest.raises(ValueError, match="share no travel"):
+    with pytest.raises(ValueError, match="no common travel"):
         sw.Element.side_by_side([sw.Element.from_points([0, 0.01], [1.0, -1.0], stops=True), far])
 
 

@@ -76,7 +76,7 @@ def test_where_a_landing_stands_in_the_way_of_every_program_it_is_named():
         RACE.program("111", robust=RATIO)
     text = str(refused.value)
     assert refused.value.proved
-    says(text, "snap", f"{hangs.event.drive * 1e3:.4g} mm", "up")
+    says(text, "snap", f"{hangs.event.drive * 1e3:.4g} mm", "loading")
     assert "first, second, third" in text and f"lands in {hangs.elsewhere[0].state}" in text
     says(text, "mobilities", "10")
     # Nearer to each other, they land where they should.

@@ -55,7 +55,7 @@ class Table(ByValue):
     """A measured law: tension k φ(e), with φ through the given points, smooth between.
 
     The interpolation is PCHIP (Fritsch & Butland 1984): no overshoot, continuous slope. Past
-    the last point the curve goes on straight.
+    the last point the curve continues straight.
 
     Args:
         extension: (n,) rising [m], the first one 0, n >= 2.
@@ -73,8 +73,8 @@ class Table(ByValue):
         shape = check.as_many("shape", self.shape, "m", "extension", len(extension))
         if extension[0] != 0 or shape[0] != 0:
             raise InputError(
-                f"the table starts at ({extension[0]}, {shape[0]}): must start at (0, 0), a band "
-                f"carries nothing at its rest length."
+                f"the table starts at ({extension[0]}, {shape[0]}): must start at (0, 0), because "
+                f"a band has no tension at its rest length."
             )
         check.pulls("shape", shape, "m")
         object.__setattr__(self, "extension", extension)
@@ -177,7 +177,7 @@ class Band(ByValue):
         check.fields(self, check.not_negative, rest_length="m")
         if self.two_sided and isinstance(self.law, Table):
             raise InputError(
-                "two_sided = True with a Table: a table says nothing of compression; use Linear "
+                "two_sided = True with a Table: a table has no values for compression. Use Linear "
                 "or Cubic, or leave the band tension-only."
             )
 
@@ -203,7 +203,7 @@ class Band(ByValue):
 
     @property
     def d(self) -> Vec2:
-        """q - p [m]: all that the motion knows of the anchors."""
+        """q - p [m]; the motion depends on the anchors only by this difference."""
         return self.q[0] - self.p[0], self.q[1] - self.p[1]
 
     def length(self, theta: ArrayLike, lever: float) -> Floats:

@@ -21,7 +21,7 @@ _LOOKS = 4097
 LIMITS_DEG = 0.01, 89.9
 LIMITS = math.radians(LIMITS_DEG[0]), math.radians(LIMITS_DEG[1])
 
-_WAY = "If it is meant so, say unusual=True."
+_WAY = "If it is meant so, pass unusual=True."
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,12 +36,12 @@ class Cell(ByValue, Drawn):
         limit: θc [rad], from 0.01° to 89.9°, where the blocks touch.
         load: a force on the cell that depends on its travel; None for none.
         friction: Coulomb friction against travel [N], >= 0.
-        name: what messages and figures call the cell.
-        unusual: True where sizes far off the lever are meant. Else they are taken for a slip of
-            unit (theory page, "Slips of unit"), here and wherever a number meets the cell, but not
-            again in what `dataclasses.replace` derives from a cell.
-        mobility: how fast it moves for a given force, beside the other cells, > 0; where three
-            or more snap together it has a say in where they land.
+        name: name of the cell in messages and figures.
+        unusual: True to accept sizes that look like unit errors compared with the lever (theory
+            page, "Slips of unit"), here and in functions that take a cell and a number. Copies by
+            `dataclasses.replace` are not checked again.
+        mobility: speed per force relative to the other cells (inverse drag), > 0; it can affect
+            the landing of a snap of three or more cells.
 
 
     Raises:
@@ -107,10 +107,10 @@ class Cell(ByValue, Drawn):
     def with_anchors(self, p: Vec2 | None = None, q: Vec2 | None = None) -> "Cell":
         """The same cell with the anchors of its bands at p and q [m]; None leaves them.
 
-        Anchors so far off a cell that is not `unusual` that m are not meant raise ValueError.
+        Anchors that look like unit errors raise ValueError, unless the cell is `unusual`.
         """
         if not self.unusual:
-            # Beside those there are: what has gone far already may go on.
+            # Relative to the present anchors: one that is far already may move further.
             own = max([self.lever, *(math.hypot(*a) for b in self.bands for a in (b.p, b.q))])
             given = ((name, at) for name, at in (("p", p), ("q", q)) if at is not None)
             groups = (sizes.far(name, check.vector(name, at), own) for name, at in given)
@@ -281,14 +281,14 @@ def _refuse_steps(load: Load, full: float) -> None:
         if after - before < 1e-9 * full:
             raise InputError(
                 f"load: its points at {before!r} and {after!r} m are {after - before:.3g} m "
-                f"apart, must be {1e-9 * full:.3g} m or more: nothing tells the force of a cell "
-                f"within a billionth of its travel."
+                f"apart, must be {1e-9 * full:.3g} m or more: within a billionth of the travel the "
+                f"force is undefined."
             )
 
 
 def _refuse_meeting_ends(band: Band, lever: float, limit: float) -> None:
-    # Where ℓ = 0 a band that pulls or pushes there has no direction. One with ℓ0 = 0 does neither:
-    # its force is (T/ℓ) g, and T/ℓ has a limit.
+    # At ℓ = 0 the force of a band has no direction. A band with ℓ0 = 0 has no force there: its
+    # force is (T/ℓ) g, and T/ℓ has a limit.
     if band.rest_length == 0.0:
         return
     theta = min(max(math.atan2(-band.d[1], -band.d[0]), -limit), limit)

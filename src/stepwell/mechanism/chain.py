@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from stepwell.sequences import Cycle, ImplicitGraph, Program, TransitionGraph
     from stepwell.statics import Configuration, Path
 
-# Springs of an actuator [N/m]. A double holds a drive to a share of 1e-16: behind a softer spring
-# it loses the strokes beside λ/K, behind a stiffer one λ/K beside the strokes.
+# Springs of an actuator [N/m]. A double has a relative precision of 1e-16: behind a softer spring
+# the drive λ/K hides the strokes, behind a stiffer one the strokes hide λ/K.
 SOFTEST, STIFFEST = 1e-6, 1e12
 
 
@@ -32,10 +32,10 @@ class Chain(ByValue, Drawn):
         actuator_stiffness: K [N/m] of the spring between the actuator and the outermost
             block, 1e-6 to 1e12; or infinite for a prescribed stroke (the paper), or 0 for a
             prescribed force.
-        title: what reports call the chain.
+        title: name of the chain in reports.
 
     Raises:
-        ValueError: no cells, cells of unlike measure, or a stiffness out of range.
+        ValueError: no cells, cells of different measures, or a stiffness out of range.
 
     Source: Kamp et al. 2024, Fig. 2.
     """
@@ -50,7 +50,7 @@ class Chain(ByValue, Drawn):
         stiffness, unit = self.actuator_stiffness, self.measure.stiffness_unit
         softest, stiffest = SOFTEST, STIFFEST
         if self.measure is not Measure.TRAVEL:
-            # What is soft and what is stiff there, the cells themselves tell.
+            # For other measures the limits are relative to the stiffness of the cells.
             size = max(c.largest_force for c in self.elements) / self.full_stroke
             softest, stiffest = 1e-8 * size, 1e10 * size
         if stiffness != math.inf:
@@ -94,12 +94,12 @@ class Chain(ByValue, Drawn):
 
     @property
     def elements(self) -> tuple[Element, ...]:
-        """Those of its cells that are elements."""
+        """The cells that are elements."""
         return tuple(cell for cell in self.cells if isinstance(cell, Element))
 
     @property
     def levers(self) -> tuple[Cell, ...]:
-        """All its cells, where all of them are lever cells.
+        """The cells of a chain of lever cells.
 
         Raises:
             ValueError: a chain with an element; the text names the first one.
@@ -107,8 +107,8 @@ class Chain(ByValue, Drawn):
         for i, cell in enumerate(self.cells):
             if isinstance(cell, Element):
                 raise InputError(
-                    f"cells[{i}] = {cell!r}: must be a Cell; an element has no levers or bands, so "
-                    f"take a chain of cells alone."
+                    f"cells[{i}] = {cell!r}: must be a Cell, because an element has no levers or "
+                    f"bands. Use a chain of cells alone."
                 )
         return tuple(cell for cell in self.cells if isinstance(cell, Cell))
 
@@ -134,12 +134,12 @@ class Chain(ByValue, Drawn):
 
     @property
     def unusual(self) -> bool:
-        """Whether one of its cells is `unusual`: then no number that meets the chain is a slip."""
+        """Whether one of its cells is `unusual`; then numbers are not checked for unit errors."""
         return any(cell.unusual for cell in self.cells)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What each cell is called: its own name, else inner/outer or its number from inside."""
+        """Names of the cells: their own, else inner/outer or their number from inside."""
         n = len(self.cells)
         own = ("inner", "outer") if n == 2 else [f"cell {i}" for i in range(1, n + 1)]
         return tuple(cell.name or name for cell, name in zip(self.cells, own, strict=True))
@@ -158,15 +158,15 @@ class Chain(ByValue, Drawn):
             turning_points: (m,) actuator positions [m], or forces [N] where its stiffness is 0.
             start: state such as "010", (N,) travels [m], or the `end_configuration` of another
                 path; all cells at 0 by default.
-            prefer: cells by falling priority where two of them tie; by default the first by its
-                force, then the innermost, and cells of constant force share the motion.
+            prefer: cells by falling priority for ties; by default the first by its force, then
+                the innermost, and cells of constant force share the motion.
             progress: called now and then with (done, total) of the way of the actuator.
 
         Raises:
             ValueError: turning points out of range, or probably in another unit, or a start that
                 is no stable equilibrium.
-            StaticsError: the follower could not go on, or breaks its own certificate; the text
-                says where and what to do.
+            StaticsError: the path cannot be computed, or fails its own certificate; the text
+                contains the place and a possible action.
 
         Source: the equilibria are those of Kamp et al. 2024, Eqs. 1, 2 and 5; following them
         through snaps is ours (theory page).
@@ -184,11 +184,11 @@ class Chain(ByValue, Drawn):
         prefer: Sequence[int] | None = None,
         progress: Callable[[float, float], None] | None = None,
     ) -> Cycle:
-        """Load a chain fully and unload it, once.
+        """Compute one full cycle: load the chain fully and unload it.
 
-        A rigid actuator goes 0 → Σ S_i → 0; a compliant one far enough to pull every cell to its
-        stop and back, a prescribed force likewise. `prefer`, `progress` and StaticsError are as for
-        `path`.
+        A rigid actuator goes 0 → Σ S_i → 0. A compliant actuator, or a prescribed force, goes far
+        enough to pull every cell to its stop and back. `prefer`, `progress` and StaticsError are as
+        for `path`.
 
         Source: Kamp et al. 2024, Fig. 2.
         """
@@ -206,27 +206,27 @@ class Chain(ByValue, Drawn):
         """The transition graph of a chain.
 
         Args:
-            drive: "stroke", "force" or what its measure calls them, such as "volume" and
-                "pressure"; or the stiffness of the actuator [N/m]; that of the chain by default.
-            start: a state such as "000", to see only what can be reached from it; by default
-                all states in which the chain can stand, those set by hand included.
+            drive: "stroke", "force" or the words of its measure, such as "volume" and "pressure";
+                or the stiffness of the actuator [N/m]; that of the chain by default.
+            start: a state such as "000", for the states reachable from it only; by default all
+                states in which the chain can stand, states set by hand included.
             progress: called with (done, total) starts, then with (followed, known) branches.
 
         Raises:
-            ValueError: friction, a start that is no equilibrium, too many states to look at all
-                of them, or too many branches.
-            StaticsError: the engine could not go on; its text says what to do.
+            ValueError: friction, a start that is no equilibrium, too many states, or too many
+                branches.
+            StaticsError: a path cannot be computed; its text contains a possible action.
         """
         from stepwell import sequences
 
         return sequences.graph(self, drive, start=start, progress=progress)
 
     def implicit_graph(self, drive: str | float | None = None) -> ImplicitGraph:
-        """The transition graph of a chain, asked state by state and never listed.
+        """The transition graph of a chain of any length, computed state by state on demand.
 
-        For chains of any length: it counts states, finds the window of each and where its ends
-        lead, and walks from one to the next; nothing is computed before it is asked for. `drive`
-        is as for `graph`; friction and an unknown drive raise ValueError.
+        It counts states, computes the window of a state and the transitions at its ends, and walks
+        from state to state. `drive` is as for `graph`; friction and an unknown drive raise
+        ValueError.
         """
         from stepwell import sequences
 
@@ -243,22 +243,22 @@ class Chain(ByValue, Drawn):
         """The shortest list of turning points of the actuator from one state to another.
 
         Args:
-            target: the state in which it is to end, such as "01", inner cell first.
-            start: the state at the beginning; all cells at 0 by default.
-            robust: a ratio, such as 10: it has to work for all mobilities of the cells within
-                that ratio of those given. Then every landing on the way holds within it, as of
-                `Path.landings`, or the states at which it turns are proved not to hang on landings.
-            progress: called with (done, total) while a search goes on.
+            target: state at the end, such as "01", inner cell first.
+            start: state at the beginning; all cells at 0 by default.
+            robust: a ratio, such as 10: the program has to work for all ratios of cell mobilities
+                up to this one. Then every landing of the program holds within it, as of
+                `Path.landings`, or its turning states are proved independent of landings.
+            progress: called with (done, total) during a search.
 
         Returns:
-            Among the programs compared with equally few turns, the one whose narrowest window is
-            widest. Its `landings` tell which are proved and which sampled.
+            Among the compared programs with the fewest turns, the one whose narrowest window is
+            widest. Its `landings` contain which landings are proved and which are sampled.
 
         Raises:
-            Unreachable: no program does it; the text is the proof, or says what was searched, or
-                which landing stands in the way.
+            Unreachable: no program reaches the target; the text is the proof, or describes the
+                search, or names the landing that depends on the mobilities.
             ValueError: a state that this chain cannot have, or in which it cannot stand, or a ratio
-                that `Path.landings` does not take.
+                outside the range of `Path.landings`.
 
         Source: ours (theory page, "Stroke programs").
         """
@@ -269,19 +269,19 @@ class Chain(ByValue, Drawn):
     def margin(
         self, *, reach: float = REACH, progress: Callable[[int, int], None] | None = None
     ) -> Margin:
-        """How far each anchor and each stiffness may change before the sequence does.
+        """Largest change of each anchor and each stiffness that keeps the sequence.
 
-        One thing at a time; of an element all its forces, all its travels, and its friction. Where
-        all cells are proved concave under a rigid actuator and share one full travel, the sequence
-        changes exactly when two neighbours in the order of F0 or of F1 change places: the nearest
-        anchor that does it is found to rounding, and the ratio of stiffness is a quotient of
-        forces; so are those of elements under a prescribed force. Where that proof fails, on the
-        way to the change or from the start, the general engine is asked around the anchor and the
-        answer says "search". The anchor's is what `reprogram(chain, None, "<cell>.q")` finds.
+        One parameter varies at a time; elements vary all forces, all travels, and their friction.
+        If all cells are proved concave under a rigid actuator and have equal full travels, the
+        sequence changes exactly when two neighbours in the order of F0 or of F1 change places. Then
+        the nearest such anchor is exact to rounding, and the ratio of stiffness is a quotient of
+        forces; the same holds for elements under a prescribed force. Where that proof fails, the
+        general engine searches around the anchor and the method is "search". The anchor is that of
+        `reprogram(chain, None, "<cell>.q")`.
 
         Args:
-            reach: farthest displacement of an anchor that is looked at [m], > 0 (else ValueError);
-                a distance is infinite where no change within reach does it.
+            reach: largest displacement of an anchor [m], > 0 (else ValueError); a distance is
+                infinite if no displacement within reach changes the sequence.
             progress: called with (done, total) changes.
 
         Source: sorting theorem, theory page; after Kamp et al. 2024, Fig. 2C.
@@ -301,45 +301,45 @@ class Chain(ByValue, Drawn):
         robust: float | None = None,
         progress: Callable[[int, int], None] | None = None,
     ) -> Yield:
-        """Make a mechanism many times at random within its tolerances and count those that work.
+        """Monte Carlo yield: fraction of random samples within tolerance that reach the target.
 
-        A mechanism whose cells are all proved taut with falling force does what the order of its F0
-        + f (rising, loading) and F1 - f (falling, unloading) says, f being friction; that needs
-        equal full travels, or a prescribed force, or a rigid actuator and the proof that no cell is
-        pushed through its whole travel in a snap. Elements under a prescribed force are judged by
-        their switching forces. All other mechanisms are followed by the engine, one by one; if that
-        is every one (several bands in a cell, a bent law, a load), it takes milliseconds for each.
-        Where states are wanted the engine follows every branch of each, unless all 2^N states are
-        wanted of cells of one travel and every two loops are nested, which proves it.
+        If all cells of a sample are proved in tension with falling force, the order of F0 + f
+        (rising, loading) and F1 - f (falling, unloading) decides its sequence, f being friction.
+        That needs equal full travels, or a prescribed force, or a rigid actuator and the proof that
+        no snap pushes a cell through its whole travel. Elements under a prescribed force are judged
+        by their switching forces. The engine follows all other samples one by one, which takes
+        milliseconds each (several bands in a cell, a nonlinear law, a load). For a target list of
+        states the engine follows every branch of each sample. The exception: all 2^N states are
+        the target, the travels are equal and every two loops are nested, which proves it.
 
-        The same seed gives the same mechanisms, and more `samples` keep the first ones.
+        The same seed gives the same samples, and more `samples` keep the first ones.
 
         Args:
-            tolerances: how far the parts may be from the drawing, exact where it names nothing; by
-                default what a careful workshop can do, anchors ±0.3 mm and stiffness ±5 %.
-            samples: how many mechanisms to make; by default 100,000 where end forces tell what they
-                do, and 500 where the engine has to follow each.
-            seed: which ones.
+            tolerances: deviations of the parts from the nominal design, zero if not named; by
+                default those of a careful workshop, anchors ±0.3 mm and stiffness ±5 %.
+            samples: number of samples; by default 100,000 if end forces decide the sequence, and
+                500 if the engine follows each.
+            seed: random seed.
             target: the full cycle that counts as success, such as "00>10>11>01>00", by default
-                what the drawing does; or a list of states, such as ["00", "10", "11"]: all that
-                shall be in reach from all cells at 0, and no others.
-            sensitivity: also find which part's tolerance counts, by Sobol' indices of the smallest
-                gap between neighbours in the wanted order; where the engine follows every
-                mechanism, with how well the gap predicts what it finds.
-            robust: a ratio, such as 10: a mechanism counts only if it works for all mobilities of
-                its cells within that ratio of its own. End forces hold for any mobilities; of other
-                mechanisms every landing on the way has to hold, as of `Path.landings`. For
-                mobilities drawn at random see Tolerances(mobility=...).
+                that of the nominal design; or a list of states, such as ["00", "10", "11"]: exactly
+                the states that shall be reachable from all cells at 0.
+            sensitivity: also rank the tolerances of the parts, by Sobol' indices of the smallest
+                gap between neighbours in the target order; if the engine follows every sample, also
+                report how well the gap predicts its results.
+            robust: a ratio, such as 10: a sample counts only if it works for all ratios of cell
+                mobilities up to this one. End forces hold for any mobilities; for other samples
+                every landing has to hold, as of `Path.landings`. For random mobilities see
+                Tolerances(mobility=...).
             progress: called with (done, samples).
 
         Returns:
-            The share that works, its confidence interval, and what the others do.
+            The fraction that works, its confidence interval, and the outcomes of the others.
 
         Raises:
-            ValueError: numbers out of range, a sequence that is no full cycle of this chain, states
-                where not all that can be reached can be looked at (friction, more than 8 cells), or
-                sensitivities of a cycle without two orders, or where not all can be built.
-            StaticsError: the drawing itself has no answer, and no `target` was given.
+            ValueError: numbers out of range, a sequence that is no full cycle of this chain, a list
+                of states of a chain with friction or more than 8 cells, or sensitivities of a
+                cycle without two orders, or of samples that cannot all be built.
+            StaticsError: the nominal design has no result, and no `target` was given.
 
         Source: sorting theorem, theory page; Sobol' 2001, Saltelli et al. 2010.
         """
@@ -366,27 +366,27 @@ class Chain(ByValue, Drawn):
         reach: float = REACH,
         progress: Callable[[int, int], None] | None = None,
     ) -> Reprogramming:
-        """The smallest displacement of one anchor after which a chain does what is wanted.
+        """The smallest displacement of one anchor that changes the sequence to the target.
 
-        Where all cells are proved concave under a rigid actuator and share one full travel, the
-        sequence is the order of the end forces: the wanted one is a region of the anchor's plane
-        between curves of constant F0 and F1, whose nearest point is found to rounding. That is the
-        answer where the proof holds for every displacement up to it; otherwise the engine is asked
-        as well, and the answer says "search".
+        If all cells are proved concave under a rigid actuator and have equal full travels, the
+        sequence is the order of the end forces. The target is then a region of the anchor's plane
+        between curves of constant F0 and F1, whose nearest point is exact to rounding. If that
+        proof fails for a displacement up to this point, the engine searches as well, and the method
+        is "search".
 
         Args:
-            target: a full cycle such as "00>01>11>10>00", or None for any other than now.
+            target: a full cycle such as "00>01>11>10>00", or None for any other than the present.
             by: the anchor: "<cell>.p" on the inner block or "<cell>.q" on the outer one, of all
                 bands of the cell; <cell> is a name or a number, 1 for the innermost. Or a number of
                 an element: "<element>.force_scale", "<element>.travel_scale", "<element>.friction".
-            along: (dx, dy), a line that the anchor keeps to; anywhere in the plane by default.
+            along: (dx, dy), direction of the displacement; any direction by default.
             one_way: only in the sense of `along`, not against it.
-            reach: largest displacement that is looked at [m].
-            progress: called with (done, total) places while the engine is asked.
+            reach: largest displacement [m].
+            progress: called with (done, total) places during a search by the engine.
 
         Returns:
-            The displacement, the design just past it, and what has to push the anchor on the
-            way. Infinite where nothing within reach does it.
+            The displacement, the design just past it, and the force on the anchor during the
+            displacement. Infinite if no displacement within reach leads to the target.
 
         Raises:
             ValueError: a target that is no full cycle of this chain, no anchor of that name, no
@@ -402,10 +402,10 @@ class Chain(ByValue, Drawn):
         )
 
     def robustness(self) -> Robustness:
-        """The largest displacement that all anchors may have at once, whatever their directions.
+        """The largest displacement of all anchors at once, in any directions, without a change.
 
-        `margin` moves one anchor at a time; here every other one moves to meet it. Of elements
-        under a prescribed force, the largest share by which all their forces may be off.
+        `margin` moves one anchor at a time; here all anchors move in their worst directions. For
+        elements under a prescribed force: the largest relative deviation of all their forces.
 
         Raises:
             ValueError: the sequence is not proved to be the order of F0 and F1 or switching forces.
@@ -427,19 +427,19 @@ class Chain(ByValue, Drawn):
         seed: int = 0,
         progress: Callable[[int, int], None] | None = None,
     ) -> Survival:
-        """Make a mechanism many times at random and run the same stroke program on each.
+        """Monte Carlo of a stroke program: fraction of samples that end in the target state.
 
-        Every mechanism is followed by the engine, in a millisecond or a few. The actuator goes
-        where the program says, or as far as the mechanism lets it. One that cannot be built or
-        followed does not end right.
+        The engine follows every sample, in a few milliseconds each. The actuator goes to the
+        turning points, or as far as the sample can go. Samples that cannot be built or followed
+        count as failures.
 
         Args:
-            turning_points: as for `Chain.path`; of a Program its `turning_points`.
-            target: the state wanted at the end, such as "010".
-            tolerances: how far the parts may be from the drawing; as for `yields` by default.
-            start: the state at the beginning; all cells at 0 by default.
-            samples: how many mechanisms to make; 500 by default.
-            seed: which ones; the same seed gives the same mechanisms as `yields`.
+            turning_points: as for `Chain.path`, or the `turning_points` of a Program.
+            target: state at the end, such as "010".
+            tolerances: deviations of the parts from the nominal design; as for `yields` by default.
+            start: state at the beginning; all cells at 0 by default.
+            samples: number of samples; 500 by default.
+            seed: random seed; the same seed gives the same samples as `yields`.
             progress: called with (done, samples).
 
         Raises:

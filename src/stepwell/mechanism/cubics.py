@@ -59,11 +59,11 @@ def integral(rows: Floats, x: Floats) -> Floats:
 
 Force = Callable[[Floats], Floats]
 
-# Two cuts nearer than this share of the whole travel are one.
+# Two cuts nearer than this fraction of the whole travel are one.
 _NEAR = 1e-9
-# A force that changes by less than this share of the largest one is constant but for rounding.
+# A force that changes by less than this fraction of the largest one is constant but for rounding.
 _FLAT = 1e-12
-# Rows in a smooth stretch of a sampled law; one that needs more has a kink that was not told of.
+# Rows in a smooth stretch of a sampled law; one that needs more has a kink that was not given.
 _MOST_ROWS = 4096
 
 

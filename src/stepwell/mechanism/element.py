@@ -20,29 +20,29 @@ if TYPE_CHECKING:
 Stops = bool | tuple[bool, bool]
 
 _BLANK = np.zeros((1, cubics.COLUMNS))
-# A digit of a state tells one of so many phases.
+# Phases that one digit of a state can number.
 _MOST_PHASES = 10
-# An end that is open goes on straight; it has to rise by this share of the mean stiffness.
+# An open end continues straight; its slope is at least this fraction of the mean stiffness.
 _LEAST_RISE = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Element(ByValue, Drawn):
-    """A cell that is a force law: anything that snaps, given by its force against its travel.
+    """Bistable element: a cell that is defined by its force-travel curve.
 
-    Make one with a method `from_...`, or take one from `stepwell.elements`. In a chain it stands
-    wherever a `Cell` may.
+    Create one with a method `from_...`, or use one of `stepwell.elements`. A chain takes elements
+    and cells in any order.
 
     Args:
-        sheets: the stable stretches of its curve; one, but for curves that fold back in travel.
+        sheets: the stable stretches of its curve; one unless the curve folds back in travel.
         stops: whether it is stopped at the low and at the high end of its curve; without a stop
-            the curve goes on straight.
+            the curve continues straight.
         friction: Coulomb friction against travel [N], >= 0.
-        name: what messages and figures call it.
-        measure: what its travel and its force are; all units below are those of travel and force.
-        force_scale, travel_scale: all forces and all travels are those of the curve times these.
-        error_band: how far measured points lie from the curve at most [N]; 0 where it goes through.
-        mobility: how fast it moves for a given force, beside the other cells, > 0.
+        name: name of the element in messages and figures.
+        measure: kind of travel and force; all units below are those of travel and force.
+        force_scale, travel_scale: factors of all forces and of all travels of the curve.
+        error_band: largest distance of measured points from the curve [N]; 0 if it passes through.
+        mobility: speed per force relative to the other cells (inverse drag), > 0.
 
     Raises:
         ValueError: no curve, a number out of range, an open end on which the force does not rise,
@@ -59,7 +59,7 @@ class Element(ByValue, Drawn):
     error_band: float = 0.0
     mobility: float = field(default=1.0, kw_only=True)
     unusual: ClassVar[bool] = False
-    """Whether unlikely sizes are meant: an element has no lever to compare them with."""
+    """Always False: an element has no lever to compare its sizes with."""
     # All below are in the units of the curve as it is, scales included.
     laws: tuple[Sheet, ...] = field(init=False, repr=False, compare=False)
     """Its sheets with the scales in them."""
@@ -68,7 +68,7 @@ class Element(ByValue, Drawn):
     high: float = field(init=False, repr=False, compare=False)
     """Largest travel of its curve [m]."""
     phases: tuple[Phase, ...] = field(init=False, repr=False, compare=False)
-    """Where it can stand under a prescribed force, in the order of the curve."""
+    """Phases that are stable under a prescribed force, in the order of the curve."""
     stretches: tuple[Stretch, ...] = field(init=False, repr=False, compare=False)
     """Sheet and travels [m] of every phase, in their order."""
     switching_range: tuple[float, float] = field(init=False, repr=False, compare=False)
@@ -76,7 +76,7 @@ class Element(ByValue, Drawn):
     largest_force: float = field(init=False, repr=False, compare=False)
     """Largest force of its curve in size [N]."""
     packed: tuple[tuple[float, ...], Floats] = field(init=False, repr=False, compare=False)
-    """What a chain is packed from: a table of its sheets, row by row, and their curves.
+    """Arrays that a chain is packed from: a table of the sheets, row by row, and their curves.
 
     See `phase.LOW` for the columns of the table; rows and the first sheet are counted from each
     sheet. An open end is infinite there and has a row of its own in the curves, blank at the low
@@ -189,7 +189,7 @@ class Element(ByValue, Drawn):
             low, high: between which travels the law is taken [m].
             name, stops, friction, mobility, measure: as for Element.
             kinks: travels at which the slope of the law jumps [m].
-            accuracy: how far from the law it may be, as a share of the largest force.
+            accuracy: largest deviation from the law, as a fraction of the largest force.
 
         Raises:
             ValueError: a law without finite values, or with a kink that `kinks` does not name.
@@ -218,8 +218,8 @@ class Element(ByValue, Drawn):
         """An element whose curve may fold back in travel: it has a freedom of its own inside.
 
         The points are in the order of the curve's arc, unstable stretches included, from a stable
-        end on. At each fold the curve's turn tells whether the stretch after it is stable at a
-        given travel (Maddocks 1987): a clockwise turn, with force drawn over travel, loses
+        end on. At each fold the sense of rotation decides whether the next stretch is stable at a
+        given travel (Maddocks 1987): a clockwise turn, with force plotted over travel, loses
         stability and a counterclockwise one gains it. Where a stable stretch ends the element jumps
         at that travel to the next stable one along the arc. Its sheets are in that order.
 
@@ -237,11 +237,11 @@ class Element(ByValue, Drawn):
 
     @classmethod
     def from_chain(cls, chain: Chain, name: str = "") -> Element:
-        """A chain as one element: its total travel, and the force that it resists with.
+        """A chain as one element: its total travel, and its resisting force.
 
-        Its sheets are the branches that a prescribed stroke can bring it to, so that it is an
-        element with freedoms of its own inside; they are much faster than what is outside. The
-        chain's own actuator does not count.
+        Its sheets are the branches that are reachable under a prescribed stroke. Its internal
+        degrees of freedom move much faster than the cells outside. The actuator of the chain is
+        ignored.
 
         Raises:
             ValueError: a chain with friction, or with too many branches.
@@ -255,13 +255,12 @@ class Element(ByValue, Drawn):
 
     @classmethod
     def side_by_side(cls, elements: Sequence[Element], name: str = "") -> Element:
-        """Two or more elements that share one travel, as one: their forces add up.
+        """Elements in parallel as one element: equal travels, and forces that add up.
 
-        It can go as far as all of them can: each of their stops is its own. Side by side they move
-        as slowly as all of their dampers together make them.
+        Its travel is limited by the stops of all of them, and their dampers add up.
 
         Raises:
-            ValueError: elements of unlike measure, or that share no travel.
+            ValueError: elements of different measures, or without common travels.
         """
         sheets, stops, friction = element_curves.beside(elements)
         mobility = 1.0 / sum(1.0 / element.mobility for element in elements)
@@ -280,9 +279,9 @@ class Element(ByValue, Drawn):
 
     @property
     def fields(self) -> tuple[tuple[float, float], ...]:
-        """Its switching fields: forces at which it goes from each phase to the next, and back [N].
+        """Switching fields: forces of the transitions to the next phase, and back [N].
 
-        Under a prescribed force that is all there is to know of it.
+        They determine the response to a prescribed force completely.
         """
         pairs = zip(self.phases, self.phases[1:], strict=False)
         return tuple((a.force_high, b.force_low) for a, b in pairs)
@@ -295,7 +294,7 @@ class Element(ByValue, Drawn):
     def force_at(self, travel: ArrayLike, sheet: int = 0) -> Floats:
         """Force F = dE/ds [N] at travels [m] of any shape on a sheet, without friction.
 
-        Past an open end it goes on straight; past a stop or the end of the sheet ValueError.
+        Past an open end it continues straight; past a stop or the end of the sheet ValueError.
         """
         return cubics.value(*self._asked(travel, sheet))
 
@@ -304,7 +303,7 @@ class Element(ByValue, Drawn):
         return cubics.integral(*self._asked(travel, sheet))
 
     def goes_on(self, sheet: Sheet) -> tuple[bool, bool]:
-        """Whether one of its sheets goes straight on past its low and past its high end."""
+        """Whether one of its sheets continues straight past its low and past its high end."""
         below, above = self.stopped
         return (
             not below and sheet.begin == self.low and sheet.below is None,
@@ -312,7 +311,7 @@ class Element(ByValue, Drawn):
         )
 
     def renamed(self, name: str) -> Element:
-        """The same element by another name."""
+        """The same element with another name."""
         return replace(self, name=name)
 
     def _asked(self, travel: ArrayLike, sheet: int) -> tuple[Floats, Floats]:
@@ -375,7 +374,7 @@ def _packed(element: Element) -> tuple[tuple[float, ...], Floats]:
 
 
 def _refuse_loose_ends(element: Element) -> None:
-    """Raise ValueError where the curve would go on without bound: falling, or flat."""
+    """Raise ValueError where an open end does not rise, so that the travel is unbounded."""
     slowest = _LEAST_RISE * element.largest_force / element.full_travel
     for sheet in element.laws:
         rises = sheet.rows[0, 2], sheet.after[0, 2]
@@ -383,8 +382,8 @@ def _refuse_loose_ends(element: Element) -> None:
             if goes_on and not rise > slowest:
                 raise InputError(
                     f"stops: at the {end} end of the curve the force does not rise with travel, so "
-                    f"without a stop there the element would run away: pass stops=True if it is "
-                    f"stopped where its curve ends, or give the curve as far as it rises again."
+                    f"the travel is unbounded without a stop. Pass stops=True if the element is "
+                    f"stopped where its curve ends, or extend the curve to where it rises again."
                 )
 
 
@@ -416,8 +415,8 @@ def _phases_of(element: Element, turns: Sequence[tuple[Floats, Ints]]) -> tuple[
     ]
     if len(phases) > _MOST_PHASES:
         raise InputError(
-            f"the force turns so often that there are {len(phases)} stretches on which it rises: "
-            f"at most {_MOST_PHASES} can be told apart by the digits of a state. Is it measured "
-            f"noise? Then pass noise=, the standard deviation of the forces."
+            f"the force curve has {len(phases)} rising stretches: at most {_MOST_PHASES} are "
+            f"possible, one per digit of a state. If these are measurement noise, pass noise=, the "
+            f"standard deviation of the forces."
         )
     return tuple(phases)

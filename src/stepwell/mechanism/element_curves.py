@@ -85,8 +85,8 @@ def smoothed(x: Floats, y: Floats, noise: float, measure: Measure) -> Floats:
         unit, factor = display_unit(measure.force_unit)
         raise InputError(
             f"noise = {noise * factor:.4g} {unit}: a snap of the smoothed curve drops by "
-            f"{least * factor:.4g} {unit} only, less than twice that, so nothing tells it "
-            f"from noise. Average several recordings, or measure with less noise."
+            f"{least * factor:.4g} {unit} only, less than twice the noise, so it cannot be "
+            f"distinguished from noise. Average several recordings, or measure with less noise."
         )
     return rows
 
@@ -106,14 +106,14 @@ def folded(travel: Iterable[float], force: Iterable[float], measure: Measure) ->
                 unit, factor = display_unit(measure.travel_unit)
                 raise InputError(
                     f"at travel {x[a] * factor:.6g} {unit} the curve folds counterclockwise (force "
-                    f"over {measure.travel}), which ends an instability that it never had: it "
-                    f"must begin at a stable end. Give the points from there on, along the arc."
+                    f"over {measure.travel}), so it was unstable before: it must begin at a stable "
+                    f"end. Give the points from a stable end on, along the arc."
                 )
         way, up = slice(a, b + 1), heading[a] > 0
         s, f = (x[way], y[way]) if up else (x[way][::-1], y[way][::-1])
         rows = cubics.through(s, f)
         work = cubics.end_of(rows, float(s[-1]))[2]
-        # The energy goes on continuously along the arc, unstable stretches included.
+        # The energy is continuous along the arc, unstable stretches included.
         begin = energy if up else energy - work
         energy += work if up else -work
         rows = cubics.with_integrals(rows, begin)
@@ -173,7 +173,7 @@ Place = tuple[int, ...]
 
 
 def beside(elements: "Sequence[Element]") -> tuple[tuple[Sheet, ...], tuple[bool, bool], float]:
-    """Sheets, stops and friction of elements that share one travel."""
+    """Sheets, stops and friction of elements in parallel."""
     _refuse_unlike(elements)
     reach = 2.0 * max(element.largest_force for element in elements)
     curves = [_curves(element, reach) for element in elements]
@@ -191,8 +191,8 @@ def beside(elements: "Sequence[Element]") -> tuple[tuple[Sheet, ...], tuple[bool
         if not low < high:
             unit, factor = display_unit(elements[0].measure.travel_unit)
             raise InputError(
-                f"elements share no travel where they should stand side by side: one begins at "
-                f"{low * factor:.6g} {unit}, where another has ended at {high * factor:.6g} {unit}."
+                f"elements in parallel have no common travel: one begins at {low * factor:.6g} "
+                f"{unit}, another ends at {high * factor:.6g} {unit}."
             )
         sheet_at[place] = _sum([part[0] for part in parts], low, high), high, below, above
         waiting += [other for other in (below, above) if other is not None]
@@ -204,7 +204,7 @@ def beside(elements: "Sequence[Element]") -> tuple[tuple[Sheet, ...], tuple[bool
     return tuple(sheets), (stops[0], stops[1]), sum(element.friction for element in elements)
 
 
-# Rows, the ends, whether the curve goes on there, whether it is stopped, and where it leads.
+# Rows, the ends, whether the curve is open there, and the sheets that it leads to.
 _Part = tuple[Floats, tuple[float, float], tuple[bool, bool], tuple[int | None, int | None]]
 
 
@@ -234,8 +234,8 @@ def _end(
         return at, None
     if len(folds) > 1:
         raise InputError(
-            f"elements {folds[0] + 1} and {folds[1] + 1} fold back at the same travel, so nothing "
-            f"tells which jumps first: move one of them a little."
+            f"elements {folds[0] + 1} and {folds[1] + 1} fold back at the same travel, so it is "
+            f"undecided which jumps first: shift one of the curves a little."
         )
     leads = parts[folds[0]][3][side]
     assert leads is not None
@@ -266,11 +266,11 @@ def _sum(curves: list[Floats], low: float, high: float) -> Floats:
 
 def _refuse_unlike(elements: "Sequence[Element]") -> None:
     if len(elements) < 2:
-        raise InputError(f"elements: {len(elements)} given: side by side there are two or more.")
+        raise InputError(f"elements: {len(elements)} given: must be two or more in parallel.")
     first = elements[0].measure
     for k, element in enumerate(elements):
         if element.measure is not first:
             raise InputError(
                 f"elements[{k}] has {element.measure.travel} and {element.measure.force}, the "
-                f"first has {first.travel} and {first.force}: side by side all share one travel."
+                f"first has {first.travel} and {first.force}: elements in parallel need one kind."
             )

@@ -1,4 +1,4 @@
-"""Elements of the field, each a function that makes one: springs, trusses, beams, folds, rubber."""
+"""Library of bistable elements: springs, trusses, beams, origami folds, rubber."""
 
 import inspect
 import math
@@ -27,7 +27,7 @@ __all__ = [
 P = ParamSpec("P")
 Pair = tuple[float, float]
 
-# A curve is a few kilobytes; of more elements the one that was asked for longest ago is made again.
+# Cached elements; a curve is a few kilobytes, and the least recently used one is dropped.
 _MOST = 256
 
 
@@ -44,7 +44,7 @@ def kept(make: Callable[P, Element]) -> Callable[P, Element]:
     def element(*args: P.args, **kwargs: P.kwargs) -> Element:
         try:
             return known(*args, **kwargs)
-        except TypeError:  # a list has no hash, and a wrong argument is told by the function itself
+        except TypeError:  # a list has no hash, and the function itself reports a wrong argument
             return make(*args, **kwargs)
 
     return element
@@ -82,9 +82,9 @@ def trilinear(
         raise InputError(
             f"valley at {to_unit(bottom[0], 'mm'):.6g} mm, {bottom[1]:.6g} N after a peak at "
             f"{to_unit(top[0], 'mm'):.6g} mm, {top[1]:.6g} N: must be at a larger travel and a "
-            f"smaller force, else nothing snaps."
+            f"smaller force, or the element cannot snap."
         )
-    # As far as the force of the other corner; without stops, both ends go on straight.
+    # As far as the force of the other corner; without stops, both ends continue straight.
     travel = (top[0] - drop / first, top[0], bottom[0], bottom[0] + drop / last)
     return Element.from_points(travel, (bottom[1], top[1], bottom[1], top[1]), name)
 
@@ -101,7 +101,7 @@ def von_mises_truss(
     Exact at any height: only the springs' lengths change, and they neither bend nor buckle. The
     apex moves on the axis of symmetry. Travel is 0 at rest above and twice the height at rest
     below; the force vanishes at both, and half-way. A quarter of the height past either the force
-    goes on straight.
+    continues straight.
 
     Args:
         half_width: w [m], from the axis to a pivot, > 0.
@@ -240,7 +240,7 @@ def _sums(zeta: Floats) -> tuple[Floats, Floats]:
 
 # Displacement [mm] and force [gf] while pressed, read off the raw recording at the steps where the
 # curve bends; ThereminGoat, force-curves, "AEBoards Raed HE White (60g Dome) 1", 2025-09-20. Its
-# author asks for being named and no more. The recording goes on in steps of 0.005 mm and 0.1 gf.
+# author asks for attribution only. The recording has steps of 0.005 mm and 0.1 gf.
 _PRESSED = """
 0.185 0.0, 0.250 4.7, 0.300 9.6, 0.350 15.0, 0.400 21.1, 0.450 26.8, 0.500 31.4, 0.600 38.4,
 0.700 44.2, 0.800 47.5, 0.900 50.3, 1.000 52.5, 1.100 54.3, 1.205 55.8, 1.300 56.6, 1.425 57.0,
@@ -290,7 +290,7 @@ def balloon(
     pressure only rises, and nothing snaps; for c2 = 0 it never rises again (neo-Hookean). At its
     largest stretch the balloon is stopped, in place of the stiffening of rubber, which this law
     does not know. Volume counts from the unstretched sphere, the only place of rest; below it the
-    pressure goes on straight, where a real balloon hangs slack.
+    pressure continues straight, where a real balloon is slack.
 
     Args:
         radius: R [m], unstretched, > 0.
@@ -448,7 +448,7 @@ class LibraryEntry(ByValue):
 
     Args:
         make: the function; called without arguments, it gives something to build.
-        what, assumes: what it is and what its law takes for granted, a line each.
+        what, assumes: description of the element and assumptions of its law, a line each.
         source: author and year.
     """
 

@@ -1,4 +1,4 @@
-"""Force, slope, curvature and energy of one cell at one travel, compiled; chains made ready."""
+"""Compiled force, slope, curvature and energy of one cell; arrays of a chain for compiled code."""
 
 import math
 from collections.abc import Sequence
@@ -34,11 +34,11 @@ class Laws(NamedTuple):
 
 @record
 class Sheets(NamedTuple):
-    """Where the cells of a chain end; N cells, T sheets.
+    """Sheets of the cells of a chain and their ends; N cells, T sheets.
 
-    A cell has one sheet, but for elements whose curve folds back. `ends` and `now`, like the load
-    rows of the laws, are those on which it stands: the follower writes them as cells jump. They
-    stand apart from the laws, which compiled code passes on at every look at a force.
+    A cell has one sheet; elements whose curve folds back have more. `ends` and `now`, like the load
+    rows of the laws, belong to the present sheets: the follower writes them as cells jump. They are
+    separate from the laws, which compiled code passes on at every evaluation of a force.
     """
 
     ends: Floats  # (N, 4) travels between which cell i stands, and between which it can go
@@ -46,8 +46,8 @@ class Sheets(NamedTuple):
     table: Floats  # (T, 9) see `Sheet`, in order of the cells
 
 
-# Columns of `ends`, after LOW and HIGH: where a cell can go no further, which an end that leads on
-# is not.
+# Columns of `ends`, after LOW and HIGH: travels that a cell cannot pass; infinite at an end that
+# leads to another sheet.
 BEFORE, BEYOND = 2, 3
 
 
@@ -71,7 +71,7 @@ def largest(values: Floats | Ints) -> float:
 
 @leaf
 def summed(values: Floats) -> float:
-    """The sum of (N,) numbers from first to last, where NumPy's own order hangs on its version."""
+    """The sum of (N,) numbers from first to last; the order of NumPy depends on its version."""
     total = 0.0
     for value in values:
         total += value
@@ -80,7 +80,7 @@ def summed(values: Floats) -> float:
 
 @leaf
 def change_sheet(laws: Laws, sheets: Sheets, cell: int, sheet: int) -> None:
-    """Let a cell stand on another sheet, by its number among all."""
+    """Move a cell to another sheet, given by its number among all sheets."""
     row, ends = sheets.table[sheet], sheets.ends[cell]
     sheets.now[cell] = sheet
     laws.load_rows[cell, 0], laws.load_rows[cell, 1] = (
@@ -94,7 +94,7 @@ def change_sheet(laws: Laws, sheets: Sheets, cell: int, sheet: int) -> None:
 
 @entry(1e-5, "sheets.now")
 def ends_of(sheets: Sheets) -> tuple[float, float]:
-    """Least and largest Σ s that the cells have, with open ends as far as they go on."""
+    """Least and largest Σ s of the cells, open ends included as far as they extend."""
     table, low, high = sheets.table, 0.0, 0.0
     begin = 0
     for after in range(1, len(table) + 1):
@@ -107,7 +107,7 @@ def ends_of(sheets: Sheets) -> tuple[float, float]:
 
 @leaf
 def beyond(sheets: Sheets, cell: int, travel: float) -> int:
-    """The sheet, among all, to which a cell jumps where it stands; -1 where it does not."""
+    """Number of the sheet to which a cell jumps at its travel; -1 where it does not jump."""
     row = sheets.table[sheets.now[cell]]
     if travel <= sheets.ends[cell, phase.LOW]:
         return int(row[phase.BELOW])
@@ -116,10 +116,10 @@ def beyond(sheets: Sheets, cell: int, travel: float) -> int:
 
 @leaf
 def pick_rows(laws: Laws, cell: int, travel: float, out: Ints) -> None:
-    """Which row every band (and last the load) of `cell` is on at `travel`; -1 for none.
+    """Write the row of every band (and last of the load) of `cell` at `travel`; -1 for none.
 
-    Fixing the rows on a whole stretch makes the law smooth there, past its ends too, so
-    nothing downstream has to ask on which side of a kink a rounding error fell.
+    Fixed rows on a whole stretch make the law smooth there, past its ends too, so rounding errors
+    near a kink have no effect downstream.
     """
     sin = geometry.sine_at(travel, laws.lever[cell], laws.sin_limit[cell])
     cos = np.sqrt(1.0 - sin * sin)
@@ -151,7 +151,7 @@ def _of_band(
     cos: float,
     r: float,
 ) -> tuple[float, float, float]:
-    """F, κ and dκ/ds that a taut band makes of d_x, d_y, k, ℓ0 and its row."""
+    """F, κ and dκ/ds of a band in tension from d_x, d_y, k, ℓ0 and its row."""
     dx, dy, k, rest = band
     x0, c0, c1, c2, c3 = row
     length = geometry.band_length(sin, cos, dx, dy, r)
@@ -192,7 +192,7 @@ def law(laws: Laws, cell: int, picked: Ints, travel: float) -> tuple[float, floa
 
 @record
 class Looks(NamedTuple):
-    """Travels of a cell, and its law there; n of them."""
+    """Values of the law of a cell at n travels."""
 
     travel: Floats  # (n,)
     sin: Floats  # (n,)
@@ -204,7 +204,7 @@ class Looks(NamedTuple):
 
 @leaf
 def law_along(laws: Laws, cell: int, picked: Ints, at: Looks) -> None:
-    """The same at many travels, band by band, so that machine code does several at once."""
+    """`law` at n travels, band by band, so that machine code computes several at once."""
     band, rows, r, limit = laws.band, laws.rows, laws.lever[cell], laws.sin_limit[cell]
     travel, sin, cos, force, slope, bend = at.travel, at.sin, at.cos, at.force, at.slope, at.bend
     n = len(travel)
@@ -260,12 +260,12 @@ def stored(laws: Laws, cell: int, picked: Ints, travel: float) -> float:
 
 
 def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
-    """The laws of the cells, inner first, and where they end, each on its first sheet."""
+    """Laws and sheets of the cells, inner first, each on its first sheet."""
     # A chain may have very many cells: every attribute of them is read once.
     n = len(cells)
     levers = [cell for cell in cells if isinstance(cell, Cell)]
     is_lever = np.array([isinstance(cell, Cell) for cell in cells])
-    # No band asks an element for its lever; this one leaves sine and cosine finite.
+    # The lever of an element is never used by a band; this value keeps sine and cosine finite.
     lever, sin_limit, full = np.full(n, np.inf), np.zeros(n), np.empty(n)
     lever[is_lever] = [cell.lever for cell in levers]
     sin_limit[is_lever] = [math.sin(cell.limit) for cell in levers]
@@ -302,7 +302,7 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
     load_rows = table[now, phase.ROWS : phase.ROWS_END + 1].astype(int)
     of_bands = _starts(own), band, two_sided, band_rows
     laws = Laws(lever, sin_limit, full, friction, *of_bands, load_rows, rows)
-    # A stop, but for elements that fold back, is where a cell ends and cannot go on.
+    # A cell cannot pass its ends, except where an element folds back.
     ends = table[now[:, None], [phase.LOW, phase.HIGH, phase.LOW, phase.HIGH]]
     ends[table[now, phase.BELOW] >= 0, BEFORE] = -np.inf
     ends[table[now, phase.ABOVE] >= 0, BEYOND] = np.inf
@@ -316,7 +316,7 @@ def _of_bands(levers: Sequence[Cell]) -> tuple[list[int], list[Band], Floats, li
     band = np.empty((len(bands), 4))
     band[:, :2] = _rows_of(2, [b.q for b in bands]) - _rows_of(2, [b.p for b in bands])
     band[:, 2], band[:, 3] = [b.stiffness for b in bands], [b.rest_length for b in bands]
-    # Most bands share one law, so each law is asked once for its rows.
+    # Most bands share one law, so the rows of each law are computed once.
     laws_of = [b.law for b in bands]
     known = dict(zip(map(id, laws_of), laws_of, strict=True))
     pieces = {name: law.pieces() for name, law in known.items()}
@@ -324,7 +324,7 @@ def _of_bands(levers: Sequence[Cell]) -> tuple[list[int], list[Band], Floats, li
 
 
 def _extend(table: Floats, rows: Floats, starts: Ints, full: Floats, reach: float) -> None:
-    """Lead open ends of sheets straight on, as far as the largest force, `reach` [N], pulls them.
+    """Extend open ends of sheets straight, up to the largest force, `reach` [N].
 
     `full` is the travel of the cell of each sheet [m].
     """

@@ -1,4 +1,4 @@
-"""Where a cell can stand, its phases and sheets of its curve, and how fast it moves."""
+"""Phases and sheets of the curve of a cell, and limits of its mobility."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from stepwell.mechanism.cell import Cell
     from stepwell.mechanism.element import Element
 
-# Least and largest mobility of a cell. Further apart than these a chain is two mechanisms, a fast
-# one and a slow one, and its flow behind a stiff spring comes to rest too slowly to be followed.
+# Least and largest mobility of a cell. At larger ratios the flow behind a stiff spring approaches
+# rest too slowly to be followed.
 MOBILITIES = 1e-2, 1e2
 
 
@@ -43,10 +43,10 @@ class Phase(ByValue):
     al. 2024 have two, their stops. A digit of a state is the number of a phase.
 
     Attributes:
-        sheet: which sheet of the cell's curve it lies on; 0 but for curves that fold back.
-        low, high: travels between which it lies [m]; infinite where the curve goes on for ever.
-        force_low, force_high: the cell leaves it downwards at a force below the one and upwards at
-            a force above the other [N]; infinite where it never does.
+        sheet: number of its sheet of the cell's curve; 0 unless the curve folds back.
+        low, high: its ends [m]; infinite at an open end of the curve.
+        force_low, force_high: critical forces [N]: the cell leaves the phase downwards below
+            `force_low` and upwards above `force_high`; infinite where it never does.
     """
 
     sheet: int
@@ -56,21 +56,20 @@ class Phase(ByValue):
     force_high: float
 
 
-# Where a phase lies: its sheet, and the travels between which [m].
+# Sheet of a phase and its ends [m].
 Stretch = tuple[int, float, float]
 
 
 def phase_at(stretches: tuple[Stretch, ...], sheet: int, travel: float) -> str:
-    """The digit of the phase of a cell that holds a place [m], or - in transit between two."""
+    """The digit of the phase of a cell at a travel [m], or - in transit between two phases."""
     for digit, (own, low, high) in enumerate(stretches):
         if own == sheet and low <= travel <= high:
             return str(digit)
     return "-"
 
 
-# Columns of a table of sheets: its ends; the same without what an open end goes on beyond the
-# curve; its rows; the sheets to which it leads from below and above, or -1; and the first sheet of
-# its cell.
+# Columns of a table of sheets: its ends; the ends of the curve, without open extensions; its rows;
+# the sheets to which it leads from below and above, or -1; and the first sheet of its cell.
 SHEET_COLUMNS = 9
 LOW, HIGH, CURVE_LOW, CURVE_HIGH, ROWS, ROWS_END, BELOW, ABOVE, FIRST = range(SHEET_COLUMNS)
 
@@ -105,7 +104,7 @@ class Sheet(ByValue):
     below: int | None = None
     above: int | None = None
     after: Floats = field(init=False, repr=False, compare=False)
-    """(1, 6) the row on which it goes straight on past its high end."""
+    """(1, 6) the row on which it continues straight past its high end."""
 
     def __post_init__(self):
         force, slope, energy = end_of(self.rows, self.end)

@@ -1,7 +1,7 @@
-"""Slips of unit: sizes so far off a mechanism's own that another unit was probably meant.
+"""Detection of unit errors: sizes so unlikely that another unit was probably meant.
 
-A slip is a factor of a thousand (mm for m, N/mm for N/m, mN for N), or of 57 (rad for deg). The
-ranges below are the widest that still notice one where a mechanism is of an ordinary make.
+A unit error is a factor of a thousand (mm for m, N/mm for N/m, mN for N), or of 57 (rad for deg).
+The ranges below are the widest that still detect one in ordinary mechanisms.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from stepwell.mechanism.chain import Chain
 
 LEVERS = 1e-4, 2.0  # [m]
-LENGTHS = 1 / 200, 50.0  # of whatever has a length, over the lever
+LENGTHS = 1 / 200, 50.0  # any length over the lever
 SPRINGS = 0.05, 2e4  # k of a band [N/m]
 FORCES = 50.0  # largest load and friction, over the cell's own force
 LEAST_LIMIT = math.radians(2.0)  # θc [rad]
@@ -34,12 +34,12 @@ Size = float | tuple[float, ...]
 
 
 class Slip(NamedTuple):
-    """A size that is far off, and what was probably meant, both in SI; `why` says beside what.
+    """An unlikely size and the probable value, both in SI, with the comparison in `why`.
 
     Attributes:
         name: the field that holds it; "tension" is the largest of a table, "extension" its last.
-        meant: None where no slip explains it.
-        band: which band of the cell, from 0; None where it is none of theirs.
+        meant: probable value; None if no unit error explains the size.
+        band: number of the band in the cell, from 0; None for other fields.
     """
 
     name: str
@@ -58,7 +58,7 @@ class Slip(NamedTuple):
 
 
 class SlipError(InputError):
-    """Sizes that are far off the mechanism's own, and the way to allow a rare true case."""
+    """Error for sizes that look like unit errors, with the way to accept them."""
 
     def __init__(self, slips: tuple[Slip, ...], way: str):
         self.slips, self.way = slips, way
@@ -75,7 +75,7 @@ def meant(value: Size, low: float, high: float) -> Size | None:
 
 
 def length(name: str, value: Size, lever: float, band: int | None = None) -> Iterator[Slip]:
-    """The slip of a length [m], or of a whole vector; nothing and zero are no slips."""
+    """The slip of a length [m], or of a vector; zero is no slip."""
     low, high = LENGTHS[0] * lever, LENGTHS[1] * lever
     size = _size(value)
     if size and not low <= size <= high:
@@ -84,7 +84,7 @@ def length(name: str, value: Size, lever: float, band: int | None = None) -> Ite
 
 
 def far(name: str, value: Size, lever: float) -> Iterator[Slip]:
-    """The same where a small one says nothing: of a grid, a search, a displacement."""
+    """The slip of a length that may be small: of a grid, a search, a displacement."""
     if _size(value) > lever:
         yield from length(name, value, lever)
 
@@ -113,30 +113,30 @@ def spring(name: str, stiffness: float, band: int | None = None) -> Iterator[Sli
 
 
 def force(name: str, value: float, own: float) -> Iterator[Slip]:
-    """The slip of a force [N] beside those that the bands make."""
+    """The slip of a force [N] compared with the forces of the bands."""
     if abs(value) > FORCES * own:
         why = f"is {_ratio(abs(value) / own)} what the bands pull with, about {own:.3g} N"
         yield Slip(name, value, meant(value, 0.0, FORCES * own), "N", why)
 
 
 def own_force(cell: Cell, lever: float) -> float:
-    """About what the bands of a cell pull with [N] on levers of that length: Σ k r."""
+    """Approximate force of the bands of a cell [N] on levers of that length: Σ k r."""
     return sum(band.stiffness for band in cell.bands) * lever
 
 
 def slips(cell: Cell) -> tuple[Slip, ...]:
-    """All sizes of a cell that are far off its own."""
+    """All sizes of a cell that look like unit errors."""
     return tuple(_slips(cell))
 
 
 def drives(chain: Chain, turning_points: ArrayLike) -> tuple[Slip, ...]:
-    """Positions [m], or forces [N], of the actuator that the chain takes in another unit only."""
+    """Slips of actuator positions [m], or forces [N], that are probably in another unit."""
     if chain.measure is not Measure.TRAVEL:
         return ()
     points = np.ravel(np.asarray(turning_points, float))
     most, unit = chain.full_stroke, "m"
     if np.max(np.abs(points), initial=0.0) > most:
-        # A soft open end goes on far past its curve.
+        # A soft open end continues far past its curve.
         most = max(most, *map(abs, chain.stroke_range))
     # A little out of a rigid actuator's reach is no slip, and refused where the chain is followed.
     noticed = 10 * most
@@ -155,7 +155,7 @@ def drives(chain: Chain, turning_points: ArrayLike) -> tuple[Slip, ...]:
 
 
 def _pull(cell: Cell | Element) -> float:
-    """About what a cell pulls with [N]."""
+    """Approximate force of a cell [N]."""
     if isinstance(cell, Element):
         return cell.largest_force
     return max(own_force(cell, cell.lever), abs(cell.force_0), abs(cell.force_1))
@@ -165,7 +165,7 @@ def _slips(cell: Cell) -> Iterator[Slip]:
     lever = cell.lever
     for slip in lever_of("lever", lever):
         yield slip
-        # One slip is told once: the rest is compared with what was meant.
+        # One slip is reported once: the rest is compared with the probable lever.
         lever = slip.meant if isinstance(slip.meant, float) else lever
     if cell.limit < LEAST_LIMIT:
         turned = math.degrees(cell.limit)
@@ -209,7 +209,7 @@ def _of_table(band: Band, law: Table, lever: float, index: int) -> Iterator[Slip
     yield from stretched
     most = max(range(len(law.shape)), key=law.shape.__getitem__)
     far, pull = law.extension[most], band.stiffness * law.shape[most]
-    if pull and not stretched:  # with extensions in another unit, the stiffness says nothing
+    if pull and not stretched:  # with extensions in another unit, the stiffness is meaningless
         for slip in spring("tension", pull / far, index):
             likely = None if slip.meant is None else pull * _size(slip.meant) / (pull / far)
             why = f"at {to_unit(far, 'mm'):.4g} mm it makes {pull / far:.3g} N/m, and {slip.why}"

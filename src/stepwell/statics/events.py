@@ -14,28 +14,28 @@ from stepwell.statics.following import log as logged, state
 
 
 class EventKind(Enum):
-    """What happened."""
+    """Kind of an event."""
 
-    SWITCH = "a cell arrives at a stop, or in another phase"
-    SNAP = "the chain jumps at a fixed drive"
+    SWITCH = "a cell reaches a stop or another phase"
+    SNAP = "snap-through at a fixed drive"
 
 
 class Cause(Enum):
-    """Why it happened."""
+    """Cause of an event."""
 
-    STOP = "the blocks of a cell touch"
-    FOLD = "the local minimum merges with a saddle and is gone"
-    RELEASE = "a held cell lets go and the others cannot carry what it gives"
-    TURN = "the curve of an element rises again"
-    END = "the curve of an element folds back"
+    STOP = "the cell reaches its end stop"
+    FOLD = "the local energy minimum merges with a saddle (fold)"
+    RELEASE = "snap-through of a held cell at its critical force"
+    TURN = "the element reaches another rising part of its force curve"
+    END = "the force curve of an element folds back"
 
 
 class Decided(Enum):
-    """How the landing of a snap was found."""
+    """Method that computed the landing of a snap."""
 
     LINE = "along the line on which one cell or one pair moves"
     EQUATION = "by one equation: no other cell leaves its branch"
-    FLOW = "by integrated flow"
+    FLOW = "by integration of the overdamped flow"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,23 +43,23 @@ class Event(ByValue):
     """One switch or snap.
 
     Attributes:
-        kind, cause: what happened and why.
+        kind, cause: kind of the event, and its cause.
         drive: actuator position [m], or its force [N] under force control.
         stroke: u = Σ s_i just before [m].
         direction: +1 while loading, -1 while unloading.
-        cells: those that moved, for a snap also the one that set it off and came back.
+        cells: cells that moved; for a snap also the cell that triggered it and came back.
         before, after: their travels [m].
-        sheets_before, sheets_after: on which sheets of their curves.
+        sheets_before, sheets_after: sheets of their curves.
         force_before, force_after: actuator force λ [N].
-        released: energy turned into heat by the jump [J], without what friction took.
+        released: energy turned into heat by the jump [J], without the work of friction.
         arrivals: (cell, phase) for every cell that arrived in another phase; a stop is one.
         tie: whether another outcome was closer than the tolerance.
-        measure: what travel and force are.
-        distance_force: of a snap, the least force on the way or after it that makes the difference
-            to another landing [N]; inf where no other was near, and for a switch.
-        distance_travel: the same over the stiffness of the cells there [m].
-        error: by how much an integrated landing may be off [m]; 0 where no time was integrated.
-        decided: how the landing of a snap was found; None for a switch.
+        measure: kind of travel and force.
+        distance_force: least force during or after a snap that leads to another landing [N]; inf
+            where no other landing is near, and for a switch.
+        distance_travel: the same divided by the stiffness of the cells there [m].
+        error: error bound of an integrated landing [m]; 0 where no time was integrated.
+        decided: method that computed the landing of a snap; None for a switch.
     """
 
     kind: EventKind
@@ -97,12 +97,12 @@ class Event(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Tie(ByValue):
-    """A place where the model cannot say what happens: two outcomes closer than the tolerance.
+    """Degeneracy: two outcomes at the same drive, closer than the tolerance.
 
     Attributes:
-        drive: where [m], or [N] under force control.
+        drive: actuator position [m], or its force [N] under force control.
         cells: the cells that tie, or the one whose landing does.
-        advice: what the user can do about it.
+        advice: a change that removes the tie.
     """
 
     drive: float
@@ -114,7 +114,7 @@ class Tie(ByValue):
 
 
 class SegmentKind(Enum):
-    """What a chain does on a segment of its path."""
+    """Kind of motion on a segment of a path."""
 
     HOLD = "nothing moves while the force changes"
     MOVE = "cells move smoothly; turning back undoes it where there is no friction"
@@ -126,10 +126,10 @@ class Segment(ByValue):
     """One part of a path, the same cells moving all along it.
 
     Attributes:
-        kind: what happens.
+        kind: kind of motion.
         drive: (2,) actuator position [m] at both ends, or its force [N] under force control.
         force: (2,) actuator force λ at both ends [N].
-        cause: why it snapped; None where it did not.
+        cause: cause of the snap; None on other segments.
         direction, cells, before, after, sheets_before, sheets_after, released, tie: as for `Event`.
         distance_force, distance_travel, error, decided: of a snap, as for `Event`.
     """
@@ -170,7 +170,7 @@ _DECIDED = {
 def segments_of(
     log: logged.Log, start: tuple[float, ...], problem: Callable[[], state.DrivenChain]
 ) -> Iterator[Segment]:
-    """Every segment of a log in order; `problem` is asked for where cells follow without a row."""
+    """Segments of a log in order; `problem` is called where cells follow without a row."""
     rows, now = log.segments.tolist(), np.array(start)
     for k, row in enumerate(rows):
         movers = log.movers[log.first[k] : log.first[k + 1]]
@@ -237,7 +237,7 @@ def _phase(stretches: tuple[Stretch, ...], sheet: int, travel: float) -> int:
 
 
 def events_of(segments: Iterable[Segment], start: Floats, chain: Chain) -> Iterator[Event]:
-    """Every switch and snap of a path that starts at (N,) travels [m]."""
+    """Switches and snaps of a path that starts at (N,) travels [m]."""
     stretches, measure = chain.stretches, chain.measure
     travels = start.copy()
     for segment in segments:
@@ -269,7 +269,7 @@ def events_of(segments: Iterable[Segment], start: Floats, chain: Chain) -> Itera
 def _arrivals(
     segment: Segment, stretches: tuple[tuple[Stretch, ...], ...]
 ) -> Iterator[tuple[int, int]]:
-    """Movers, by number in the segment, that arrive in another phase, and the phase."""
+    """(mover, phase) of the movers of a segment that arrive in another phase."""
     for m, cell in enumerate(segment.cells):
         after = phase_at(stretches[cell], segment.sheets_after[m], segment.after[m])
         if after != "-":

@@ -1,4 +1,4 @@
-"""For which mobilities of its cells a snap lands where it does."""
+"""Robustness of the landing of a snap against the mobilities of the cells."""
 
 from __future__ import annotations
 
@@ -20,36 +20,36 @@ from stepwell.statics.landings.proofs import enclosed, energy_holds, goes_one_wa
 from stepwell.statics.landings.sampling import corners_of, factors_of, land_all
 from stepwell.statics.landings.start import Snap
 
-# Places whose travels differ by less than this share of the full travel are one.
+# Places whose travels differ by less than this fraction of the full travel are one.
 _ALIKE = 1e-6
-# From equal mobilities to those that lead elsewhere in so many steps, to tell the least that do.
+# Steps from equal mobilities to mobilities that lead elsewhere, to find the least such mobilities.
 _STEPS = 8
 # (N,) travels and sheets.
 Place = tuple[Floats, Ints]
-# With this confidence no more mobilities lead elsewhere than the bound of a sampled landing.
+# Confidence level of the bound of a sampled landing.
 CONFIDENCE = 0.95
-# Further apart, the fast ones take more steps than there is time for while the slow ones go.
+# Above this ratio the fast cells take too many steps while the slow ones move.
 _MOST_RATIO = 1e3
 
 
 class Proof(Enum):
-    """Why a landing holds for all mobilities within a ratio."""
+    """Proof that a landing holds for all mobilities within a ratio."""
 
-    FREEDOM = "only one cell or one pair moves, and for no mobilities would another one join"
-    ENERGY = "no other place of rest can be reached with the energy that there is"
-    ENCLOSURE = "all ways from the start were enclosed, and they lead to one place"
+    FREEDOM = "only one cell or one pair moves, and no other cell joins for any mobilities"
+    ENERGY = "the available energy reaches no other stable equilibrium"
+    ENCLOSURE = "all paths from the start were enclosed, and they lead to one equilibrium"
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class OtherLanding(ByValue):
-    """Another place where a snap lands, with mobilities that lead there; N cells.
+    """Alternative landing of a snap, with mobilities that lead there; N cells.
 
     Attributes:
-        mobility: (N,) factors beside the given mobilities, the least 1; of eight steps from equal
-            ones to those found to lead there, the first that does.
-        travel, sheet: (N,) where it comes to rest [m], on sheets of the cells' curves.
+        mobility: (N,) factors of the given mobilities, the least 1: the first of eight steps from
+            equal factors to sampled ones that leads there.
+        travel, sheet: (N,) travels at rest [m], and sheets of the cells' curves.
         state: the phases there, - in transit.
-        share: of the random samples that came to rest, those that land there; 0 where only
+        share: fraction of the settled random samples that land there; 0 where only
             mobilities at the ends of the range lead there.
     """
 
@@ -66,11 +66,11 @@ class Landing(ByValue):
 
     Attributes:
         event: the snap; where it passes through saddles, the first of those that follow at once.
-        ratio: of the fastest to the slowest factor beside the given mobilities, >= 1.
-        proof: why it holds; None where it was only sampled.
-        corners, samples: with how many mobilities at the ends of the range, and random ones that
-            are log-uniform within it, the cells came to rest; 0 where it is proved.
-        elsewhere: every other place that was found, the most frequent first.
+        ratio: largest ratio of two factors of the given mobilities, >= 1.
+        proof: the proof that it holds; None where it was only sampled.
+        corners, samples: number of settled runs with mobilities at the ends of the range, and with
+            random ones that are log-uniform within it; 0 where it is proved.
+        elsewhere: all other landings, the most frequent first.
     """
 
     event: Event
@@ -82,15 +82,15 @@ class Landing(ByValue):
 
     @property
     def holds(self) -> bool:
-        """Whether it is proved, or sampled and no mobilities were found that lead elsewhere."""
+        """Whether it is proved, or sampled without any other landing."""
         return self.proof is not None or (self.samples > 0 and not self.elsewhere)
 
     @property
     def bound(self) -> float:
-        """The share of mobilities that may lead elsewhere, at most: 0 where the landing is proved.
+        """Upper bound of the fraction of mobilities that lead elsewhere; 0 where it is proved.
 
-        Log-uniform within the ratio, with 95 % confidence; only the random samples count (Clopper
-        and Pearson 1934, one-sided). 1 where none came to rest.
+        Mobilities are log-uniform within the ratio, the confidence is 95 %, and only the random
+        samples count (Clopper and Pearson 1934, one-sided). 1 where none came to rest.
         """
         if self.proof is not None:
             return 0.0
@@ -115,7 +115,7 @@ class Landing(ByValue):
             )
         if not self.samples:
             return (
-                f"is not known for mobility ratios up to {self.ratio:g}: the cells come to rest "
+                f"is undecided for mobility ratios up to {self.ratio:g}: the cells approach rest "
                 f"too slowly."
             )
         places = ", ".join(
@@ -125,7 +125,7 @@ class Landing(ByValue):
             for place in self.elsewhere
         )
         return (
-            f"hangs on the mobilities: of {tried} with ratios up to {self.ratio:g}, some lead "
+            f"depends on the mobilities: of {tried} with ratios up to {self.ratio:g}, some lead "
             f"elsewhere: {places}."
         )
 
@@ -134,14 +134,14 @@ class Landing(ByValue):
 
 
 def samples_for(bound: float) -> int:
-    """How many samples must agree for a bound on the share that does not, with 95 % confidence."""
-    share = check.finite("bound", bound, "1")
-    if not 1e-3 <= share <= 0.5:
+    """Number of samples that must agree to bound the fraction that does not, at 95 % confidence."""
+    fraction = check.finite("bound", bound, "1")
+    if not 1e-3 <= fraction <= 0.5:
         raise InputError(
-            f"bound = {share:g}: must be between 0.001 and 0.5; it is the share of mobilities that "
-            f"may lead elsewhere at most where no sample did."
+            f"bound = {fraction:g}: must be between 0.001 and 0.5; it is the largest fraction of "
+            f"mobilities that may lead elsewhere although no sample did."
         )
-    return math.ceil(math.log1p(-CONFIDENCE) / math.log1p(-share))
+    return math.ceil(math.log1p(-CONFIDENCE) / math.log1p(-fraction))
 
 
 def checked_ratio(name: str, value: float) -> float:
@@ -149,8 +149,8 @@ def checked_ratio(name: str, value: float) -> float:
     ratio = check.finite(name, value, "1")
     if not 1.0 <= ratio <= _MOST_RATIO:
         raise InputError(
-            f"{name} = {ratio:g}: must be between 1 and {_MOST_RATIO:g}; it is that of the fastest "
-            f"to the slowest cell."
+            f"{name} = {ratio:g}: must be between 1 and {_MOST_RATIO:g}; it is the mobility of the "
+            f"fastest cell over that of the slowest."
         )
     return ratio
 
@@ -162,8 +162,8 @@ def landings(
     events: list[Event],
     tried: tuple[float, int, int],
 ) -> Iterator[Landing]:
-    """Whether each snap lands where it does for the (ratio, samples, seed) that are tried."""
-    # `events` has those that follow at once one by one.
+    """Robustness of the landing of each snap for a (ratio, samples, seed)."""
+    # `events` has snaps that follow at once one by one.
     ratio, samples, seed = tried
     for snap in snaps:
         passed, events = events[: snap.rows], events[snap.rows :]
@@ -183,7 +183,7 @@ def _proof(problem: DrivenChain, snap: Snap, ratio: float) -> Proof | None:
         return Proof.FREEDOM
     if not np.array_equal(snap.sheet, start.sheet):
         return None
-    # What the path has spent does not count.
+    # The effort of the path does not count.
     fresh = problem._replace(effort=np.array([0, UNLIMITED]))
     if energy_holds(fresh, start, landing):
         return Proof.ENERGY
@@ -193,8 +193,8 @@ def _proof(problem: DrivenChain, snap: Snap, ratio: float) -> Proof | None:
 def _sampled(
     chain: Chain, problem: DrivenChain, snap: Snap, corners: Floats, factors: Floats
 ) -> tuple[int, int, tuple[OtherLanding, ...]]:
-    """With how many corners and samples it comes to rest, and every other place where."""
-    # Other places are looked for again with a fine flow, and count if found; shares are of samples.
+    """Number of corners and of samples that settle, and all other landings."""
+    # Other landings count only if a fine flow confirms them; fractions are of samples.
     tried = np.concatenate([corners, factors])
     landed = land_all(problem, snap.start, tried, COARSE)
     places = [(snap.travel, snap.sheet)]
@@ -228,8 +228,8 @@ def _sampled(
 def _least_apart(
     chain: Chain, problem: DrivenChain, snap: Snap, factors: Floats, place: Place
 ) -> tuple[Floats, Place] | None:
-    """Factors as alike as will do that lead to a place, the least 1, and the place found again."""
-    # Cells that keep still have the least unless they have a say after all, having come back.
+    """Most equal factors that lead to a place, the least 1, and the place that they lead to."""
+    # Cells at rest get the least factor, unless it matters because they moved and came back.
     given = factors / np.min(factors)
     moves = (place[0] != snap.start.travel) | (place[1] != snap.start.sheet)
     plain = np.where(moves, given, 1.0)
@@ -246,7 +246,7 @@ def _least_apart(
 
 
 def same_place(chain: Chain, problem: DrivenChain, snap: Snap, here: Place, there: Place) -> bool:
-    """Whether two landings are one; on a continuum of places of rest phases and stops decide."""
+    """Whether two landings are one; on a continuum of equilibria phases and stops decide."""
     if not np.array_equal(here[1], there[1]):
         return False
     slip = _ALIKE * problem.laws.full
@@ -263,7 +263,7 @@ def same_place(chain: Chain, problem: DrivenChain, snap: Snap, here: Place, ther
 
 
 def _constant(problem: DrivenChain, travel: Floats) -> int:
-    """How many cells stand where their force is constant."""
+    """Number of cells at travels where their force is constant."""
     pieces = problem.pieces
     on = [find_piece(pieces, i, s, 0) for i, s in enumerate(travel.tolist())]
     return int(np.sum(pieces.sign[on] == 0))

@@ -1,4 +1,4 @@
-"""What to tell the user when the model ties or the follower cannot go on."""
+"""Errors and advice for ties and for paths that cannot be computed."""
 
 import math
 from collections.abc import Sequence
@@ -13,24 +13,24 @@ from stepwell.statics.following.state import GAVE_UP, NOT_SETTLED, RUNS_AWAY, ST
 
 
 class StaticsError(StepwellError, RuntimeError):
-    """The follower could not go on; the text says where, why and what to do."""
+    """The path cannot be computed; the text contains place, cause and a possible action."""
 
 
 _FAILURES = {
     STALLED: (
-        "two events keep undoing each other at {place}: the forces of {cells} balance to the last "
-        "digit. {advice}"
+        "degenerate instability at {place}: {cells} reach their critical forces together. {advice}"
     ),
     NOT_SETTLED: (
-        "after a snap at {place} {cells} come to rest too slowly to say where: the landing is "
-        "almost flat. {advice}"
+        "no landing after the snap at {place}: {cells} approach rest too slowly, because the "
+        "energy is almost flat there. {advice}"
     ),
     GAVE_UP: (
-        "at {place} the run was given up after as many looks as take some seconds: the forces of "
-        "{cells} are alike to the last digits, or turn very often. {advice}"
+        "step limit reached at {place}. Likely causes: nearly equal critical forces of {cells}, or "
+        "forces with very many extrema. {advice}"
     ),
     RUNS_AWAY: (
-        "at {place} all cells stand at their stops and the drive goes on: turn back earlier."
+        "the prescribed drive exceeds the range of the chain: all cells are at their end stops at "
+        "{place}. Use smaller turning points."
     ),
 }
 
@@ -72,7 +72,7 @@ def _listed(chain: Chain, cells: Sequence[int], most: int = 4) -> str:
 
 
 def _setting_apart(chain: Chain, cells: Sequence[int]) -> str:
-    """What sets cells apart from each other and from one more that is like them."""
+    """Advice that makes cells differ from each other and from one more like them."""
     if len(cells) == 1:
         return f"{_nudge(chain, cells[0])}, or give it {_friction(chain, cells[0])}."
     elements = [i for i in cells if isinstance(chain.cells[i], Element)]
@@ -86,13 +86,13 @@ def _setting_apart(chain: Chain, cells: Sequence[int]) -> str:
         if own
     ]
     text = " and ".join(ways)
-    return f"{text[:1].upper()}{text[1:]}, each by another step, so that no two are alike."
+    return f"{text[:1].upper()}{text[1:]}, each by a different step, so that no two are equal."
 
 
 _BROKEN = {
     EQUILIBRIUM: "the cells are out of balance by {by:.3g} N where forces reach {scale:.3g} N",
-    STABILITY: "the place where a snap lands is unstable, by {by:.3g} N/m",
-    STROKE: "the travels of the cells and the drive differ by {by:.3g} of it",
+    STABILITY: "the equilibrium after a snap is unstable, by {by:.3g} N/m",
+    STROKE: "the drive and the travels of the cells differ by {by:.3g} of the drive",
     ENERGY: "energy is out of balance by {mJ:.3g} mJ where forces reach {scale:.3g} N",
 }
 
@@ -101,30 +101,30 @@ def refuse_broken(promise: int, chain: Chain, drive: float, by: float, scale: fl
     """Raise StaticsError for a computed path that breaks its own certificate at `drive`."""
     what = _BROKEN[promise].format(by=by, mJ=to_unit(by, "mJ"), scale=scale)
     raise StaticsError(
-        f"no answer: at {_drive(chain, drive)} {what}, so the result would break its own "
-        f"certificate. Its numbers are too far apart for double precision: look for a step in a "
-        f"load or table that is all but vertical, an anchor far outside the mechanism, or forces "
-        f"that cancel to less than a millionth of themselves."
+        f"the result at {_drive(chain, drive)} fails its own certificate: {what}. Likely cause: "
+        f"numbers too far apart for double precision. Check for a nearly vertical step in a load "
+        f"or table, an anchor far outside the mechanism, or forces that cancel to less than a "
+        f"millionth."
     )
 
 
 def advice_on_tie(
     chain: Chain, cells: tuple[int, ...], drive: float, force: float, drifts: bool
 ) -> str:
-    """What happens at a tie of one cell's landings or of two cells, and what to do about it."""
+    """Description of a tie of one cell's landings or of two cells, with advice."""
     names, where = [chain.names[c] for c in cells], _drive(chain, drive)
     if len(cells) == 1:
         return (
             f"Two landings of the snap of {names[0]} at {where} are closer than the tolerance, so "
-            f"friction will decide. {_nudge(chain, cells[0])} and look again."
+            f"friction will decide. {_nudge(chain, cells[0])} and run again."
         )
     other = chain.cells[cells[1]]
     if drifts:
         way = "Give its flat part a slope" if isinstance(other, Element) else "Keep its band taut"
         return (
-            f"{names[0]} and {names[1]} offer the same constant force up to {where}, so only "
-            f"friction tells how they share the motion. {way}, or give {names[1]} "
-            f"{_friction(chain, cells[1])}, or pass prefer= to say which one goes first."
+            f"{names[0]} and {names[1]} have the same constant force up to {where}, so only "
+            f"friction decides how they share the motion. {way}, or give {names[1]} "
+            f"{_friction(chain, cells[1])}, or pass prefer= to choose which one moves first."
         )
     if not isinstance(other, Element):
         way = (
@@ -139,7 +139,7 @@ def advice_on_tie(
         way = f"Give {names[1]} {_friction(chain, cells[1])}"
     return (
         f"{names[0]} and {names[1]} tie at {where}, so friction will decide; {names[0]} was taken "
-        f"first. {way}, or pass prefer= to say which one you mean."
+        f"first. {way}, or pass prefer= to choose which one moves first."
     )
 
 
@@ -155,13 +155,13 @@ def _nudge(chain: Chain, index: int) -> str:
 
 
 def _friction(chain: Chain, index: int) -> str:
-    """A friction that sets the forces of a cell one percent of their largest apart."""
+    """Friction that separates the forces of a cell by one percent of the largest."""
     pull, by = display_unit(chain.measure.force_unit)
     return f"a friction of {0.01 * chain.cells[index].largest_force * by:.2g} {pull}"
 
 
 def _anchor_step(cell: Cell, force: float) -> float:
-    """Anchor move along x [m] that sets the force at a stop one percent of a cell's peak apart."""
+    """Anchor displacement along x [m] that changes a critical force by 1 % of the cell's peak."""
     step, ends = 1e-5, np.array([cell.force_0, cell.force_1])
     dx, dy = cell.bands[0].q
     moved = cell.with_anchors(q=(dx + step, dy)) if len(cell.bands) == 1 else cell
