@@ -141,12 +141,15 @@ def test_other_json_is_refused(text, message):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda data: data["nodes"][1].pop("low_N"), r"nodes\[1\]: knows no 'low_N'"),
+        (lambda data: data["nodes"][1].pop("low_N"), r"nodes\[1\]: 'low_N' is missing or unknown"),
         (lambda data: data["nodes"][0].update(branch="x"), r"nodes\[0\]: invalid literal"),
-        (lambda data: data["edges"][2].update(kind="hop"), r"edges\[2\]: knows no 'hop'"),
+        (
+            lambda data: data["edges"][2].update(kind="hop"),
+            r"edges\[2\]: 'hop' is missing or unknown",
+        ),
         (lambda data: data["edges"][0].update(to="22"), r"edges\[0\]: leads from '00' to '22'"),
-        (lambda data: data.pop("method"), "graph: knows no 'method'"),
-        (lambda data: data["ties"].append({}), r"ties\[0\]: knows no 'drive_N'"),
+        (lambda data: data.pop("method"), "graph: 'method' is missing or unknown"),
+        (lambda data: data["ties"].append({}), r"ties\[0\]: 'drive_N' is missing or unknown"),
         (lambda data: data["nodes"][0].update(low_N=[]), r"nodes\[0\]: "),
     ],
 )

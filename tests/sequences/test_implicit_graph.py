@@ -336,8 +336,8 @@ def test_what_it_says_names_what_it_cannot_count():
     assert str(chain.implicit_graph("stroke")).splitlines() == [
         "24 cells driven by stroke: 16777216 vertices, not listed",
         "from all at 0        16777216",
-        "not counted          transitions, sub-loops, Garden of Eden: only following all of it "
-        "tells",
+        "not counted          transitions, sub-loops, Garden of Eden: needs every branch to be "
+        "followed",
     ]
 
 
@@ -380,7 +380,7 @@ def test_it_is_what_its_chain_is():
     [
         ("0", r"must be 2 characters 0 or 1"),
         ("02", r"must be 2 characters 0 or 1"),
-        ("-1", r"must be 2 characters|has not been come to: begin with a state .* such as '00'"),
+        ("-1", r"must be 2 characters|is not visited yet: begin with a state .* such as '00'"),
     ],
 )
 @pytest.mark.parametrize("drive", ["force", "stroke"])

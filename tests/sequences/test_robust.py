@@ -78,7 +78,7 @@ def test_where_a_landing_stands_in_the_way_of_every_program_it_is_named():
     assert refused.value.proved
     says(text, "snap", f"{hangs.event.drive * 1e3:.4g} mm", "loading")
     assert "first, second, third" in text and f"lands in {hangs.elsewhere[0].state}" in text
-    says(text, "mobilities", "10")
+    says(text, "mobility ratios", "10")
     # Nearer to each other, they land where they should.
     assert RACE.program("111", robust=1.5).turning_points == plain.turning_points
 

@@ -265,8 +265,8 @@ def _refuse_limit(limit: float) -> None:
     probably = f" Did you mean {meant:.6g} rad ({limit:.6g}°)?" if likely else ""
     raise InputError(
         f"limit = {limit} rad: must be from {least:.6g} to {most:.6g} ({low}° to {high}°; angles "
-        f"are in rad): below there is no travel to speak of, above the force at the stops is "
-        f"without bound.{probably}"
+        f"are in rad). Smaller limits leave almost no travel; at larger ones the force at the "
+        f"stops is unbounded.{probably}"
     )
 
 

@@ -391,7 +391,7 @@ def _phases_of_sheet(element: Element, number: int, forces: Floats, rises: Ints)
     """Runs of rows of a sheet on which the force does not fall, and stops; see `signs`."""
     sheet, (below, above) = element.laws[number], element.stopped
     joints = np.append(sheet.rows[:, 0], sheet.end)
-    # At the ends of the element there is a stop, or a curve that goes on rising.
+    # At the ends of the element there is a stop, or a curve that continues to rise.
     low = 0 if sheet.below is None and sheet.begin == element.low else None
     high = len(rises) if sheet.above is None and sheet.end == element.high else None
     falls = np.flatnonzero(rises < 0)

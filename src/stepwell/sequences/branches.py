@@ -1,4 +1,4 @@
-"""The branches that a chain can stand on, found by driving it; a chain as one element."""
+"""Equilibrium branches of a chain, computed by driving it; a chain as one element."""
 
 import math
 from dataclasses import dataclass, replace
@@ -36,9 +36,9 @@ def refuse_friction(chain: Chain) -> None:
         if cell.friction > 0:
             friction = amount(cell.friction, chain.measure.force_unit)
             raise InputError(
-                f"{name} has friction {friction}: a chain with friction stops wherever "
-                f"it is turned back, so it has no finite graph. Leave friction out to see the "
-                f"graph, and ask chain.program() for a program, which searches with friction."
+                f"{name} has friction {friction}: a chain with friction can stop at any turning "
+                f"point, so it has no finite graph. Omit friction for a graph, or use "
+                f"chain.program(), which searches programs with friction."
             )
 
 
@@ -48,11 +48,11 @@ def checked_state(chain: Chain, name: str, state: str) -> str:
     return state
 
 
-# Two places are one when they differ by less than this share of what there is to travel.
+# Two places are one when they differ by less than this fraction of the full travel.
 _SAME = 1e-7
-# Below this share of a drive's range its rounding begins.
+# Rounding of a drive, as a fraction of its range.
 _ROUNDING = 1e-14
-# How far past the last event a drive without stops is looked at, as a share of its range.
+# Range past the last event of a drive without stops, as a fraction of its range.
 _BEYOND = 0.1
 
 # The snap that ends a passage, and place and drive after it; None where the drive ends.
@@ -70,9 +70,9 @@ class Exit:
 
 @dataclass(frozen=True, slots=True)
 class Branch:
-    """Parts in rising order of the drive.
+    """Sections of a branch in rising order of the drive.
 
-    When it was found the chain stood at `begin`, at that drive [m, or N under force control].
+    `begin` is a configuration on it, at `drive` [m, or N under force control].
     """
 
     sections: tuple[SmoothRun, ...]
@@ -105,10 +105,10 @@ class Branch:
 
 
 def reach(chain: Chain, known: statics.DrivenChain | None = None) -> tuple[float, float]:
-    """The drives between which a chain is looked at [m], or [N] under force control.
+    """The range of drives in which a chain is followed [m], or [N] under force control.
 
-    A rigid actuator ends at the stops; any other can pull further and nothing changes. Curves that
-    fold back may be longer in an earlier phase than in a later one.
+    A rigid actuator ends at the stops; any other can go further without a change. Curves that fold
+    back may be longer in an earlier phase than in a later one.
     """
     low, high = statics.drive_range(chain, known)
     more = 0.0 if math.isinf(chain.actuator_stiffness) else _BEYOND * (high - low)
@@ -118,18 +118,18 @@ def reach(chain: Chain, known: statics.DrivenChain | None = None) -> tuple[float
 
 
 def drive_slip(span: float, stroke: float) -> float:
-    """Drives closer than this are one place, in a span of drives.
+    """Tolerance below which two drives are one place, in a span of drives.
 
-    Behind a soft spring the drive goes far to change the force a little, and what tells one
-    place from another is still no more than a stroke (0 under force control, where it has none).
+    Behind a soft spring a large drive changes the force a little, so the stroke is the measure of
+    the distance of places (0 under force control, where it has none).
     """
     return max(_SAME * (stroke or span), _ROUNDING * span)
 
 
 class Branches:
-    """The branches of one chain, each followed when it is first asked for.
+    """The branches of a chain without friction, each followed on first use.
 
-    The chain has no friction: with it a chain that turns back does not go the way it came.
+    With friction a chain that turns back does not return along the same branch.
     """
 
     def __init__(self, chain: Chain):
@@ -154,7 +154,7 @@ class Branches:
         return len(self._branches)
 
     def at(self, place: statics.Configuration, drive: float) -> int:
-        """Number of the branch on which the chain stands there."""
+        """Number of the branch that contains a configuration at a drive."""
         state = state_of(self._stretches, place)
         known = self._known(state, drive)
         if known is not None:
@@ -184,9 +184,9 @@ class Branches:
         return Exit(snap, place, self.at(place, drive))
 
     def landing(self, number: int, direction: int, ratio: float) -> statics.Landing:
-        """Whether the snap at an end of a branch lands there for all mobilities within a ratio.
+        """Robustness of the landing at an end of a branch for all mobilities within a ratio.
 
-        Of several that follow one another at once the first that does not hold, if there is one.
+        If several snaps follow at once: the first landing that does not hold, if there is one.
         """
         key = number, direction, ratio
         if key not in self._landings:
@@ -203,7 +203,7 @@ class Branches:
     def vertex(self, state: str) -> tuple[statics.Configuration, float] | None:
         """Configuration and drive of a state such as "010", or None where it is no equilibrium.
 
-        Of all places in that state the one of the force that is nearest to none.
+        Of all places in that state the one with the smallest force in size.
         """
         return statics.standing(self.chain, self._problem, state)
 
@@ -217,9 +217,9 @@ class Branches:
             if len(seen) > limit:
                 text = problem("branches", len(seen), "there are", so_far=True)
                 raise InputError(
-                    f"{text} Or look at a shorter chain, walk only so far with "
-                    f"chain.implicit_graph().walk(most=...), or ask chain.program(target=...) for "
-                    f"one way."
+                    f"{text} Or use a shorter chain, limit the walk with "
+                    f"chain.implicit_graph().walk(most=...), or use chain.program(target=...) for "
+                    f"one program."
                 )
             notify(progress, max(0, len(seen) - len(waiting)), len(seen))
             number = waiting.pop()
@@ -231,11 +231,11 @@ class Branches:
         return seen
 
     def _known(self, state: str, drive: float) -> int | None:
-        """The branch known to hold this place, where state and drive tell it.
+        """The known branch that contains this place, if state and drive decide it.
 
-        A vertex stands at all forces between two, so that there is one of each state; two of
-        lever cells under a rigid actuator may meet at a tie. That tells more: where a single cell
-        is in transit between stops, its travel is what is left of the stroke.
+        A vertex exists at all forces of an interval, so there is one of each state. The exception:
+        two of lever cells under a rigid actuator may meet at a tie. There the drive decides more:
+        if a single cell is in transit between stops, its travel is the remainder of the stroke.
         """
         if not self._rigid_levers:
             vertices = self._where.get(state, ()) if "-" not in state else ()
@@ -253,7 +253,7 @@ class Branches:
         states = [section.state for section in branch.sections]
         for number in self._where.get(states[0], ()):
             other = self._branches[number]
-            # Slack cells that share a motion differ in nothing but the places within a branch.
+            # Slack cells that share a motion differ only in the places within a branch.
             if states == [p.state for p in other.sections] and all(
                 abs(a - b) <= self.slip
                 for section, like in zip(branch.sections, other.sections, strict=True)
@@ -277,7 +277,7 @@ class Branches:
         return self._passages[key]
 
     def _keep(self, run: statics.Path, direction: int) -> None:
-        """Write down every passage of a run: the later ones begin where a snap ended."""
+        """Store every passage of a run: the later ones begin where a snap ended."""
         self.ties |= dict.fromkeys(run.degenerate)
         passages = passages_of(run)
         for passage, following in zip(passages, [*passages[1:], None], strict=True):
@@ -295,10 +295,10 @@ def _begin(passage: Passage) -> tuple[statics.Configuration, float]:
 def windows(
     chain: Chain, start: str, turning_points: tuple[float, ...]
 ) -> list[tuple[float, float]]:
-    """For every turning point but the first and the last, drives that do the same.
+    """Windows of all turning points but the first and the last: drives with the same effect.
 
-    Turning anywhere after the snap before and ahead of the snap to come leads back along the
-    same branch. With friction it does not, and a turning point has no window.
+    A turn anywhere between the previous snap and the next one leads back along the same branch.
+    With friction it does not, and a turning point has no window.
     """
     inner = turning_points[1:-1]
     if any(cell.friction > 0 for cell in chain.cells):
@@ -322,8 +322,7 @@ def windows(
 
 # Points on every section of a branch, closer towards its ends, where the force may turn sharply.
 _POINTS = 129
-# A force that rises at one travel, as where all cells stand at stops, gets so much of the whole
-# travel to rise in.
+# Width of a force step at one travel, as where all cells are at stops, as a fraction of the travel.
 _RAMP = 1e-6
 
 
@@ -332,7 +331,7 @@ def element_of(chain: Chain, name: str = "") -> Element:
     refuse_friction(chain)
     branches = Branches(replace(chain, actuator_stiffness=math.inf))
     place = branches.vertex(chain.first_state)
-    # In their first phases all cells can hold a force low enough.
+    # In their first phases all cells are stable at a sufficiently low force.
     assert place is not None
     numbers = sorted(branches.all_from([branches.at(*place)]))
     own = {number: k for k, number in enumerate(numbers)}
@@ -368,7 +367,7 @@ def _curve(branches: Branches, number: int) -> tuple[Floats, Floats, float]:
 def _points(
     chain: Chain, branch: Branch, turns: list[float]
 ) -> tuple[list[tuple[float, float]], statics.Configuration]:
-    """(stroke, force) on the way through these strokes, up to a snap, and where it ends."""
+    """(stroke, force) through these strokes, up to a snap, and the configuration at the end."""
     run = statics.path(chain, turns, start=branch.begin)
     points, travels, sheets = [(turns[0], run.start_force)], [*run.start], [*run.start_sheet]
     for segment in run.segments():
@@ -387,5 +386,5 @@ def _ramped(u: Floats, width: float) -> Floats:
     out = u.copy()
     for k in range(1, len(out)):
         out[k] = max(out[k], out[k - 1] + width)
-    # What that took is given back all along, so that the curve ends where it did.
+    # Scaled back, so that the curve ends at the same stroke.
     return u[0] + (out - u[0]) * ((u[-1] - u[0]) / (out[-1] - u[0]))

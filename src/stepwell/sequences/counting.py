@@ -1,4 +1,4 @@
-"""Accumulators: chains that count how often the drive has gone to and fro."""
+"""Accumulators: chains that count the cycles of the drive."""
 
 from dataclasses import dataclass
 
@@ -7,23 +7,23 @@ import numpy as np
 from stepwell.base import ByValue, Floats, Ints, number
 from stepwell.sequences.mesostates import BranchAtlas, Mesostates, Routes
 
-# Numbers looked up in a search (extremes squared times branches): some seconds' worth.
+# Limit of the work of a search (extremes squared times branches): some seconds.
 _BUDGET = 2e8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Accumulator(ByValue):
-    """A chain that takes two or more equal cycles of the drive to come into a rhythm.
+    """A chain whose response becomes periodic after two or more equal cycles of the drive.
 
     Attributes:
         low, high: the extremes of the cycle [m, or the graph's unit].
         direction: +1 if each cycle begins at `low` and goes up first, -1 if at `high`.
         states: labels of the nodes at the beginning and after each cycle, up to the first that
             comes again.
-        transient: cycles until it stands somewhere for the second time in a rhythm.
-        period: cycles in that rhythm; 1 if every further cycle is alike.
-        slack: how far either extreme may be off for the same to happen.
-        by_hand: whether only a hand can set the chain to where it begins.
+        transient: cycles until the response is periodic.
+        period: cycles in one period; 1 if all further cycles are equal.
+        slack: tolerance of either extreme for the same response.
+        by_hand: whether its first state can only be set by hand.
         turns: turning points from the drive's lower end, with all cells at 0, to the beginning;
             that drive alone where it is set by hand.
 
@@ -54,11 +54,11 @@ class Accumulator(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Counting(ByValue):
-    """What a search for accumulators found.
+    """Result of a search for accumulators.
 
     Attributes:
         accumulators: one for each list of states, the longest first.
-        exhaustive: whether every pair of extremes was tried, or none needed to be.
+        exhaustive: whether every pair of extremes was tried, or none had to be tried.
     """
 
     accumulators: tuple[Accumulator, ...]
@@ -70,9 +70,9 @@ class Counting(ByValue):
 
 
 def counting(atlas: BranchAtlas, routes: Routes, *, by_hand: bool) -> Counting:
-    """Try all cycles between all extremes, from every branch that can be reached.
+    """Accumulators of all cycles between all extremes, from every reachable branch.
 
-    What a cycle does changes only where an extreme passes an end of a branch. So one extreme
+    The effect of a cycle changes only where an extreme passes an end of a branch. So one extreme
     between every two neighbouring ends stands for all. `routes` are from all cells at 0; with
     `by_hand` it also begins on branches that only a hand can set.
     """

@@ -20,11 +20,11 @@ _DIGITS = frozenset("0123456789")
 class Sequence(ByValue):
     """States with every cell in a phase, in the order of the visit, such as 00>10>11>01>00.
 
-    Kept as what changes from one vertex to the next, so that it stays small for long chains.
+    Stored as changes from one vertex to the next, so that it is small for long chains.
 
     Attributes:
         first: state at the first vertex, the phase of every cell as a digit, inner first.
-        changes: for every later vertex (cell, phase) of all that have changed since the one before.
+        changes: for every later vertex (cell, phase) of all cells that changed.
     """
 
     first: str
@@ -36,8 +36,8 @@ class Sequence(ByValue):
         states = text.replace(" ", "").split(">")
         if any(len(s) != len(states[0]) or not s or set(s) - _DIGITS for s in states):
             raise InputError(
-                f"{text!r}: must be states with > between, each as many characters 0 or 1 as there "
-                f"are cells, as in 00>10>11>01>00; of elements with more phases, their digits."
+                f"{text!r}: must be states with > between, each with one character 0 or 1 per "
+                f"cell, as in 00>10>11>01>00; for elements with more phases, their digits."
             )
         steps = (enumerate(zip(a, b, strict=True)) for a, b in pairwise(states))
         changes = (tuple((i, int(b)) for i, (a, b) in step if a != b) for step in steps)
@@ -45,18 +45,18 @@ class Sequence(ByValue):
 
     @classmethod
     def full_cycle(cls, loading: Iterable[int], unloading: Iterable[int]) -> "Sequence":
-        """The cycle in which the cells load, then unload, one by one in these orders."""
+        """The cycle with these loading and unloading permutations, one cell per step."""
         up = tuple(((cell, 1),) for cell in loading)
         return cls("0" * len(up), (*up, *(((cell, 0),) for cell in unloading)))
 
     @property
     def flips(self) -> tuple[tuple[int, ...], ...]:
-        """For every later vertex the cells that have changed since the one before."""
+        """For every later vertex the cells that changed."""
         return tuple(tuple(cell for cell, _ in change) for change in self.changes)
 
     @property
     def orders(self) -> tuple[tuple[int, ...], tuple[int, ...]] | None:
-        """Cells in order of loading and of unloading; None unless each goes once, one by one."""
+        """Loading and unloading permutations; None unless each cell switches once, one by one."""
         cells, twice = len(self.first), 2 * len(self.first)
         moves = [move for change in self.changes for move in change]
         if len(self.changes) != twice or len(moves) != twice or set(self.first) != {"0"}:
@@ -120,11 +120,11 @@ class Pathway(Enum):
 
     @property
     def is_directed(self) -> bool:
-        """Whether loading and unloading take different ways."""
+        """Whether loading and unloading have different sequences."""
         return self in (Pathway.CLOCKWISE, Pathway.COUNTERCLOCKWISE)
 
 
-# Of a cell's travel: what one means who writes 20 mm where the levers give 19.998 mm.
+# Tolerance of a stop as a fraction of the travel, for input such as 20 mm instead of 19.998 mm.
 _AT_STOP = 0.01
 
 
@@ -227,7 +227,7 @@ class Cycle(ByValue, Drawn):
 
     @property
     def degenerate(self) -> tuple[statics.Tie, ...]:
-        """Where the model cannot tell two outcomes apart, with advice; empty if nowhere."""
+        """Degenerate events, with advice; empty if there are none."""
         return self.path.degenerate
 
     @cached_property
@@ -262,7 +262,7 @@ def cycle(
     prefer: Sized[int] | None = None,
     progress: Callable[[float, float], None] | None = None,
 ) -> Cycle:
-    """Load a chain fully and unload it, once. All else as for `Chain.cycle`."""
+    """One full cycle of a chain. All else as for `Chain.cycle`."""
     return Cycle(statics.full_cycle(chain, prefer=prefer, progress=progress))
 
 
@@ -273,11 +273,11 @@ _ASK = -3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cycles(ByValue):
-    """What m designs do in a full cycle.
+    """Sequences and numbers of the full cycles of m designs.
 
     Attributes:
-        sequences: the different ones.
-        number: (m,) which of them each design makes, or IMPOSSIBLE or UNSOLVED.
+        sequences: the different sequences.
+        number: (m,) number of the sequence of each design, or IMPOSSIBLE or UNSOLVED.
         found: (m, 8) snaps, ties, extreme force and more of each, see `Followed`.
     """
 
@@ -287,7 +287,7 @@ class Cycles(ByValue):
 
     @property
     def tied(self) -> Ints:
-        """(m,) of each design, how many ties decide what it does."""
+        """(m,) number of ties that affect the sequence of each design."""
         return np.nan_to_num(self.found[:, batch.TIES]).astype(np.int64)
 
 
@@ -297,13 +297,13 @@ def cycles_of(
     designs: statics.Designs | None = None,
     progress: base.Progress = None,
 ) -> Cycles:
-    """Load every design fully and unload it, once: all in one call, and one by one what is left.
+    """Full cycles of many designs: in one compiled call if possible, the others one by one.
 
     Args:
         build: makes the chain of a design, by its number; ValueError where there is none.
-        count: how many there are.
-        designs: the same designs as numbers, where they are at hand; else all are built.
-        progress: called with (0, count) before a design is built, and now and then from there on.
+        count: number of designs.
+        designs: the same designs as arrays, if available; else all are built.
+        progress: called with (0, count) before a design is built, and from time to time after.
     """
     base.notify(progress, 0, count)
     number, numbers = np.full(count, _ASK), np.full((count, batch.FOUND), np.nan)

@@ -1,4 +1,4 @@
-"""Transition graphs as rows and as text that other programs read: JSON, GraphML, DOT."""
+"""Import and export of transition graphs: JSON, GraphML, DOT."""
 
 import json
 import math
@@ -17,26 +17,21 @@ from stepwell.statics import Tie
 Row = dict[str, Any]
 Read = TypeVar("Read")
 Value = TypeVar("Value", Node, Transition, Tie)
-# By name of a field: what its key ends with.
+# Unit suffixes of keys, by name of a field.
 Endings = Mapping[str, str]
 
 
 def endings(unit: str) -> Endings:
-    """The units with which keys end, in a graph whose drives have this one."""
+    """Unit suffixes of the keys, in a graph with this unit of drives."""
     measure = measure_of(unit)
     units = {_DRIVES: unit, _FORCES: measure.force_unit, _TRAVELS: measure.travel_unit}
-    units_by_name = {name: unit_text for names, unit_text in units.items() for name in names} | {
-        "released": "J"
-    }
-    spelled = {
-        name: unit_text.replace("³", "3").replace(" ", "")
-        for name, unit_text in units_by_name.items()
-    }
-    return {name: f"_{unit_text}" if unit_text else "" for name, unit_text in spelled.items()}
+    symbols = {name: own for names, own in units.items() for name in names} | {"released": "J"}
+    spelled = {name: own.replace("³", "3").replace(" ", "") for name, own in symbols.items()}
+    return {name: f"_{own}" if own else "" for name, own in spelled.items()}
 
 
 def drives_text(unit: str, drives: Iterable[float], between: str = " to ") -> str:
-    """Drives as people read them, in mm, N and such, or bare."""
+    """Text of drives in display units (mm, N ...), or bare numbers."""
     shown_unit, factor = display_unit(unit)
     sign = Quantity("drive", shown_unit).sign
     return f"{between.join(f'{drive * factor:.4g}' for drive in drives)} {sign}".rstrip()
@@ -54,7 +49,7 @@ def _row(value: Node | Transition | Tie, ends: Endings) -> Row:
 
 
 def graph_of(data: Row) -> TransitionGraph:
-    """The graph of these rows, or ValueError with the place of a key or value that is wrong."""
+    """The graph of these rows, or ValueError with the place of a wrong key or value."""
     unit = str(data.get("drive_unit") or "")
     ends = endings(unit)
     nodes = list(_values(Node, data, "nodes", ends))
@@ -83,7 +78,7 @@ def _read(how: Callable[[Row], Read], row: Row, place: str) -> Read:
     try:
         return how(row)
     except KeyError as error:
-        raise InputError(f"{place}: knows no {error}.") from None
+        raise InputError(f"{place}: {error} is missing or unknown.") from None
     except (TypeError, ValueError, AttributeError) as error:
         raise InputError(f"{place}: {error}.") from None
 
@@ -97,12 +92,12 @@ def _about(data: Row) -> Row:
 
 
 def _number(value: Any) -> float:
-    """One NaN for all, so that values which hold it are equal."""
+    """The number, with one and the same NaN for missing values, so that such values are equal."""
     return math.nan if value is None or math.isnan(value) else float(value)
 
 
-# Of the fields of nodes, transitions and ties: those in the unit of drives, of forces and of
-# travels, and how all that are no words are read.
+# Fields of nodes, transitions and ties in the unit of drives, of forces and of travels, and the
+# conversions of fields that are not text.
 _DRIVES, _FORCES = ("low", "high", "drive"), ("force_low", "force_high")
 _TRAVELS = ("travel_low", "travel_high")
 _READ: dict[str, Callable[[Any], Any]] = {
@@ -139,7 +134,7 @@ def _rows(graph: TransitionGraph) -> Row:
 
 
 def record(graph: TransitionGraph) -> Row:
-    """The graph as JSON can hold it; `to_json` tells what is in it."""
+    """The graph as data for JSON, described at `to_json`."""
     return plain(_rows(graph))
 
 
@@ -154,7 +149,7 @@ def to_json(graph: TransitionGraph) -> str:
         drive_unit  "m", "N", or "" for bare numbers; below, _X stands for _m, _N or nothing; of
                     other chains "m³" (_m3), "Pa", "rad" or "N m" (_Nm), and so for _m and _N below
         start       the state that the graph began with, or null for all
-        method      how it was found
+        method      method that computed it
         ties        list of {drive_X, cells, advice}
         nodes       list of {label, state, low_X, high_X, force_low_N, force_high_N,
                     travel_low_m, travel_high_m, branch}; travels are lists, one number a cell
@@ -290,7 +285,7 @@ def from_dot(text: str) -> TransitionGraph:
     if not rows:
         raise InputError(
             "graph: is not DOT as to_dot writes it, with an attribute `stepwell` on every node and "
-            "edge; DOT of other programs says nothing of drives and travels."
+            "edge; DOT of other programs contains no drives and travels."
         )
     data, *others = rows
     nodes = [row for row in others if "label" in row]

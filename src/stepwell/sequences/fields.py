@@ -1,4 +1,4 @@
-"""Graphs of relays: of chains under a force, and of the switching fields of others."""
+"""Transition graphs of relays: chains under a prescribed force, and given switching fields."""
 
 import math
 from collections.abc import Sequence
@@ -21,9 +21,9 @@ def preisach(
 ) -> transition_graph.TransitionGraph:
     """The force-controlled graph of concave cells and elements: a Preisach set of relays.
 
-    A prescribed force is a dead load, so that no cell feels another. A state stands while the force
-    is at least B and at most A of every cell in its phase. A rising force lets go the cell of least
-    A, a falling one that of largest B, which goes on to the next phase that holds at this force.
+    A prescribed force is a dead load, so cells do not interact. A state is stable while the force
+    is at least B and at most A of every cell in its phase. A rising force switches the cell with
+    the least A, a falling one the cell with the largest B, to the next phase that is stable there.
     `fields` holds (A, B); without a `start` all states that stand are listed.
 
     Source: Preisach 1935; Terzi and Mungan 2020; theory page, "Preisach limit".
@@ -102,20 +102,20 @@ def _energy(cell: Cell | Element, phase: int, travel: float) -> float:
 
 
 class _Flips:
-    """What every cell does on its own as the force goes one way; none feels the others.
+    """Flips of independent cells as the force goes one way.
 
-    Flips are numbered in the order in which the force comes to them; one more stands for none, at
-    the `end` of the drive. `fields` (N, P) are the forces at which a cell leaves each phase this
-    way. `shift` is how many states further on each flip leads, and `rank` of every cell the number
-    of the flip with which it leaves each of its phases.
+    Flips are numbered in the order of their forces; one more represents the `end` of the drive.
+    `fields` (N, P) are the forces at which a cell leaves each phase this way. `shift` is the
+    difference of the state number by each flip. `rank` is the number of the flip by which a cell
+    leaves each of its phases.
     """
 
     def __init__(self, travels: Travels, states: States, fields: Floats, way: int, end: float):
         cells, phases = np.nonzero(np.isfinite(fields))
-        # Of two that tie the inner cell goes first.
+        # If two cells tie, the inner cell flips first.
         order = np.argsort(way * fields[cells, phases], kind="stable")
         cells, phases = cells[order].tolist(), phases[order].tolist()
-        # Looked up for every state, so as narrow as they can be.
+        # Read for every state, so as narrow as possible.
         kind = np.min_scalar_type(len(cells))
         self.states, self.rank = states, [np.full(size, len(cells), kind) for size in states.sizes]
         self.ways: list[Transition] = []
@@ -142,28 +142,28 @@ class _Flips:
 
 
 def _reached(chain: Chain, states: States, both: tuple[_Flips, _Flips], start: str) -> Ints:
-    """The states that the force can bring the chain to from one of them, in rising order."""
+    """States that are reachable from one state under a force, in rising order."""
     code = states.code(branches.checked_state(chain, "start", start))
     assert code is not None
     seen = front = np.array([code])
     falls, rises = both
     if falls.force[falls.first_of(front)] > rises.force[rises.first_of(front)]:
         raise InputError(transition_graph.no_start(chain, start))
-    what = "the reached states are as many as those of"
+    what = "the number of reached states is that of"
     while len(front):
         transition_graph.require_as_many(len(seen), "relays", what)
         steps = [front + flips.shift[flips.first_of(front)] for flips in both]
         after = np.unique(np.concatenate(steps))
         place = np.minimum(np.searchsorted(seen, after), len(seen) - 1)
         front = after[seen[place] != after]
-        # Two rising runs, which this kind of sort merges.
+        # Two sorted runs, which a stable sort merges.
         seen = np.sort(np.concatenate([seen, front]), kind="stable")
     return seen
 
 
-# Fields closer than this share of the largest are equal, as in the engine.
+# Fields closer than this fraction of the largest are equal, as in the engine.
 _TIE = 1e-9
-# How far past the outermost field the graph goes, as a share of their range.
+# Range of the graph past the outermost field, as a fraction of the range of fields.
 _BEYOND = 0.1
 
 
@@ -182,12 +182,12 @@ def switching_fields(graph: transition_graph.TransitionGraph) -> Floats:
 
             F0_i or F1_i under force control,   Σ S_j + F/K behind a spring K, j the cells at 1
 
-        Of elements F0 and F1 are the forces at which they leave their two phases, and S_j is the
-        travel of every cell in its phase at that force.
+        For elements F0 and F1 are the critical forces of their two phases, and S_j is the travel of
+        every cell in its phase at that force.
 
     Raises:
-        ValueError: the cells are no hysterons: under a prescribed stroke all of them let go at
-            one stroke, and a cell that has more phases or rests between its stops has more fields.
+        ValueError: the cells are no hysterons: under a prescribed stroke all of them switch at one
+            stroke, and a cell that has more phases or rests between its stops has more fields.
 
     Source: the convention is that of hysteron-tgraphs (Teunisse and van Hecke 2025, R. Soc. Open
     Sci.), their class SwitchingFields; the formula for a spring is ours (theory page).
@@ -197,29 +197,29 @@ def switching_fields(graph: transition_graph.TransitionGraph) -> Floats:
     chain = graph.chain
     if chain is None:
         raise InputError(
-            "graph: was read from a file that tells what its cells do and not what they are. "
-            "Take the fields of the graph of the chain itself."
+            "graph: was read from a file, which contains no chain. Use the fields of the graph of "
+            "the chain itself."
         )
     stiffness = chain.actuator_stiffness
     if math.isinf(stiffness):
         raise InputError(
-            "graph: under a prescribed stroke every cell of a vertex lets go at the same stroke, "
-            "so there are no switching fields. Ask for chain.graph('force'), or for "
-            "chain.graph(K) with a soft spring K [N/m] between actuator and chain."
+            "graph: under a prescribed stroke every cell of a vertex switches at the same stroke, "
+            "so there are no switching fields. Use chain.graph('force'), or chain.graph(K) with a "
+            "soft spring K [N/m] between actuator and chain."
         )
     resting = next((label for label in graph if "-" in label), None)
     if resting is not None:
         raise InputError(
             f"graph: cells rest between their {'phases' if chain.elements else 'stops'} "
-            f"({resting}), so they are no hysterons with two fields. Ask for chain.graph('force') "
-            f"or a softer spring than {stiffness:.4g} {chain.measure.stiffness_unit}; where they "
-            f"still do, no switching fields describe them."
+            f"({resting}), so they are no hysterons with two fields. Use chain.graph('force') or a "
+            f"softer spring than {stiffness:.4g} {chain.measure.stiffness_unit}. If that changes "
+            f"nothing, no switching fields describe these cells."
         )
     for name, phases in zip(chain.names, chain.phases, strict=True):
         if len(phases) != 2:
             raise InputError(
-                f"graph: {name} has {len(phases)} phases and a hysteron has two. The forces at "
-                f"which it leaves each of them are its `fields`."
+                f"graph: {name} has {len(phases)} phases and a hysteron has two. Its critical "
+                f"forces are its `fields`."
             )
     digits = States([2] * len(chain)).phases(np.arange(2 ** len(chain)))
     forces = np.array([(one.force_high, other.force_low) for one, other in chain.phases])
@@ -235,11 +235,11 @@ def switching_fields(graph: transition_graph.TransitionGraph) -> Floats:
 
 
 def from_switching_fields(fields: ArrayLike, *, unit: str = "") -> transition_graph.TransitionGraph:
-    """The transition graph of interacting hysterons, by the rule of those who study them.
+    """The transition graph of interacting hysterons from their switching fields.
 
-    From a state that stands, a rising drive flips the cell at 0 of least field, when it reaches
-    it; a falling one the cell at 1 of largest field. If that leaves another cell past its field
-    in the new state, it flips too at the same drive, and so on: an avalanche.
+    In a stable state, a rising drive flips the cell at 0 with the least field, when it reaches
+    that field; a falling one the cell at 1 with the largest field. If another cell is then past
+    its field in the new state, it flips too at the same drive, and so on: an avalanche.
 
     Args:
         fields: (2^N, N) in the order of `switching_fields`.
@@ -319,7 +319,7 @@ def _checked(fields: ArrayLike) -> Floats:
 def _avalanches(
     fields: Floats, at_1: NDArray[Any], codes: Ints, direction: int, drive: Floats
 ) -> Ints:
-    """Where each of these states goes at that drive, which is its critical cell's field."""
+    """Target of each of these states at a drive, the field of its critical cell."""
     n = fields.shape[1]
     slip = _TIE * float(np.max(np.abs(fields)))
     digit = 1 << np.arange(n - 1, -1, -1)
@@ -327,7 +327,7 @@ def _avalanches(
     critical = before & (np.abs(fields[codes] - drive[:, None]) <= slip)
     _refuse(np.sum(critical, axis=1) > 1, codes, critical, drive, _TIED, n)
     at = codes ^ (critical @ digit)
-    # Brent: an avalanche that comes back to a place where it was marked goes round for ever.
+    # Brent: an avalanche that returns to a marked state never ends.
     mark, last, steps, until = codes, codes, 0, 1
     while True:
         _refuse((at == mark) | (at == codes), codes, at_1[at] != at_1[last], drive, _LOOP, n)
@@ -358,5 +358,5 @@ def _refuse(
         named = ", ".join(f"cell {i + 1}" for i in np.flatnonzero(cells[k]).tolist())
         raise InputError(
             f"fields: on the way from {codes[k]:0{n}b} at the drive {drive[k]:.6g} {why}: {named}. "
-            f"The rule does not decide this; change these fields to say what is meant."
+            f"The rule does not decide this. Change one of these fields."
         )

@@ -1,4 +1,4 @@
-"""The transition graph of a chain with too many states to be listed: asked state by state."""
+"""The transition graph of a chain with too many states to list, computed state by state."""
 
 import math
 from collections import Counter, deque
@@ -18,9 +18,9 @@ from stepwell.sequences.nodes import Node, States, Transition, TransitionKind
 
 
 class _ByBranches:
-    """Nodes and the ways between them; each branch is followed once and remembered."""
+    """Nodes and transitions by branches; each branch is followed once and stored."""
 
-    method = "every branch that was asked for followed to both ends by the engine"
+    method = "each requested branch followed to both ends by the engine"
     # These are only counted by following every branch.
     transitions = gardens = sub_loops = None
 
@@ -62,7 +62,7 @@ class _ByBranches:
             return self._sections[label]
         if "-" in label or "#" in label:
             raise InputError(
-                f"state = {label!r}: has not been come to: begin with a state in which every cell "
+                f"state = {label!r}: is not visited yet: begin with a state in which every cell "
                 f"is in a phase, such as {self.chain.first_state!r}, and walk."
             )
         place = self._branches.vertex(checked_state(self.chain, "state", label))
@@ -89,12 +89,12 @@ def _counted(count: Callable[[Any], int], levels: Any) -> int | None:
 
 
 class _ByFields:
-    """Windows of states and ways between them; every vertex is a branch of its own.
+    """Windows of states and transitions by fields; every vertex is a branch of its own.
 
-    Cells whose fields tie leave together: each goes its own way at the same force.
+    Cells with equal fields switch together, independently of each other.
     """
 
-    method = "switching fields: cells under a prescribed force do not feel each other"
+    method = "switching fields: cells under a prescribed force do not interact"
     ties: tuple[statics.Tie, ...] = ()
 
     def __init__(self, chain: mechanism.Chain, fields: concave.Relays):
@@ -154,7 +154,7 @@ class _ByFields:
         return "".join(map(str, after)), Transition(*snap)
 
     def _phases(self, label: str) -> tuple[int, ...]:
-        # What checks a state for messages looks at every curve of the chain.
+        # The check that makes messages evaluates every curve of the chain.
         if self._states.code(label) is None:
             checked_state(self.chain, "state", label)
         phases = tuple(map(int, label))
@@ -169,7 +169,7 @@ Way = tuple[str, Transition] | None
 
 @dataclass(frozen=True, eq=False)
 class Step(ByValue):
-    """A node of a walk; on the ways up and down the next label and what happens, None for none."""
+    """A node of a walk, with the next label and transition up and down, or None."""
 
     node: Node
     up: Way
@@ -178,7 +178,7 @@ class Step(ByValue):
 
 @dataclass(frozen=True, eq=False)
 class Walked(ByValue):
-    """A walk from a node, see `ImplicitGraph.walk`; `whole` if it has all nodes in reach."""
+    """A walk from a node, see `ImplicitGraph.walk`; `whole` if it has all reachable nodes."""
 
     graph: "ImplicitGraph"
     start: str
@@ -188,21 +188,21 @@ class Walked(ByValue):
 
 @dataclass(frozen=True, eq=False)
 class ImplicitGraph(ByValue):
-    """A transition graph of which only what is asked for is made.
+    """A transition graph whose nodes and transitions are computed on demand.
 
     `node` and `transition` are those of a `TransitionGraph`. Under a prescribed force cells do not
-    feel each other, so that the order of their switching fields tells all, counts included, for any
-    number of cells. Otherwise, and where a cell is no relay, branches are followed by the engine
-    when they are asked for, and remembered.
+    interact, so the order of their switching fields determines everything, counts included, for any
+    number of cells. Otherwise, or if a cell is no relay, the engine follows each requested branch
+    once and stores it.
 
-    A label is a state, such as "010"; of several nodes in one state, such as "0-1", those that are
-    come to later are numbered: "0-1#2".
+    A label is a state, such as "010". If several nodes have one state, such as "0-1", those visited
+    later are numbered: "0-1#2".
 
     Args:
-        chain: with the actuator that drives it; friction raises ValueError.
+        chain: the chain with its actuator; friction raises ValueError.
 
-    Source: Preisach 1935; Terzi and Mungan 2020; the counts are ours where the theory page says so
-    ("Transition graphs", "Relays").
+    Source: Preisach 1935; Terzi and Mungan 2020; some counts are ours (theory page, "Transition
+    graphs", "Relays").
     """
 
     chain: mechanism.Chain
@@ -212,24 +212,24 @@ class ImplicitGraph(ByValue):
 
     @cached_property
     def _ways(self) -> _ByFields | _ByBranches:
-        # Under a force fields may tie: no cell feels which of two goes first.
+        # Under a force fields may tie: the order of two cells has no effect on the others.
         by_force = self.chain.actuator_stiffness == 0
         fields = concave.relays(self.chain, ties=True) if by_force else None
         return _ByBranches(self.chain) if fields is None else _ByFields(self.chain, fields)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What each cell is called, inner first."""
+        """Names of the cells, inner first."""
         return self.chain.names
 
     @property
     def cells(self) -> int:
-        """How many cells there are."""
+        """Number of cells."""
         return len(self.chain)
 
     @property
     def actuator(self) -> str:
-        """What drives it, as in `TransitionGraph.actuator`."""
+        """Name of the actuator, as in `TransitionGraph.actuator`."""
         return str(transition_graph.about(self.chain)["actuator"])
 
     @property
@@ -239,25 +239,25 @@ class ImplicitGraph(ByValue):
 
     @property
     def method(self) -> str:
-        """How what it says is found, in words."""
+        """Method that computes nodes and transitions."""
         return self._ways.method
 
     @property
     def ties(self) -> tuple[statics.Tie, ...]:
         """Degenerate events of the branches that were followed.
 
-        Cells whose fields tie under a force are none: they leave together, in any order.
+        Cells with equal fields under a force are no ties: they switch together, in any order.
         """
         return self._ways.ties
 
     @property
     def by_fields(self) -> bool:
-        """Whether the order of fields tells all; if not, the engine follows branches."""
+        """Whether the order of fields determines the graph; else the engine follows branches."""
         return isinstance(self._ways, _ByFields)
 
     @property
     def is_listable(self) -> bool:
-        """Whether the limits let `listed` begin with every state."""
+        """Whether the graph is small enough for `listed`."""
         return transition_graph.listable(self.chain)
 
     @property
@@ -267,42 +267,42 @@ class ImplicitGraph(ByValue):
 
     @property
     def vertex_count(self) -> int:
-        """How many states with every cell in a phase stand, at some drive."""
+        """Number of states with every cell in a phase that are stable at some drive."""
         return self._ways.standing
 
     @property
     def transition_count(self) -> int | None:
-        """How many transitions there are; None where only following every branch would tell."""
+        """Number of transitions; None if that needs every branch to be followed."""
         return self._ways.transitions
 
     @property
     def reached_count(self) -> int | None:
-        """How many of these vertices can be reached from `zero`, itself included.
+        """Number of these vertices that are reachable from `zero`, itself included.
 
-        None where that is not known: where a cell can pass a phase of its own by, and under a
-        stroke or a spring, unless the engine, which runs a full cycle for it, proves the count: for
-        concave cells of one full travel and a rigid actuator.
+        None where it is unknown: if a cell can skip one of its phases, and under a stroke or a
+        spring. The exception: for concave cells of one full travel and a rigid actuator a full
+        cycle of the engine proves the count.
         """
         return self._ways.reached
 
     @property
     def garden_count(self) -> int | None:
-        """How many vertices no other leads to, the Garden of Eden; None where it is not known."""
+        """Number of vertices without a predecessor, the Garden of Eden; None if unknown."""
         return self._ways.gardens
 
     @property
     def sub_loop_count(self) -> int | None:
-        """How many loops can be reached from `zero`, the main one left out; None likewise."""
+        """Number of loops reachable from `zero`, without the main loop; None if unknown."""
         return self._ways.sub_loops
 
     def node(self, label: str) -> Node:
-        """Where a node stands: its window of the drive, forces and travels.
+        """A node: its window of the drive, forces and travels.
 
         Under a force its branch is the number of its state among all, from 0, with the innermost
         cell as the first digit.
 
         Raises:
-            ValueError: no state of the chain, no equilibrium, or in transit and not come to yet.
+            ValueError: no state of the chain, no equilibrium, or in transit and not visited yet.
         """
         return self._ways.node(label)
 
@@ -311,23 +311,23 @@ class ImplicitGraph(ByValue):
 
         Raises:
             ValueError: as for `node`.
-            StaticsError: the engine could not go on; its text says what to do.
+            StaticsError: a path cannot be computed; its text contains a possible action.
         """
         return self._ways.transition(label, direction)
 
     def up(self, label: str) -> tuple[str, Transition] | None:
-        """Where the drive's rise leads from a node, and what happens; None where it ends."""
+        """Target and transition of the drive's rise from a node; None where it ends."""
         return self.transition(label, +1)
 
     def down(self, label: str) -> tuple[str, Transition] | None:
-        """Where the drive's fall leads from a node, and what happens; None where it ends."""
+        """Target and transition of the drive's fall from a node; None where it ends."""
         return self.transition(label, -1)
 
     def stroke(self, label: str, direction: int) -> Iterator[tuple[str, Transition]]:
-        """Nodes to which the drive's rise (+1) or fall (-1) leads, and what happens on the way.
+        """Nodes and transitions along the drive's rise (+1) or fall (-1).
 
-        From `zero` up, and down again from where that ends, it goes round the main loop. Raises as
-        `transition` does.
+        Up from `zero` and down again from the last node is the main loop. Raises as `transition`
+        does.
         """
         while (way := self.transition(label, direction)) is not None:
             label = way[0]
@@ -336,7 +336,7 @@ class ImplicitGraph(ByValue):
     def walked(
         self, start: str | None = None, *, most: int = 24, progress: Progress = None
     ) -> Walked:
-        """The first nodes of `walk`, each with where it leads; `progress` gets (done, most)."""
+        """The first nodes of `walk` with their transitions; `progress` gets (done, most)."""
         start = self.zero if start is None else start
         steps: list[Step] = []
         for node in self.walk(start, most=most):
@@ -345,11 +345,11 @@ class ImplicitGraph(ByValue):
         return Walked(self, start, tuple(steps), len(steps) < most)
 
     def walk(self, start: str | None = None, *, most: int = 1000) -> Iterator[Node]:
-        """Nodes that the actuator can bring the chain to, those after fewest transitions first.
+        """Reachable nodes, in the order of the number of transitions.
 
         Args:
-            start: label to begin with; all cells at 0 by default.
-            most: nodes after which it ends. If fewer come, they are all.
+            start: first label; all cells at 0 by default.
+            most: largest number of nodes. If fewer are returned, they are all.
 
         Raises:
             ValueError: as for `node`, or more than the limit of nodes.
@@ -378,13 +378,13 @@ class ImplicitGraph(ByValue):
 
     @property
     def summary(self) -> str:
-        """How large the graph is, in a line."""
+        """Size of the graph, in one line."""
         vertices = shown_count(self.vertex_count)
         return f"{self.cells} cells driven by {self.actuator}: {vertices} vertices, not listed"
 
     @property
     def facts(self) -> dict[str, str]:
-        """What is known of the graph without listing it, in words."""
+        """Properties of the graph that are known without listing it, by name."""
         counts = {
             "transitions": self.transition_count,
             "from all at 0": self.reached_count,
@@ -398,26 +398,26 @@ class ImplicitGraph(ByValue):
             known |= {"return-point memory": "holds", "avalanches": "none"}
         lost = ", ".join(name for name, count in counts.items() if count is None)
         if lost:
-            known["not counted"] = f"{lost}: only following all of it tells"
+            known["not counted"] = f"{lost}: needs every branch to be followed"
         return known
 
     def __str__(self):
         return "\n".join([self.summary, *(f"{k:<20} {text}" for k, text in self.facts.items())])
 
     def _order(self, label: str, direction: int) -> str:
-        """The cells that move first on a stroke from there, by name."""
+        """Names of the cells that move first on a stroke from a node."""
         first = islice(self.stroke(label, direction), _SHOWN + 1)
         names = [self.names[i] for _, snap in first for i in snap.cells]
         return ", ".join([*names[:_SHOWN], *["..."] * (len(names) > _SHOWN)])
 
 
 _SHOWN = 6  # cells of an order
-# A longer number is told by its first digits.
+# Longer numbers are shown by their first digits.
 _DIGITS = 15
 
 
 def shown_count(count: int) -> str:
-    """A number of states for people, in full or by its first digits and its power of ten."""
+    """Text of a number of states, in full or by its first digits and its power of ten."""
     return str(count) if count < 10**_DIGITS else f"{Decimal(count):.3e}".replace("e+", "e")
 
 

@@ -1,4 +1,4 @@
-"""What a graph remembers: hysteresis loops, ways of no return, return points, scrambling."""
+"""Hysteresis loops, latches, return-point memory and scrambling of a transition graph."""
 
 from dataclasses import dataclass
 from itertools import takewhile
@@ -16,10 +16,10 @@ from stepwell.sequences.transition_graph import TransitionGraph
 class Loop(ByValue):
     """A pair of branches (μ, ν) such that the drive's rise leads from μ to ν and its fall back.
 
-    Going to and fro between `low` and `high` the chain goes round it for ever.
+    A drive that cycles between `low` and `high` repeats it.
 
     Attributes:
-        low, high: the least range of the drive that goes round it [m, or the graph's unit]: the
+        low, high: the least range of the drive that repeats it [m, or the graph's unit]: the
             drives at which ν falls back to μ, and μ's rise arrives at ν.
         up: labels of the nodes passed by the rise from its landing on μ to its landing on ν.
         down: the same for the fall, from ν to μ.
@@ -35,7 +35,7 @@ class Loop(ByValue):
 
     @property
     def vertices(self) -> tuple[str, ...]:
-        """Labels of those with every cell in a phase, each once, in the order of the visit."""
+        """Labels of the nodes with every cell in a phase, each once, in the order of the visit."""
         return tuple(dict.fromkeys(label for label in self.up + self.down if "-" not in label))
 
     def __str__(self):
@@ -48,7 +48,7 @@ class Loop(ByValue):
 
 
 def main_loop(atlas: BranchAtlas) -> Loop:
-    """From all cells at 0 up to where the drive ends, and back."""
+    """The loop from all cells at 0 up to the end of the drive, and back."""
     zero = atlas.graph.nodes.find(atlas.graph.zero)
     assert zero is not None
     up = atlas.following(zero, +1)
@@ -57,7 +57,7 @@ def main_loop(atlas: BranchAtlas) -> Loop:
 
 
 def loop_pairs(atlas: BranchAtlas, among: Ints) -> Ints:
-    """(M, 2) all pairs (μ, ν) of these branches that make a loop, the main one left out."""
+    """(M, 2) all pairs (μ, ν) of these branches that make a loop, without the main loop."""
     branches = atlas.mesostates
     blocks = [np.empty((0, 2), int)]
     low = np.array(among)
@@ -98,15 +98,15 @@ def _landing(atlas: BranchAtlas, start: int, goal: int, direction: int) -> int:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Latch(ByValue):
-    """Nodes that lead to each other, and the ways out of them, from which none leads back.
+    """Strongly connected nodes and the irreversible transitions out of them.
 
-    All that is reached from all cells at 0 is brought back to it by letting the drive down, so it
-    holds no latch; one leaves a state that was set by hand. (An actuator that never goes all the
-    way down may latch more. That is read off the drives of the transitions.)
+    Every state reached from all cells at 0 returns to it if the drive goes down, so these states
+    have no latch; a latch leaves states that were set by hand. (An actuator that never goes all the
+    way down may have more latches. These follow from the drives of the transitions.)
 
     Attributes:
-        nodes: labels of those left for ever.
-        ways: (from, to, transition) for each way out.
+        nodes: labels of the nodes that are left.
+        ways: (from, to, transition) for each transition out of them.
 
     Source: transitions between strongly connected components, Mungan et al. 2019, Phys. Rev. Lett.
     123, 178002.
@@ -124,7 +124,7 @@ def latches(graph: TransitionGraph, groups: Ints) -> tuple[Latch, ...]:
     """All latches, one for each set of nodes that is left; `groups` as of `groups_of`."""
     leaves = (graph.target >= 0) & (groups[graph.target] != groups)
     ways: dict[int, list[tuple[str, str, Transition]]] = {}
-    # Of each node first where the rise leads, then the fall.
+    # For each node first the rise, then the fall.
     for node, row in np.argwhere(leaves.T[:, ::-1]).tolist():
         at = 1 - row, node
         a, b = graph.nodes.label(node), graph.nodes.label(int(graph.target[at]))
@@ -148,9 +148,9 @@ def groups_of(graph: TransitionGraph) -> Ints:
 
 
 def gardens(graph: TransitionGraph, groups: Ints) -> tuple[str, ...]:
-    """Vertices to which no other vertex leads: alone in a component that nothing enters.
+    """Vertices without a predecessor: alone in a component that no transition enters.
 
-    Behind a spring such a vertex may be returned to, from places that only it leads to.
+    Behind a spring the chain may return to such a vertex from nodes that only it leads to.
     """
     into = (graph.target >= 0) & (groups[graph.target] != groups)
     vertices = graph.nodes.vertices
@@ -159,7 +159,7 @@ def gardens(graph: TransitionGraph, groups: Ints) -> tuple[str, ...]:
     return tuple(graph.nodes.labels(vertices[alone[groups[vertices]]]))
 
 
-# Of all failures this many are compared for the one that is reached most simply.
+# Number of failures that are compared for the simplest one.
 _COMPARED = 200
 
 
@@ -167,8 +167,9 @@ _COMPARED = 200
 class Forgetting(ByValue):
     """A turning point that the chain does not remember.
 
-    It stood at `first` when it got to `at`. The drive turned, went to `excursion` and came back,
-    and never passed `before`, where it had turned earlier; yet it stood at `later` then.
+    The chain was at `first` when the drive arrived at `at`. The drive turned, went to `excursion`
+    and came back, and never passed the earlier turning point `before`. Then the chain was at
+    `later`.
 
     Attributes:
         turns: turning points [m, or the graph's unit] from the drive's lower end, with all cells
@@ -192,7 +193,7 @@ class Forgetting(ByValue):
 
     @property
     def excursion(self) -> float:
-        """How far the drive went in between."""
+        """The turning point between the two visits of `at`."""
         return self.turns[-2]
 
     def __repr__(self):
@@ -202,15 +203,15 @@ class Forgetting(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReturnPointMemory(ByValue):
-    """Whether the chain has return-point memory, as far as one actuator can bring it.
+    """Return-point memory of the states that are reachable with one actuator.
 
-    It has if for any drives u0 ≤ u' ≤ u: a chain that rises from u0 to u, falls to u' and
-    rises to u again is as it was when it first came to u, from wherever it stood at u0; and the
-    same for falling drives. Then excursions within excursions do nothing either: the innermost
-    can be left out first.
+    It holds if for any drives u0 ≤ u' ≤ u and any state at u0: a drive that rises from u0 to u,
+    falls to u' and rises to u again leads to the same state as at the first arrival at u; and the
+    same for falling drives. Then nested excursions have no effect either: the innermost can be
+    omitted first.
 
     Attributes:
-        witness: how it fails; None where it holds.
+        witness: an example of its failure; None where it holds.
 
     Source: Barker et al. 1983; Sethna et al. 1993, Phys. Rev. Lett. 70, 3347; Mungan and Terzi
     2019 for graphs.
@@ -242,7 +243,7 @@ class _Lapse(NamedTuple):
 
 
 def return_point_memory(atlas: BranchAtlas, routes: Routes) -> ReturnPointMemory:
-    """Check every turn that can be made, on the branches and so exactly."""
+    """Exact check of all possible turns, by branches."""
     for direction in (+1, -1):
         branches = atlas.mesostates.toward(direction)
         lapses = [x for x in _lapses(branches, routes) if not _alike(atlas, branches, x, direction)]
@@ -254,9 +255,9 @@ def return_point_memory(atlas: BranchAtlas, routes: Routes) -> ReturnPointMemory
 def _lapses(branches: Mesostates, routes: Routes) -> list[_Lapse]:
     """Failures at a maximum.
 
-    The chain enters `first` where the branch before it ends, at e, and holds it for u from e on.
-    If it is back there at a u just above e, it is at any larger one. The excursion may go as far
-    down as the least end of all branches from which the rise leads there.
+    The chain enters `first` at e, where the branch before it ends, and stays on it for u from e on.
+    If it returns to `first` at a u just above e, it does so at any larger u. The excursion may go
+    down to the least end of all branches from which the rise leads there.
     """
     left = np.flatnonzero(routes.reached & (branches.rise >= 0))
     first = branches.rise[left]
@@ -280,14 +281,14 @@ def _lapses(branches: Mesostates, routes: Routes) -> list[_Lapse]:
 
 
 def _alike(atlas: BranchAtlas, branches: Mesostates, lapse: _Lapse, direction: int) -> bool:
-    """Whether two branches meet in one vertex there: a tie sends what follows different ways."""
+    """Whether two branches meet in one vertex there, after which a tie separates them."""
     at, ends = direction * _turning(branches, lapse), (lapse.first, lapse.later)
     first, later = (atlas.graph.node(atlas.label_at(number, at)).state for number in ends)
     return first == later and "-" not in first
 
 
 def _turning(branches: Mesostates, lapse: _Lapse) -> float:
-    """The middle of the drives at which the chain may stand on either branch."""
+    """The middle of the drives at which both branches exist."""
     high = branches.high
     return (float(high[lapse.left]) + float(min(high[lapse.first], high[lapse.later]))) / 2
 
@@ -331,7 +332,7 @@ def _simplest(
     return Forgetting(turns, *(atlas.label_at(one, at) for one in (lapse.first, lapse.later)))
 
 
-_BLOCK = 1 << 16  # vertices that are looked at together
+_BLOCK = 1 << 16  # vertices in one block
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -362,11 +363,11 @@ class Scrambling(ByValue):
 
 
 def scrambling(graph: TransitionGraph, reached: Ints, others: Ints) -> tuple[Scrambling, ...]:
-    """Every scrambled pair of flips once, with states that can be reached if any are.
+    """Every scrambled pair of flips once, with reachable states if there are any.
 
-    A vertex tells the order of what flips on the way to the next one, against everything that
-    could have and did not. `reached` are the vertices that can be reached from all cells at 0,
-    `others` those that cannot.
+    A vertex gives the order of the flips on the way to the next one, relative to all possible
+    flips that did not happen. `reached` are the vertices that are reachable from all cells at 0,
+    `others` the remaining ones.
     """
     vertices = np.concatenate([reached, others])
     last = np.max(graph.nodes.phases(vertices), axis=0).astype(int)
@@ -414,7 +415,7 @@ class _Order:
             flips, waits = self._of(part)
             if np.any(does := flips[:, i] & waits[:, j]):
                 return int(part[np.argmax(does)])
-        raise AssertionError("before() said that there is one")
+        raise AssertionError("before() returned True, so there is one")
 
     def _of(self, vertices: Ints) -> tuple[Bools, Bools]:
         """(V, M) for each flip, whether it is on the way, and whether it waits."""

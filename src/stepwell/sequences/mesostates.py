@@ -1,4 +1,4 @@
-"""A transition graph seen as its branches, in arrays: what each way of the drive does to them."""
+"""Mesostates: the branches of a transition graph in arrays, with their transitions."""
 
 import math
 from dataclasses import dataclass
@@ -12,10 +12,10 @@ from stepwell.sequences.transition_graph import TransitionGraph
 
 @dataclass(frozen=True, eq=False)
 class Mesostates:
-    """Every branch as one state: what the chain goes through to and fro without a snap.
+    """Branches as states: equilibria that are connected without a snap.
 
-    Each exists between two drives; `rise` and `fall` are where the snap at its upper and its lower
-    end leads, -1 where the drive ends. Drives closer than `slip` are one.
+    Each exists between two drives; `rise` and `fall` are the targets of the snaps at its upper and
+    its lower end, -1 where the drive ends. Drives closer than `slip` are one.
 
     Source: Mungan, Sastry, Dahmen and Regev 2019, Phys. Rev. Lett. 123, 178002.
     """
@@ -30,17 +30,17 @@ class Mesostates:
         return len(self.low)
 
     def toward(self, direction: int) -> "Mesostates":
-        """Itself for +1; for -1 with the drive counted downwards, so that what rises falls."""
+        """Itself for +1; for -1 with the sign of the drive reversed."""
         if direction > 0:
             return self
         return Mesostates(-self.high, -self.low, self.fall, self.rise, self.slip)
 
     def risen(self, at: Ints, drive: Floats | float) -> Ints:
-        """On which branches the chain stands when the drive has risen to `drive`."""
+        """Branches of the chain after the drive has risen to `drive`."""
         at = np.array(at)
         here, drive = at.ravel(), np.broadcast_to(drive, at.shape).ravel()
         going = np.arange(len(here))
-        # Whatever has come to rest is not looked at again.
+        # Entries that are at their end are not evaluated again.
         for _ in range(len(self)):
             going = going[(self.high[here[going]] < drive[going]) & (self.rise[here[going]] >= 0)]
             if not len(going):
@@ -140,13 +140,13 @@ def atlas(graph: TransitionGraph) -> BranchAtlas:
 
 
 class Routes:
-    """The way with fewest snaps from one branch, where the drive begins, to all it can reach."""
+    """Routes with the fewest snaps from the first branch to all reachable branches."""
 
     def __init__(self, mesostates: Mesostates, start: int):
         self.mesostates = mesostates
         self.depth = np.full(len(mesostates), -1)
         self.depth[start] = 0
-        # From which branch each was reached first, and by which way of the drive.
+        # Predecessor of each branch, and the direction of the drive.
         self._from = np.full(len(mesostates), -1)
         self._way = np.zeros(len(mesostates), np.int8)
         leads = np.column_stack([mesostates.rise, mesostates.fall])
@@ -155,7 +155,7 @@ class Routes:
             steps += 1
             after = leads[front].ravel()
             new = np.flatnonzero((after >= 0) & (self.depth[after] < 0))
-            # Each once, in the order in which they are come to.
+            # Each once, in the order of arrival.
             new = new[np.sort(np.unique(after[new], return_index=True)[1])]
             before, front = front[new // 2], after[new]
             self.depth[front], self._from[front] = steps, before

@@ -1,4 +1,4 @@
-"""What a transition graph is made of: nodes, held or made from arrays, and ways between them."""
+"""Nodes and transitions of a transition graph, stored or made from arrays."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -16,27 +16,26 @@ from stepwell.base import ByValue, Floats, Ints, deep_equal, number
 
 
 class TransitionKind(Enum):
-    """How a chain gets from one node to the next."""
+    """Kind of a transition between nodes."""
 
-    SWITCH = "a cell arrives in a phase or leaves it; turning back undoes it"
-    SNAP = "the chain jumps; turning back does not undo it"
+    SWITCH = "a cell reaches or leaves a phase; reversible"
+    SNAP = "snap-through; irreversible"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Node(ByValue):
-    """Stable equilibria with every cell in the same phase or in transit, one after another.
+    """Connected stable equilibria with every cell in the same phase or in transit.
 
     A node with no cell in transit is a *vertex*. Under a rigid actuator one with every cell at a
     stop has one stroke and a range of forces; all others have a range of strokes.
 
     Attributes:
-        label: its name in the graph: `state`, numbered where several nodes share it.
+        label: its name in the graph: `state`, numbered where several nodes have it.
         state: one character a cell, inner first: the number of its phase, or - for one in transit.
         low, high: the drives between which it exists [m], or [N] under force control.
         force_low, force_high: the actuator's force λ there [N].
         travel_low, travel_high: (N,) travels there [m].
-        branch: number of the branch it lies on; nodes of one branch lead to each other and
-            back without a snap.
+        branch: number of its branch; nodes of one branch are connected without a snap.
     """
 
     label: str
@@ -56,7 +55,7 @@ class Node(ByValue):
 
     @property
     def level(self) -> int:
-        """The sum of the phases of a vertex: how many cells are at 1 where all have two."""
+        """The sum of the phases of a vertex; the number of cells at 1 if all have two phases."""
         return sum(map(int, self.state))
 
     def __repr__(self):
@@ -66,14 +65,14 @@ class Node(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Transition(ByValue):
-    """What happens where a node ends.
+    """Transition at an end of a node.
 
     Attributes:
         kind: a switch or a snap.
         direction: +1 where the drive rises, -1 where it falls.
         drive: where [m], or [N] under force control.
-        cells: those whose phase differs before and after, or that are in transit on either side of
-            a snap.
+        cells: cells whose phase differs before and after, or that are in transit before or after a
+            snap.
         released: energy that a snap turns into heat [J].
         tie: whether another outcome was closer than the tolerance.
     """
@@ -108,7 +107,7 @@ class Nodes(Sequence[Node]):
         return np.array([node.branch for node in self._nodes], int)
 
     def label(self, number: int) -> str:
-        """What a node is called."""
+        """Label of a node."""
         return self.labels(np.array([number]))[0]
 
     def labels(self, numbers: Ints) -> list[str]:
@@ -161,12 +160,12 @@ class Nodes(Sequence[Node]):
     __hash__ = None  # type: ignore[assignment]
 
 
-# By state and drive: actuator force and travels there.
+# Actuator force and travels by state and drive.
 At = Callable[[tuple[int, ...], float], tuple[float, tuple[float, ...]]]
 
 
 class StateNodes(Nodes):
-    """Vertices alone, one of each state, made when asked for; `codes` are those that stand, rising.
+    """Vertices, one per state, made on demand; `codes` are the stable states, rising.
 
     Each is a branch of its own.
     """
@@ -192,7 +191,7 @@ class StateNodes(Nodes):
         return number if number < len(self) and self.codes[number] == code else None
 
     def numbers(self, codes: Ints) -> Ints:
-        """Numbers of nodes by their states, all of which stand."""
+        """Numbers of nodes by their states, which are all stable."""
         if len(self.codes) == self.states.count:
             return codes
         return np.searchsorted(self.codes, codes)
@@ -221,15 +220,15 @@ class StateNodes(Nodes):
 
 
 class States:
-    """All states of a chain, counted from 0 with the innermost cell as the first digit.
+    """All states of a chain, numbered from 0 with the innermost cell as the first digit.
 
-    `sizes` are how many phases each cell has.
+    `sizes` are the numbers of phases of the cells.
     """
 
     def __init__(self, sizes: Sequence[int]):
         self.sizes = tuple(sizes)
         self.count = math.prod(self.sizes)
-        # How many states further on the one is in which a cell is in its next phase.
+        # Difference of the state number when a cell goes to its next phase.
         self.weights = [*accumulate(self.sizes[:0:-1], mul, initial=1)][::-1]
 
     def digit(self, codes: Ints, cell: int) -> Ints:

@@ -1,4 +1,4 @@
-"""The passages of a path along branches, from snap to snap, and how far chains move as relays."""
+"""Passages of a path along branches, from snap to snap, and the proof that cells act as relays."""
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -32,7 +32,7 @@ class SmoothRun:
 
 @dataclass(frozen=True, slots=True)
 class Passage:
-    """Parts that follow each other smoothly, and the snap that ends them if one does."""
+    """Sections without a snap between them, and the snap at their end if there is one."""
 
     sections: tuple[SmoothRun, ...]
     snap: Segment | None
@@ -62,7 +62,7 @@ def passages_of(path: Path) -> list[Passage]:
                 landed = segment
                 passages.append(Passage(tuple(sections), landed))
             else:
-                # At a fold rounding may find the fold itself again, and then the way on.
+                # At a fold rounding may give the fold itself again, and then the snap.
                 landed = _joined(landed, segment)
                 passages[-1] = replace(passages[-1], snap=landed)
             place = _after(place, segment)
@@ -122,10 +122,10 @@ def _after(place: Configuration, segment: Segment) -> Configuration:
 
 
 class Order(NamedTuple):
-    """How far relays tell what a chain under a prescribed stroke does, from all cells at 0 on.
+    """Properties of relays that hold for a chain under a prescribed stroke, from all cells at 0.
 
-    Leaders win where in every snap the cell whose release begins it is the one left in transit.
-    Then the chain moves as relays do, turn for turn, and only ideals are reached.
+    `leaders_win`: in every snap the cell that triggers it is the one left in transit. Then the
+    chain moves as relays do, turn for turn, and only ideals are reached.
     """
 
     only_ideals: bool
@@ -133,13 +133,12 @@ class Order(NamedTuple):
 
 
 def order_kept(chain: Chain, fields: Relays) -> Order:
-    """What the full cycle proves about all that one actuator can do to equal full travels.
+    """Properties of all programs of a chain of equal full travels, proved by its full cycle.
 
-    Whatever ideal the chain comes from, loading j goes through the snaps in which j loads on the
-    full cycle. Turning back after one of them empties the cell left in transit, and that is all
-    that full strokes do not do. So the full cycle decides: where that cell may go back without
-    leaving the ideals, nothing else is ever reached, and where it may not, turning there does.
-    Where a snap hangs on a tie, or the engine cannot go on, nothing is said.
+    From any ideal, loading j passes the snaps in which j loads on the full cycle. A turn after one
+    of them empties the cell left in transit; full strokes have no such event. So the full cycle
+    decides: if that cell may go back without leaving the ideals, only ideals are reached. If not,
+    a turn there leaves the ideals. A tie, or a path that cannot be computed, leaves both False.
 
     Source: ours (theory page, "Stroke programs").
     """

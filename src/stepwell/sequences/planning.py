@@ -17,13 +17,13 @@ from stepwell.statics import Configuration, Landing, StaticsError, checked_ratio
 
 _MOST_TURNS = 6
 _MOST_PLACES = 4000
-# Places closer than this share of all that can be travelled and driven are not both tried.
+# Two places closer than this fraction of the ranges of travel and drive count as one.
 _SAME = 1e-4
 
 
 @dataclass(frozen=True)
 class _Task:
-    """What is asked of a search, and where the chain stands at the start."""
+    """Arguments of a search, and the place of the chain at the start."""
 
     branches: Branches
     start: str
@@ -42,7 +42,7 @@ class _Task:
 
 
 def _by_trying(task: _Task) -> Program:
-    """The first program with friction that is found, fewest turns first."""
+    """First program with friction, in the order of the number of turns."""
     branches, chain = task.branches, task.branches.chain
     least, slip = _SAME * chain.full_stroke, _SAME * (branches.range[1] - branches.range[0])
     waiting: deque[tuple[Configuration, float, int, tuple[float, ...]]] = deque(
@@ -70,7 +70,7 @@ def _by_trying(task: _Task) -> Program:
     raise Unreachable(
         f"no program from {task.start} to {task.target} was found: {len(seen)} places with up to "
         f"{_MOST_TURNS} turns were tried, turning in the middle of every smooth part. With "
-        f"friction that is a search and no proof; without friction the answer would be certain.",
+        f"friction this is no proof; without friction the result would be certain.",
         proved=False,
     )
 
@@ -80,14 +80,14 @@ def _sections(chain: Chain, place: Configuration, drive: float, end: float) -> l
         passages = passages_of(path(chain, [drive, end], start=place))
         return [section for passage in passages for section in passage.sections]
     except (StaticsError, ValueError):
-        # A place between two events that balance to the last digit: others are near by.
+        # A place between two degenerate events: other places are near.
         return []
 
 
 def _widened(task: _Task, turns: tuple[float, ...], ends: tuple[float, float]) -> Program | None:
-    """The program, each window bisected with the other turns where they are.
+    """The program, each window bisected with the other turns fixed.
 
-    None where one of its landings hangs on the mobilities.
+    None where one of its landings depends on the mobilities.
     """
     chain, robust = task.branches.chain, task.robust
     points = [task.drive, *turns, sum(ends) / 2]
@@ -107,7 +107,7 @@ def _widened(task: _Task, turns: tuple[float, ...], ends: tuple[float, float]) -
         rises = points[k] > points[k - 1]
         inner = max(points[k - 1], points[k + 1]) if rises else min(points[k - 1], points[k + 1])
         outer = task.branches.range[rises]
-        # The drive furthest towards each of the two at which the turn still works.
+        # The farthest drive towards each of the two at which the turn still works.
         low, high = sorted(
             far if works(k, far) else bisected(partial(works, k), points[k], far, 30)[0]
             for far in (inner, outer)
@@ -117,9 +117,9 @@ def _widened(task: _Task, turns: tuple[float, ...], ends: tuple[float, float]) -
     return task.solved(tuple(windows), ends, ProgramMethod.FRICTION, False)
 
 
-# Up to this many cells every branch is looked at; beyond, sorted fields plan where they may.
+# Up to this number of cells every branch is followed; longer chains use sorted fields if possible.
 _LOOKED_AT = 6
-# Branches after which a search gives up without an answer.
+# Branches after which a search ends without a result.
 _MOST_BRANCHES = 20_000
 
 
@@ -204,15 +204,15 @@ def _unstable(chain: Chain, state: str) -> str:
     return (
         f"{state} is no equilibrium, so the chain cannot stand there: at {low} {pushed} needs an "
         f"actuator {kind} of at least {amount(pushes, unit)} ({f1} less friction), and at {high} "
-        f"{giving} lets go at {amount(gives, unit)} ({f0} and friction)."
+        f"{giving} switches at {amount(gives, unit)} ({f0} and friction)."
     )
 
 
 def _by_fields(task: _Task) -> Program | None:
-    """The plan of relays, aimed by one run a stroke; None where it may not or does not hold.
+    """Program planned by relays, aimed by one run per stroke; None if it does not apply or fails.
 
-    Under a prescribed stroke one that is to be `robust` turns past vertices only. Which cell is
-    left in transit before them hangs on the mobilities, and they do not.
+    Under a prescribed stroke a `robust` program turns past vertices only: vertices do not depend on
+    the mobilities, but the cell in transit before them does.
 
     Source: theory page, "Stroke programs" (a).
     """
@@ -228,7 +228,7 @@ def _by_fields(task: _Task) -> Program | None:
     plan = fewest_strokes(fields, task.start, task.target)
     if plan.blocked is not None and robust is not None:
         return None
-    # Under a prescribed force relays are what the cells are.
+    # Under a prescribed force the cells are relays.
     order = Order(True, True) if by_force else order_kept(chain, fields)
     if plan.blocked is not None:
         if not order.only_ideals:
@@ -289,7 +289,7 @@ def _aimed(
 
 @dataclass(frozen=True)
 class _Reached:
-    """Where a search has come to: on a branch, moving in a direction, having turned so often."""
+    """State of a search: branch, direction of the drive, and turns so far."""
 
     branch: int
     direction: int
@@ -299,7 +299,7 @@ class _Reached:
 
     @property
     def cost(self) -> tuple[int, float]:
-        """Few turns first, then wide windows."""
+        """Sort key: few turns first, then wide windows."""
         return len(self.turns), -min((turn.slack for turn in self.turns), default=math.inf)
 
 
@@ -333,8 +333,8 @@ def _by_branches(task: _Task) -> Program:
             return task.solved(reached.turns, end, ProgramMethod.BRANCHES, not branches.ties)
         if len(looked) > _MOST_BRANCHES:
             raise Unreachable(
-                f"no program from {start} to {target} with {len(reached.turns)} turns or fewer, "
-                f"and {_MOST_BRANCHES} branches were looked at: there may be a longer one.",
+                f"no program from {start} to {target} with {len(reached.turns)} turns or fewer; "
+                f"the limit of {_MOST_BRANCHES} branches is reached. A longer one may exist.",
                 proved=False,
             )
         if reached.can_turn:
@@ -353,7 +353,7 @@ def _by_branches(task: _Task) -> Program:
 
 
 def _turned(branches: Branches, reached: _Reached) -> _Reached:
-    """Where a search is after turning back on its branch."""
+    """State of a search after turning back on its branch."""
     branch = branches[reached.branch]
     rises = reached.direction > 0
     low, high = (reached.entry, branch.high) if rises else (branch.low, reached.entry)
@@ -363,7 +363,7 @@ def _turned(branches: Branches, reached: _Reached) -> _Reached:
 
 
 def _end(branches: Branches, reached: _Reached, target: str) -> tuple[float, float] | None:
-    """Drives at which a search may end in the state wanted, if that lies ahead on its branch."""
+    """Drives at which a search may end in the target state, if it lies ahead on its branch."""
     for section in branches[reached.branch].sections:
         if section.state == target:
             low, high = section.drive
@@ -375,13 +375,13 @@ def _end(branches: Branches, reached: _Reached, target: str) -> tuple[float, flo
 
 
 def _reason(branches: Branches, target: str) -> str:
-    """The order of fields that forbids a state, where there is one; or why nothing is proved."""
+    """Order of fields that excludes a state, if there is one; or the tie that prevents a proof."""
     tie = next(iter(branches.ties), None)
     if tie is not None:
-        return f"That is no proof, since what happens hangs on a tie: {tie.advice}"
+        return f"This is no proof, because the result depends on a tie: {tie.advice}"
     chain = branches.chain
     fields = relays(chain)
-    # What a stroke does to elements, their fields do not tell.
+    # Under a stroke the fields of elements do not decide the order.
     decided = not chain.elements or chain.actuator_stiffness == 0
     if fields is None or fields.skips or not decided:
         return ""
@@ -392,7 +392,7 @@ def _reason(branches: Branches, target: str) -> str:
 
 
 def _goes_first(chain: Chain, fields: Relays, blocked: tuple[int, int]) -> str:
-    """What the first of two relays does before and after the other."""
+    """Description of the moves of the first of two relays before and after the other."""
     (k, m), second = (fields.step[i] for i in blocked), chain.names[fields.cell[blocked[1]]]
     other = second if k == m else f"{second} goes to {m + 1}"
     return f"goes to {k + 1} before {other} and back to {k} after it"

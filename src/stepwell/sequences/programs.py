@@ -1,4 +1,4 @@
-"""Stroke programs: the turning points of the one actuator that bring a chain to a state."""
+"""Driving protocols: turning points of the actuator that bring a chain to a target state."""
 
 import math
 from collections.abc import Sequence as Drives
@@ -14,11 +14,11 @@ from stepwell.statics import Configuration, Landing, Path
 
 
 class ProgramMethod(StrEnum):
-    """How a program was found, and what that says of shorter ones."""
+    """Method that computed a program, and whether a shorter one is excluded."""
 
     BRANCHES = (
-        "found among all branches that can be reached, in the order of the number of turns: none "
-        "does it with fewer"
+        "search over all reachable branches in the order of the number of turns: no program has "
+        "fewer"
     )
     FIELDS = "planned backward from the cells' F0 and F1, and followed by the engine"
     RELAYS = (
@@ -27,17 +27,17 @@ class ProgramMethod(StrEnum):
     )
     VERTICES = (
         "planned backward from the cells' F0 and F1, and turned only past states with every cell "
-        "at a stop: those are passed in this order for any mobilities"
+        "at a stop: their order is the same for any mobilities"
     )
     FRICTION = (
         "searched with friction, turning in the middle of every smooth part of every run; each "
-        "window was bisected with the other turns where they are, and a shorter program may exist"
+        "window was bisected with the other turns fixed, and a shorter program may exist"
     )
     GIVEN = "as it was given"
 
 
 def turn_schema(unit: str) -> base.Schema:
-    """What is reported of a turning point; `unit` is that of the drive."""
+    """Reported quantities of a turning point; `unit` is that of the drive."""
     return (
         base.Quantity("drive", unit, "at"),
         base.Quantity("low", unit, "from"),
@@ -48,14 +48,14 @@ def turn_schema(unit: str) -> base.Schema:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Turn(base.ByValue):
-    """A turning point, and how far off it may be.
+    """A turning point and its tolerance interval.
 
     Attributes:
-        drive: where to turn, the middle of the window [m], or [N] under force control.
-        low, high: turning anywhere between does the same, whatever the other turns do within
-            their own windows.
-        branch: states without a cell in transit that the chain can be brought to from there without
-            a snap; not told where the program was given.
+        drive: turning point, the middle of the window [m], or [N] under force control.
+        low, high: ends of the window: any turn within it has the same result, if the other turns
+            are within their own windows.
+        branch: states without a cell in transit that the chain can reach from there without a
+            snap; empty if the turning points were given.
     """
 
     drive: float
@@ -65,7 +65,7 @@ class Turn(base.ByValue):
 
     @property
     def slack(self) -> float:
-        """How far the turning point may be off either way."""
+        """Largest deviation of the turning point in both directions."""
         return min(self.drive - self.low, self.high - self.drive)
 
 
@@ -74,16 +74,16 @@ class Program(base.ByValue, base.Drawn):
     """The shortest list of turning points from one state to another.
 
     Attributes:
-        chain: what is driven, with its actuator.
+        chain: the chain with its actuator.
         start, target: the states, such as "10".
-        begin: drive at which it stands at the start [m], or [N] under force control.
-        turns: what lies between; empty where one stroke does it.
-        low, high: the drives between which the last stroke may end and the chain still stand at
-            `target`: one stroke where a rigid actuator has every cell at a stop.
-        method: how it was found and why there is none shorter.
-        shortest: whether that is proved.
+        begin: drive at the start [m], or [N] under force control.
+        turns: turning points between start and end; empty if one stroke is enough.
+        low, high: interval of the drive in which the last stroke may end at `target`: one stroke
+            where a rigid actuator has every cell at a stop.
+        method: method that computed it, and the reason why it is the shortest.
+        shortest: whether a shorter program is excluded by proof.
         robust: the mobility ratio within which its landings have to hold, relative to the
-            mobilities of `chain`; None where it was not asked for.
+            mobilities of `chain`; None if not requested.
     """
 
     chain: mechanism.Chain
@@ -110,14 +110,14 @@ class Program(base.ByValue, base.Drawn):
         """A program whose turning points are known, with the window of every turn.
 
         Args:
-            chain: what is driven; with friction no turn has a window.
+            chain: the chain; with friction no turn has a window.
             turning_points: from the beginning to the end [m], or [N] under force control.
             start: the state at the beginning; every cell in its first phase by default.
-            target: the state it is meant to end in; the one it ends in by default.
+            target: intended state at the end; the computed one by default.
 
         Raises:
             ValueError: the chain cannot stand at the start.
-            StaticsError: the engine could not go on; its text says what to do.
+            StaticsError: a path cannot be computed; its text contains a possible action.
         """
         start = chain.first_state if start is None else start
         points = tuple(float(point) for point in turning_points)
@@ -155,15 +155,15 @@ class Program(base.ByValue, base.Drawn):
 
     @cached_property
     def path(self) -> Path:
-        """The chain on its way, by the engine."""
+        """Path of the chain under this program, computed by the engine."""
         return self.chain.path(self.turning_points, start=self._start)
 
     @cached_property
     def landings(self) -> tuple[Landing, ...]:
-        """Of every snap on its way, whether it lands there for all mobilities within the ratio.
+        """Robustness of the landing of every snap for all mobilities within the ratio.
 
-        Empty where that was not asked for, or does not count: turned only past states with every
-        cell at a stop, a program works wherever its snaps land.
+        Empty if not requested, or irrelevant: a program that turns only past states with every
+        cell at a stop works for any landings of its snaps.
         """
         if self.robust is None or self.method is ProgramMethod.VERTICES:
             return ()
@@ -171,7 +171,7 @@ class Program(base.ByValue, base.Drawn):
 
     @property
     def reason(self) -> str:
-        """How it was found, and what is known of its landings where that was asked."""
+        """Method that computed it, and the robustness of its landings if requested."""
         if not self.landings:
             return self.method
         if self.hangs is not None:
@@ -189,17 +189,17 @@ class Program(base.ByValue, base.Drawn):
 
     @property
     def hangs(self) -> Landing | None:
-        """The first of its landings that hangs on the mobilities; None where all hold."""
+        """The first of its landings that depends on the mobilities; None where all hold."""
         return next((one for one in self.landings if not one.holds), None)
 
     @property
     def arrives(self) -> str:
-        """The state in which it ends, such as "010"; - for a cell between its phases."""
+        """State at the end, such as "010"; - for a cell between its phases."""
         return arrival(self.path)
 
     @cached_property
     def sequence(self) -> Sequence:
-        """States with every cell in a phase that it passes."""
+        """Sequence of the states with every cell in a phase."""
         return sequence_of(self.path)
 
     def to_csv(self, file: str | File) -> None:
@@ -218,7 +218,7 @@ class Program(base.ByValue, base.Drawn):
     def __str__(self):
         shown_unit, factor = base.display_unit(self.chain.drive_unit)
         unit = base.Quantity("drive", shown_unit).sign
-        # A billionth of the way is rounding, and no place to stand.
+        # A billionth of the stroke is rounding.
         least = 1e-9 * max(map(abs, self.turning_points))
         shown = (0.0 if abs(point) < least else point for point in self.turning_points)
         points = " → ".join(f"{point * factor:.4g}" for point in shown)
@@ -227,7 +227,7 @@ class Program(base.ByValue, base.Drawn):
             return text
         if all(math.isclose(turn.slack, (turn.high - turn.low) / 2) for turn in self.turns):
             return f"{text}, each turn ±{self.slack * factor:.3g} {unit}"
-        # Not in the middle: at a stop, for instance, it can only be off one way.
+        # Not in the middle: at a stop, for instance, it can deviate in one direction only.
         windows = ", ".join(f"{t.low * factor:.4g}..{t.high * factor:.4g}" for t in self.turns)
         return f"{text}, turns within {windows} {unit}"
 
@@ -236,11 +236,11 @@ class Program(base.ByValue, base.Drawn):
 
 
 class Unreachable(base.Shown, base.StepwellError, ValueError):
-    """The actuator cannot bring the chain to the state that was asked for.
+    """Error for a target state that the actuator cannot reach.
 
     Attributes:
-        proved: whether that is certain, or only that a search found no way.
-        chain, start, target, robust: what was asked of `Chain.program`; None where not known.
+        proved: True if this is proved; False if only a search was without result.
+        chain, start, target, robust: arguments of `Chain.program`; None where not known.
     """
 
     chain: mechanism.Chain | None = None

@@ -1,4 +1,4 @@
-"""A transition graph put into the words of the field, and these on paper."""
+"""Memory properties of a transition graph: loops, return-point memory, scrambling, counting."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -12,9 +12,9 @@ from stepwell.sequences.exchange import drives_text
 from stepwell.sequences.mesostates import Routes, atlas
 from stepwell.sequences.transition_graph import TransitionGraph
 
-# More loops than these are counted and not listed.
+# Larger numbers of loops are counted and not listed.
 MOST_LOOPS = 2000
-# Of graphs with more branches, counting from states set by hand is not looked for.
+# In graphs with more branches, counting from states set by hand is not searched.
 MOST_BY_HAND = 1000
 
 _SHOWN = 6  # items of a list
@@ -23,30 +23,30 @@ _BY_HAND = " (set by hand)"
 
 @dataclass(frozen=True, eq=False)
 class MemoryReading(ByValue, Drawn):
-    """What a transition graph says about a machine, in terms that the literature uses.
+    """Memory properties of a transition graph, in terms of the literature.
 
-    A *branch* here is all that the chain goes through to and fro without a snap; under force
-    control that is one vertex. Mungan et al. (2019) call it a mesostate; what they show for states
-    and the drive's maps U and D holds for branches.
+    A *branch* is a set of states connected without a snap; under force control that is one vertex.
+    Mungan et al. (2019) call it a mesostate; their results for states and the drive's maps U and D
+    hold for branches.
 
     Attributes:
-        graph: what was read.
-        branches: how many branches it has.
+        graph: the transition graph.
+        branches: number of branches.
         main_loop: vertices on the way up between the extremes of the drive, and down.
         sub_loops: the other loops that can be reached from all cells at 0; None where there are
             more than `MOST_LOOPS` (Mungan and Terzi 2019).
-        sub_loop_count: how many they are.
-        garden_of_eden: vertices to which no other leads, so that only a hand can set them (Bense
-            and van Hecke 2021); None where the graph began with one state, and so does not know.
+        sub_loop_count: number of sub-loops.
+        garden_of_eden: vertices without a predecessor, which can only be set by hand (Bense and
+            van Hecke 2021); None where the graph began with one state.
         unreachable: vertices of the graph that cannot be reached from all cells at 0.
-        return_point_memory: whether what is reached from all cells at 0 remembers turning points
+        return_point_memory: return-point memory of the states reachable from all cells at 0
             (Sethna et al. 1993).
         scrambling: pairs of cells that flip in either order (van Hecke 2021).
-        counting: cycles of the drive that take two or more to come into a rhythm (Kwakernaak and
-            van Hecke 2023), from what can be reached from all cells at 0, and, in whole graphs of
-            up to `MOST_BY_HAND` branches, from states set by hand. Return-point memory forbids
-            the first: after one cycle the chain is at a turning point that it remembers.
-        latches: moves that no later drive takes back.
+        counting: accumulators, whose response becomes periodic after two or more cycles of the
+            drive (Kwakernaak and van Hecke 2023), from the states reachable from all cells at 0,
+            and, in whole graphs of up to `MOST_BY_HAND` branches, from states set by hand.
+            Return-point memory excludes the former: it makes the response periodic after one cycle.
+        latches: irreversible transitions.
 
     Source: Mungan and Terzi 2019, Ann. Henri Poincaré 20, 2819; Terzi and Mungan 2020, Phys. Rev.
     E 102, 012122; van Hecke 2021, Phys. Rev. E 104, 054608.
@@ -75,7 +75,7 @@ class MemoryReading(ByValue, Drawn):
 
     @property
     def summary(self) -> str:
-        """How large the graph is, in a line."""
+        """Size of the graph, in one line."""
         graph = self.graph
         return (
             f"{graph.cells} cells driven by {graph.actuator}: {len(graph.nodes.vertices)} vertices "
@@ -84,7 +84,7 @@ class MemoryReading(ByValue, Drawn):
 
     @property
     def facts(self) -> dict[str, str]:
-        """What the graph has of each thing that the field has a name for, in words."""
+        """Text of each memory property, by name."""
         graph, names, counted = self.graph, self.graph.names, self.counting
         loops, gardens = self.sub_loops, self.garden_of_eden
         sub_loops = f"{self.sub_loop_count}"
@@ -94,7 +94,7 @@ class MemoryReading(ByValue, Drawn):
         if lapse is not None:
             way = drives_text(graph.unit, lapse.turns, " → ")
             then, later = lapse.first, lapse.later
-            remembers = f"fails: {way} stands at {then} when first there and at {later} later"
+            remembers = f"fails: {way} leads to {then} at the first visit and to {later} later"
         scrambled = (
             f"{names[s.cells[0]]} {'up' if s.direction > 0 else 'down'} before {names[s.cells[1]]} "
             f"from {s.i_first}, after it from {s.j_first}{'' if s.reachable else _BY_HAND}"
@@ -119,7 +119,7 @@ class MemoryReading(ByValue, Drawn):
             "latches": _listed(ways),
         }
         if graph.ties:
-            facts["ties"] = f"{len(graph.ties)}, so other ways are possible"
+            facts["ties"] = f"{len(graph.ties)}, so other transitions are possible"
         return facts
 
     def __str__(self):
@@ -128,10 +128,10 @@ class MemoryReading(ByValue, Drawn):
 
 
 def read_memory(graph: TransitionGraph) -> MemoryReading:
-    """Recognise in a graph, of any chain or of switching fields, what the field has names for.
+    """Memory properties of a graph of any chain or of switching fields.
 
-    All of it is exact, except that accumulators are searched for in part where extremes and
-    branches are too many (`reading.counting.exhaustive`).
+    All are exact, except that the search for accumulators is partial for too many extremes and
+    branches (`reading.counting.exhaustive`).
     """
     drawn = atlas(graph)
     routes = Routes(drawn.mesostates, drawn.bottom)
@@ -142,7 +142,7 @@ def read_memory(graph: TransitionGraph) -> MemoryReading:
     turns = memory.return_point_memory(drawn, routes)
     groups = memory.groups_of(graph)
     by_hand = graph.is_whole and len(drawn.mesostates) <= MOST_BY_HAND
-    # What remembers every turning point counts from states set by hand alone.
+    # A graph with return-point memory can only count from states set by hand.
     counted = Counting((), True)
     if by_hand or not turns.holds:
         counted = counting(drawn, routes, by_hand=by_hand)

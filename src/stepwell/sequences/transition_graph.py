@@ -1,4 +1,4 @@
-"""The transition graph: everything that one actuator can do to a chain."""
+"""The transition graph of a chain driven by one actuator."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -29,29 +29,28 @@ Numbers = NDArray[np.signedinteger[Any]]
 
 @dataclass(frozen=True, eq=False)
 class TransitionGraph(ByValue, Drawn):
-    """Where a chain can stand, and how it gets from there to elsewhere.
+    """Transition graph (t-graph): the stable states of a chain and the transitions between them.
 
     It iterates over the labels of its nodes: a state such as "010" with every cell in a phase, or
     one such as "0-1" with cells in transit. `graph.node(label)` is a Node, and
-    `graph.transition(label, direction)` the way on which the drive's rise or fall leads from it,
-    both made from arrays when they are asked for. Every node has one way up and one way down,
-    except where the drive ends. The engine followed its branches, so it is exact for any cells
-    without friction.
+    `graph.transition(label, direction)` the transition by which the drive's rise or fall leaves it.
+    Both are made from arrays on demand. Every node has one transition up and one down, except where
+    the drive ends. The engine followed its branches, so it is exact for any cells without friction.
 
     Attributes:
         nodes: all nodes by number.
         target: (2, R) number of the node to which the drive's fall and its rise lead from each; -1
             where the drive ends.
-        number: (2, R) what happens on that way: its number among `ways`; -1 likewise.
-        ways: transitions; those that have all in common are one.
-        chain: with the actuator that drives it; None where the graph was read from a file or made
-            from switching fields.
-        names: what each cell is called, inner first.
-        actuator: "stroke", "force" or what its measure calls them, "spring of 53 N/m" or "field".
+        number: (2, R) number of that transition among `ways`; -1 likewise.
+        ways: transitions; equal transitions are stored once.
+        chain: the chain with its actuator; None where the graph was read from a file or made from
+            switching fields.
+        names: names of the cells, inner first.
+        actuator: "stroke", "force" or the words of its measure, "spring of 53 N/m" or "field".
         unit: of drives: N under force control, m under others, "" for bare numbers.
         start: the state that it began with; None for all.
-        method: how it was found, in words.
-        ties: where the model cannot tell two outcomes apart, with advice; empty if nowhere.
+        method: method that computed it, in words.
+        ties: degenerate events, with advice; empty if there are none.
         fields: the switching fields that it was made from; None for others.
 
     Source: Mungan and Terzi, 2019; van Hecke, 2021; nodes with strokes and cells in transit
@@ -98,22 +97,22 @@ class TransitionGraph(ByValue, Drawn):
 
     @property
     def cells(self) -> int:
-        """How many cells there are."""
+        """Number of cells."""
         return len(self.names)
 
     @property
     def is_whole(self) -> bool:
-        """Whether it began with every vertex, not only with one."""
+        """Whether it contains every vertex, and not only those reachable from one."""
         return self.start is None
 
     @property
     def measure(self) -> Measure:
-        """What travel and force are in it, as the unit of drives tells; bare numbers are of m."""
+        """Kind of travel and force, by the unit of drives; bare numbers count as m."""
         return measure_of(self.unit)
 
     @cached_property
     def reading(self) -> "MemoryReading":
-        """The graph in the words of the field: loops, memory, scrambling, counting, latches."""
+        """Memory properties: loops, return-point memory, scrambling, counting, latches."""
         from stepwell.sequences.reading import read_memory
 
         return read_memory(self)
@@ -139,13 +138,13 @@ class TransitionGraph(ByValue, Drawn):
         return self.nodes[self._find(label)]
 
     def transition(self, label: str, direction: int) -> tuple[str, Transition] | None:
-        """Where the drive's rise (+1) or fall (-1) leads from a node, if anywhere; or KeyError."""
+        """Target and transition of the drive's rise (+1) or fall (-1), or None; or KeyError."""
         at = int(direction > 0), self._find(label)
         number = int(self.number[at])
         return None if number < 0 else (self.nodes.label(int(self.target[at])), self.ways[number])
 
     def transitions(self) -> Iterator[tuple[str, str, Transition]]:
-        """Every (from, to, transition): of each node first where the rise leads, then the fall."""
+        """All (from, to, transition), for each node first of the rise, then of the fall."""
         labels = list(self)
         falls, rises = zip(self.target.tolist(), self.number.tolist(), strict=True)
         for a, *both in zip(labels, *rises, *falls, strict=True):
@@ -155,7 +154,7 @@ class TransitionGraph(ByValue, Drawn):
 
     @property
     def transition_count(self) -> int:
-        """How many transitions there are."""
+        """Number of transitions."""
         return int(np.count_nonzero(self.number >= 0))
 
     @cached_property
@@ -173,13 +172,13 @@ class TransitionGraph(ByValue, Drawn):
     def zero(self) -> str:
         """Label of the node with every cell in its first phase, 0.
 
-        Several nodes share that state only where slack cells share a motion; then the first.
+        If slack cells share a motion, several nodes have that state; then the first.
         """
         state = "0" * self.cells
         return state if state in self else f"{state}#1"
 
     def reachable(self, start: str | None = None) -> frozenset[str]:
-        """Labels of all nodes to which the actuator can bring the chain from one, or from all-0."""
+        """Labels of all nodes that are reachable from one node, by default from all-0."""
         number = self.nodes.find(self.zero if start is None else start)
         if number is None:
             return frozenset()
@@ -215,7 +214,7 @@ class TransitionGraph(ByValue, Drawn):
 
 
 def measure_of(unit: str) -> Measure:
-    """The measure one of whose units this is; that of travel and force for bare numbers."""
+    """The measure that has this unit; travel and force for bare numbers."""
     units = {si: one for one in Measure for si in (one.travel_unit, one.force_unit)}
     return units.get(unit, Measure.TRAVEL)
 
@@ -253,7 +252,7 @@ def graph(
 
 
 def listable(chain: Chain) -> bool:
-    """Whether the limits let the graph of a chain be listed from every state."""
+    """Whether the graph of a chain is small enough to be listed from every state."""
     limit = "relays" if chain.actuator_stiffness == 0 and relays(chain) else "graph_cells"
     return _as_cells(_states(chain)) <= most(limit)
 
@@ -263,30 +262,30 @@ def _states(chain: Chain) -> int:
 
 
 def _as_cells(count: int) -> int:
-    """How many cells of two phases have as many states."""
+    """Number of bistable cells that have this number of states."""
     return (count - 1).bit_length()
 
 
 def require_as_many(count: int, limit: str, what: str) -> None:
-    """Refuse more states than a limited number of cells of two phases has."""
+    """Raise InputError for more states than a limited number of bistable cells has."""
     cells = _as_cells(count)
     if cells > most(limit):
         raise InputError(
-            f"{problem(limit, cells, what)} Or ask chain.implicit_graph(), which counts states and "
-            f"walks from one to the next without listing them, pass start= to list what can be "
-            f"reached from one state, or ask chain.program(target=...) for one way."
+            f"{problem(limit, cells, what)} Or use chain.implicit_graph(), which counts states and "
+            f"walks between them without listing them, pass start= to list the states reachable "
+            f"from one state, or use chain.program(target=...) for one program."
         )
 
 
 def no_start(chain: Chain, start: str) -> str:
-    """What is wrong with a start in which a chain cannot stand."""
+    """Error text for a start that is no equilibrium."""
     why = no_equilibrium(chain, "start", start)
-    return f"{why} Start from another state, or leave start out to see all."
+    return f"{why} Start from another state, or omit start to list all."
 
 
 def no_equilibrium(chain: Chain, name: str, state: str) -> str:
-    """What is wrong with a state in which a chain cannot stand."""
-    why = "a cell at 1 pushes harder than one at 0 holds"
+    """Error text for a state that is no equilibrium."""
+    why = "a cell at 1 pushes harder than one at 0 resists"
     if chain.elements:
         why = "no one force keeps every cell in its phase"
     return f"{name} = {state!r}: is no equilibrium: {why}."
@@ -318,7 +317,7 @@ def node_of(label: str, section: SmoothRun, branch: int) -> Node:
 def way_on(
     branches: Branches, number: int, k: int, direction: int
 ) -> tuple[tuple[int, int], Transition] | None:
-    """Branch and section to which the drive leads from section k of a branch, and what happens."""
+    """Target (branch, section) and transition of the drive from section k of a branch, or None."""
     sections = branches[number].sections
     beside = k + direction
     if 0 <= beside < len(sections):
@@ -333,7 +332,7 @@ def way_on(
     onto = branches[exit_.branch]
     target = onto.find(state_of(branches.chain.stretches, exit_.place), at)
     before, after = sections[k].state, onto.sections[target].state
-    # Without cells that only give way within the phase they are in.
+    # Without cells that only move within their phase.
     cells = tuple(
         cell
         for cell, a, b in zip(snap.cells, snap.before, snap.after, strict=True)
@@ -344,7 +343,7 @@ def way_on(
 
 
 def about(chain: Chain) -> dict[str, Any]:
-    """What a graph says of the chain that it is of."""
+    """Attributes of a graph that describe its chain."""
     stiffness, measure = chain.actuator_stiffness, chain.measure
     spring = f"spring of {amount(stiffness, measure.stiffness_unit, 6)}"
     actuator = {0.0: measure.force, math.inf: measure.stroke}.get(stiffness, spring)
@@ -352,7 +351,7 @@ def about(chain: Chain) -> dict[str, Any]:
 
 
 def _labels(branches: Branches, numbers: list[int]) -> dict[tuple[int, int], str]:
-    """A label for every section: its state, numbered by rising drive where several share it."""
+    """Labels of the sections: the state, numbered by rising drive where several have it."""
     places: dict[str, list[tuple[float, int, int]]] = {}
     for number in numbers:
         for k, section in enumerate(branches[number].sections):
