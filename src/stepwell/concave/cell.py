@@ -1,6 +1,6 @@
-"""The simple cell: one linear band and nothing else, as plain numbers that compiled code takes.
+"""The simple cell, with one linear band only, as plain numbers for compiled code.
 
-Its formulas hold while the band is taut, which `certify` proves of a cell.
+Its formulas hold while the band is in tension, which `certify` proves.
 """
 
 from typing import Any, NamedTuple
@@ -25,7 +25,7 @@ class Simple(NamedTuple):
 
 
 def simple(cell: Cell | Element) -> Simple | None:
-    """The cell as plain numbers, or None: several bands, a bent law, a load, friction; no bands."""
+    """The cell as plain numbers; None for other than one linear band without load and friction."""
     if isinstance(cell, Element) or len(cell.bands) != 1:
         return None
     if cell.load is not None or cell.friction > 0:
@@ -94,7 +94,7 @@ def energy_at(cell: Simple, travel: float) -> float:
 
 @leaf
 def travel_at(cell: Simple, force: float, f_low: float, f_high: float) -> float:
-    """The one travel [m] at which a certified cell pushes back with `force` [N].
+    """The unique travel [m] at which a certified cell resists with `force` [N].
 
     Forces beyond F0 and F1, `f_low` and `f_high`, give the stops. Newton inside a bracket that
     shrinks at every step.
@@ -118,7 +118,7 @@ def travel_at(cell: Simple, force: float, f_low: float, f_high: float) -> float:
         following = travel + (force - value) / slope
         if low < following < high:
             # Newton squares the error: after a step this small only rounding is left, and
-            # waiting for a step of zero would be waiting for luck.
+            # a step of exactly zero may never come.
             done = abs(following - travel) <= enough
         else:
             following = 0.5 * (low + high)
@@ -146,7 +146,7 @@ def most_bend(cell: Simple) -> float:
     g2 = 3.0 * cell.dx * t / (r * r * c * c * c * c * c)
     first = g / shortest
     _, stiffness, _ = mech.hooke(cell.stiffness, 0.0)
-    # Of a taut band T/ℓ = k (1 - ℓ0/ℓ) grows with ℓ, and its slope k ℓ0/ℓ² falls.
+    # In tension T/ℓ = k (1 - ℓ0/ℓ) grows with ℓ, and its slope k ℓ0/ℓ² falls.
     h = geometry.steepening(shortest, shortest - cell.rest, 0.0, stiffness, 0.0, 0.0)
     ratio = mech.hooke(cell.stiffness, longest - cell.rest)[0] / longest
     return geometry.band_force(3.0 * h * first, g1 + first * first) + geometry.band_force(ratio, g2)

@@ -1,4 +1,4 @@
-"""Where the closed forms hold: end forces of a taut band, proofs that they fall, over boxes too."""
+"""Validity of the closed forms: end forces of a band in tension, and proofs of falling force."""
 
 import math
 from math import inf
@@ -12,13 +12,13 @@ from stepwell.concave.cell import Simple, force_of, of_row, simple, with_d
 from stepwell.kernels import entry, leaf
 from stepwell.mechanism import Cell, Element, geometry
 
-# A stretch this much shorter than the range is given up on: the cell is so close to a force
-# that does not fall that the general engine may as well decide.
+# Shortest stretch over the range: the force of the cell is then so close to constant that the
+# general engine decides.
 _SHORTEST = 1.0 / 4096.0
 _MOST_LOOKS = 256
 # Rounding in the inequality is below 1e-14 of its sides.
 _ROUNDING = 1.0 + 1e-12
-# How often a disc and a line are halved before their proof is given up.
+# Number of halvings of a disc and of a line before their proof fails.
 _DEPTH = 7
 _LINE_DEPTH = 10
 
@@ -26,17 +26,17 @@ _LINE_DEPTH = 10
 @entry()
 @leaf
 def certify(cell: Simple, reach: float) -> bool:
-    """Whether the band is taut and F falls strictly over the whole travel, proved.
+    """Proof that the band is in tension and F falls strictly over the whole travel.
 
-    And so for every other anchor within `reach` [m] of this one. False means "not proved".
+    It covers every anchor within `reach` [m] of this one. False means "not proved".
 
     With t = sin θ, c = cos θ and h = d_y c - d_x t, dF/ds < 0 is the same as
 
         (ℓ - ℓ0) ℓ² d_x > ℓ0 r c h²
 
     (multiply κ/k = (ℓ0/ℓ³) g² - (1 - ℓ0/ℓ) d_x/(r c³), g = h/c, by r c³ ℓ³), which with
-    d_x > 0 needs ℓ > ℓ0: a falling force proves a taut band, so a spring that pushes is no
-    other case. On a stretch of θ both sides are bounded by values at its ends:
+    d_x > 0 needs ℓ > ℓ0: a falling force proves a band in tension, so a two-sided spring is the
+    same case. On a stretch of θ both sides are bounded by values at its ends:
     - ℓ² = r² + d² + 2 r d cos(θ - θmax) and |θ - θmax| < π for d_x > 0: ℓ rises to θmax and
       falls after it, so it is smallest at an end;
     - g falls (g' = -d_x/(r c³) by travel), so |h| <= c |g| is at most the largest c times the
@@ -86,13 +86,13 @@ def closed(cell: Cell | Element, *, reach: float = 0.0) -> Simple | None:
 
 @entry(1.5e-5, "d")
 def certified_within(d: Floats, cell: Simple, reach: float, out: Bools) -> None:
-    """Which differences d, (m, 2) [m], are proved concave and taut within reach, into (m,)."""
+    """`certify` within reach for differences d, (m, 2) [m], into (m,)."""
     for i in range(len(d)):
         out[i] = certify(with_d(cell, d[i, 0], d[i, 1]), reach)
 
 
 def certified(cell: Simple, d: Floats, reach: float = 0.0) -> Bools:
-    """At which of the (m, 2) differences d [m] that is proved, (m,)."""
+    """(m,) results of `certify` for differences d, (m, 2) [m]."""
     out = np.empty(len(d), np.bool_)
     certified_within(np.ascontiguousarray(d), cell, reach, out)
     return out
@@ -100,9 +100,9 @@ def certified(cell: Simple, d: Floats, reach: float = 0.0) -> Bools:
 
 @entry()
 def concave_disc(cell: Simple, radius: float) -> bool:
-    """Whether every anchor within `radius` [m] of the cell's own is proved concave and taut.
+    """Whether every anchor within `radius` [m] of the cell's own is certified.
 
-    The proof for a disc is tried first, then for smaller ones that cover it.
+    The proof for one disc is tried first, then for smaller discs that cover it.
     """
     if certify(cell, radius):
         return True
@@ -129,7 +129,7 @@ def concave_disc(cell: Simple, radius: float) -> bool:
 
 
 def concave_line(cell: Simple, along: Floats, start: float, end: float) -> bool:
-    """The same for the anchors from start to end [m] on a line in the direction `along` (2,)."""
+    """`concave_disc` for the anchors from start to end [m] on a line in the direction `along`."""
     waiting = [(start, end, 0)]
     while waiting:
         a, b, depth = waiting.pop()
@@ -144,7 +144,7 @@ def concave_line(cell: Simple, along: Floats, start: float, end: float) -> bool:
 
 
 def concave_box(cell: Simple, low: Floats, high: Floats) -> bool:
-    """The same for the anchors whose d is between two corners (2,) [m]."""
+    """`concave_disc` for the anchors with d in the box between two corners (2,) [m]."""
     waiting = [(low[0], low[1], high[0] - low[0], high[1] - low[1], 0)]
     while waiting:
         x, y, wide, tall, depth = waiting.pop()
@@ -223,7 +223,7 @@ def _proved_ends(numbers: Floats, ends: Floats, proved: Bools) -> None:
 def proved_ends(numbers: Floats) -> tuple[Floats, Bools]:
     """(m, 2) F0 and F1 [N] of cells (m, 6), rows as `Simple`, and (m,) whether they are certified.
 
-    The forces are zero where nothing is proved.
+    The forces are zero without a proof.
     """
     ends, proved = np.zeros((len(numbers), 2)), np.empty(len(numbers), np.bool_)
     _proved_ends(numbers, ends, proved)
@@ -244,6 +244,6 @@ def steepest(cell: Simple, side: int, dx: float, dy: float, radius: float) -> fl
         return inf
     g = abs(geometry.reach_along(t, c, dx, dy)) + radius / c
     stretch = max(abs(1.0 - cell.rest / shortest), abs(1.0 - cell.rest / longest))
-    # ∂F/∂d = (T' - T/ℓ) ℓ' ∂ℓ/∂d + T/ℓ ∂g/∂d, every factor at its worst.
+    # ∂F/∂d = (T' - T/ℓ) ℓ' ∂ℓ/∂d + T/ℓ ∂g/∂d, every factor at its bound.
     k = cell.stiffness
     return geometry.force_by(k * stretch, k * cell.rest / shortest, g / shortest, 1.0, 1.0 / c)

@@ -1,4 +1,4 @@
-"""Chains under a force seen as relays, each switching at A and B: their states, counted."""
+"""Relays of chains under a prescribed force, each with switching fields A and B; state counts."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -13,17 +13,17 @@ from stepwell.concave.certificate import proved_ends
 from stepwell.concave.sorting import TIED, one_travel
 from stepwell.mechanism import Chain, Element
 
-# By cell and phase: the lower and the upper end of the forces at which the phase holds [N].
+# Lower and upper end of the forces at which a phase is stable [N], by cell and phase.
 Windows = Sequence[Sequence[tuple[float, float]]]
-# The same ends as numbers in the order of all fields; what never ends has -1 or their count.
+# The same ends as numbers in the order of all fields; infinite ends are -1 or their count.
 Levels = list[list[tuple[int, int]]]
 
 
 def levels(windows: Windows, slip: float) -> Levels:
     """The ends of windows of every phase of every cell [N] as numbers in the order of all fields.
 
-    Upper ends no further apart than `slip` [N] have one number, and so have lower ends. Whether a
-    state stands hangs on an upper and a lower end, and those are compared as they are.
+    Upper ends no further apart than `slip` [N] have one number, and so have lower ends. The
+    stability of a state depends on an upper and a lower end, which are compared exactly.
     """
     low, high = (
         _firsts({window[end] for cell in windows for window in cell}, slip) for end in (0, 1)
@@ -34,7 +34,7 @@ def levels(windows: Windows, slip: float) -> Levels:
 
 
 def _firsts(ends: set[float], slip: float) -> dict[float, float]:
-    """By end the first of those that it ties with."""
+    """The first of the ends that each end ties with."""
     firsts: dict[float, float] = {}
     for before, end in pairwise([-math.inf, *sorted(ends)]):
         firsts[end] = firsts[before] if end - before <= slip else end
@@ -42,10 +42,10 @@ def _firsts(ends: set[float], slip: float) -> dict[float, float]:
 
 
 def standing_states(known: Levels) -> int:
-    """How many states stand: those in which one force keeps every cell in its phase.
+    """Number of stable states: states in which one force keeps every cell in its phase.
 
-    A state is counted at the largest lower end of its phases: what stands at one field is a product
-    over the cells, and of these the states that stood before are not counted again.
+    A state is counted at the largest lower end of its phases: the number of stable states at one
+    field is a product over the cells, minus the states that are stable before.
 
     Source: ours (theory page, "Transition graphs").
     """
@@ -100,10 +100,10 @@ def _by_level(known: Levels) -> tuple[_Phases, _Phases]:
 
 
 def landings(cell: Sequence[tuple[int, int]], direction: int) -> dict[int, int]:
-    """Where a cell alone goes from each of its phases when the force passes the end of it.
+    """Target of a single cell from each of its phases when the force passes the phase's end.
 
-    By phase the next one that holds at this force, as it rises (direction +1) or falls (-1);
-    without phases that never end.
+    The target is the next phase that is stable at this force, as it rises (direction +1) or falls
+    (-1). Phases without an end are omitted.
     """
     targets: dict[int, int] = {}
     for phase, (low, high) in enumerate(cell):
@@ -116,11 +116,11 @@ def landings(cell: Sequence[tuple[int, int]], direction: int) -> dict[int, int]:
 
 
 def garden_states(known: Levels) -> int:
-    """How many states that stand no force brings relays to: the Garden of Eden.
+    """Number of stable states that no force leads to: the Garden of Eden.
 
-    They are those that no phase of theirs is entered in while they stand. From the force at which
-    a state begins to stand one goes up to where one of its phases is entered, or ends: each field
-    on the way leaves fewer states to look for.
+    In such a state no phase is entered at any force at which the state is stable. The force rises
+    from the lower end of the state to where one of its phases is entered, or ends: each field on
+    the way leaves fewer states.
 
     Source: theory page, "Relays" (Garden of Eden).
     """
@@ -135,7 +135,7 @@ def garden_states(known: Levels) -> int:
             fallen[cell[phase][0]].append((i, target))
 
     def without_entry(start: int, first: int) -> int:
-        """States of phases that begin at `start` or before and hold at `first`, from there on."""
+        """States of phases that begin at `start` or before and are stable at `first`."""
         gone: set[tuple[int, int]] = set()
         left: dict[int, int] = {}
         all_left = holding.value
@@ -176,7 +176,7 @@ def garden_states(known: Levels) -> int:
 
 
 def switches(known: Levels) -> list[tuple[int, int]] | None:
-    """The levels (A, B) of independent relays; None where a cell can pass a phase of its own by."""
+    """The levels (A, B) of independent relays; None where a cell can skip one of its phases."""
     levels: set[tuple[int, int]] = set()
     for cell in known:
         own = [(a[1], b[0]) for a, b in pairwise(cell)]
@@ -187,10 +187,10 @@ def switches(known: Levels) -> list[tuple[int, int]] | None:
 
 
 def _falling(relays: Sequence[tuple[int, int]]) -> list[int]:
-    """How many subsequences of rising A and falling B begin with each of these pairs (A, B)."""
+    """Numbers of subsequences of rising A and falling B that begin with each pair (A, B)."""
     order = sorted(range(len(relays)), key=lambda i: -relays[i][0])
     rank = {b: k for k, b in enumerate(sorted({b for _, b in relays}), 1)}
-    # Sums of what was found, by B, in the tree of Fenwick 1994.
+    # Sums of the numbers, by B, in the tree of Fenwick 1994.
     tree = [0] * (len(rank) + 1)
     lengths = [1] * len(relays)
     for _, together in groupby(order, key=lambda i: relays[i][0]):
@@ -209,8 +209,7 @@ def _falling(relays: Sequence[tuple[int, int]]) -> list[int]:
 
 
 def ideals(relays: Iterable[tuple[int, int]]) -> int:
-    """How many sets of relays (A, B) hold with each all that precede it: what is reached from
-    all-0.
+    """Number of states reached from all-0: sets of relays (A, B) that contain all predecessors.
 
     Source: the falling subsequences of B listed by rising A, the empty one included (theory page,
     "Relays"; Terzi and Mungan 2020).
@@ -219,12 +218,12 @@ def ideals(relays: Iterable[tuple[int, int]]) -> int:
 
 
 def sub_loops(relays: Iterable[tuple[int, int]]) -> int:
-    """How many pairs of states reached from all-0 lead to each other, the drive going one way.
+    """Number of sub-loops: pairs of states reached from all-0 that lead to each other.
 
-    The main loop is left out. A state I leads round by a rise to a and back where all that the
-    rise sets comes back before anything of I does: where each relay outside I with A ≤ a has its
-    B above b, the largest of I. So I holds all relays with A ≤ a and B ≤ b, and what else it may
-    hold is an ideal of those with larger A and smaller B: falling subsequences again.
+    The main loop is not counted. A state I forms a loop by a rise to a and back if all relays set
+    by the rise reset before any relay of I: each relay outside I with A ≤ a has its B above b, the
+    largest B of I. So I contains all relays with A ≤ a and B ≤ b. The rest of I is an ideal of the
+    relays with larger A and smaller B: falling subsequences again.
 
     Source: pairs as in Mungan and Terzi 2019; the count is ours (theory page, "Relays").
     """
@@ -236,7 +235,7 @@ def sub_loops(relays: Iterable[tuple[int, int]]) -> int:
     number = {a: k for k, a in enumerate(fields)}
     up = np.array([number[a] for a, _ in points])
     down = np.array([b for _, b in points])
-    # By A: the largest B of a relay that goes up there.
+    # The largest B of the relays that go up at each A.
     above = np.full(len(fields), np.iinfo(np.int64).min)
     np.maximum.at(above, up, down)
     # From all-0 every rise is a loop, one of them the main one.
@@ -257,16 +256,16 @@ def sub_loops(relays: Iterable[tuple[int, int]]) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Relays:
-    """Switching fields of a chain, all that there is to know of it under a prescribed force.
+    """Switching fields of a chain, which determine its response to a prescribed force.
 
     A lever cell that is proved concave is one relay, A = F0 and B = F1. An element with P phases is
-    P - 1 of them: relay k is up where it stands beyond phase k.
+    P - 1 relays: relay k is up if the element is beyond phase k.
 
     Attributes:
         up, down: (M,) A and B, the forces at which a cell leaves phase k upwards, and comes back to
             it out of phase k + 1 [N].
         first: (N + 1,) relays of cell i are first[i] .. first[i + 1].
-        equal: whether all cells are proved concave and share one full travel.
+        equal: whether all cells are proved concave and have equal full travels.
         slip: fields no further apart than this tie [N].
     """
 
@@ -278,17 +277,17 @@ class Relays:
 
     @property
     def cell(self) -> Ints:
-        """(M,) of which cell each relay is."""
+        """(M,) cell of each relay."""
         return np.repeat(np.arange(len(self.first) - 1), np.diff(self.first))
 
     @property
     def step(self) -> Ints:
-        """(M,) k: out of which phase of its cell each relay leads."""
+        """(M,) phase k that each relay leaves upwards."""
         return np.arange(len(self.up)) - self.first[self.cell]
 
     @property
     def windows(self) -> tuple[tuple[tuple[float, float], ...], ...]:
-        """By cell and phase: the forces between which it holds [N], infinite at the ends."""
+        """Forces at which each phase is stable [N], by cell and phase; infinite at the ends."""
         ends = zip(self.first.tolist(), self.first[1:].tolist(), strict=False)
         up, down = self.up.tolist(), self.down.tolist()
         return tuple(
@@ -297,7 +296,7 @@ class Relays:
 
     @property
     def skips(self) -> bool:
-        """Whether a cell can pass a phase of its own by: its relays are not independent then."""
+        """Whether a cell can skip one of its phases; then its relays are not independent."""
         own = np.diff(self.cell) == 0
         return bool(np.any(own & ((np.diff(self.up) < 0) | (np.diff(self.down) < 0))))
 
@@ -306,7 +305,7 @@ class Relays:
         return bool(self.up[i] < self.up[j] and self.down[i] < self.down[j])
 
     def raised(self, state: str) -> Bools:
-        """(M,) which relays are up in a state."""
+        """(M,) whether each relay is up in a state."""
         return np.array([int(digit) for digit in state])[self.cell] > self.step
 
     def state(self, raised: Bools) -> str:
@@ -319,7 +318,7 @@ def relays(chain: Chain, *, ties: bool = False) -> Relays | None:
     """The switching fields of a chain.
 
     None where a lever cell is not proved concave, where an element has friction or a curve that
-    folds back, or where two fields tie, unless `ties` says that they may.
+    folds back, or where two fields tie, unless `ties` is True.
     """
     levers = [simple(cell) for cell in chain.cells if not isinstance(cell, Element)]
     rubbing = any(len(one.laws) > 1 or one.friction > 0 for one in chain.elements)
@@ -344,7 +343,7 @@ def relays(chain: Chain, *, ties: bool = False) -> Relays | None:
 
 @dataclass(frozen=True)
 class RelayPlan:
-    """States at which to turn; or (i, j) in the way: relay j is wanted up without i, and i ≺ j."""
+    """Turning states; or a pair (i, j) that excludes the target: j up, i down, and i ≺ j."""
 
     states: tuple[str, ...]
     blocked: tuple[int, int] | None = None
@@ -369,7 +368,7 @@ def fewest_strokes(fields: Relays, start: str, target: str) -> RelayPlan:
         return RelayPlan(min(ways, key=len))
     pairs = product(np.flatnonzero(~wanted).tolist(), np.flatnonzero(wanted).tolist())
     blocked = [pair for pair in pairs if fields.precedes(*pair)]
-    # A relay that differs from the start shows the reader most.
+    # Pairs with a relay that differs from the start explain the failure best.
     blocked.sort(key=lambda pair: all(before[k] == wanted[k] for k in pair))
     return RelayPlan((), blocked[0])
 

@@ -1,4 +1,4 @@
-"""What many mechanisms do that differ a little from their drawing, in closed form."""
+"""Closed-form evaluation of Monte Carlo samples within tolerances of a nominal design."""
 
 import math
 from dataclasses import dataclass, replace
@@ -22,19 +22,19 @@ ASK, DOES, OTHER, TIE = 0, 1, 2, 3
 # How the actuator drives the chain.
 RIGID, COMPLIANT, FORCE = 0, 1, 2
 
-_BLOCK = 20_000  # cells that one core judges at a time
+_BLOCK = 20_000  # cells in one block of a core
 
 
 @entry()
 def in_disc(radius: float, u: float, v: float) -> tuple[float, float]:
-    """A place evenly distributed over a disc [m], from two numbers even over 0..1."""
+    """A point uniformly distributed over a disc [m], from two numbers uniform over 0..1."""
     away, angle = radius * np.sqrt(u), 2.0 * np.pi * v
     return away * math.cos(angle), away * math.sin(angle)
 
 
 @entry(2e-6, "numbers")
 def in_discs(radius: float, numbers: Floats, out: Floats) -> None:
-    """The same of (m, 2 k) numbers, into (m, k, 2)."""
+    """`in_disc` of (m, 2 k) numbers, into (m, k, 2)."""
     for sample in range(len(numbers)):
         for k in range(out.shape[1]):
             place = in_disc(radius, numbers[sample, 2 * k], numbers[sample, 2 * k + 1])
@@ -43,7 +43,7 @@ def in_discs(radius: float, numbers: Floats, out: Floats) -> None:
 
 @kernel
 def _made(draw: Floats, cells: Floats, spread: Floats, i: int) -> tuple[Simple, float]:
-    """Cell i as one draw makes it, and its friction [N]; the columns are those of `Draws`."""
+    """Cell i of one sample, and its friction [N]; the columns are those of `Draws`."""
     n = len(cells)
     dx, dy = cells[i, 0], cells[i, 1]
     if spread[0] > 0.0:
@@ -72,10 +72,10 @@ def _as_made(draws: Floats, cells: Floats, spread: Floats, out: Floats) -> None:
 
 
 def as_made(draws: Floats, numbers: Floats, spread: Floats) -> Floats:
-    """(m, N, 6) cells as draws make them, from those of the drawing (N, 6), the fields of `Simple`.
+    """(m, N, 6) cells of m samples, from the nominal cells (N, 6), the fields of `Simple`.
 
-    Draws (m, 8 N) are one mechanism a row, as `Draws` lays them out; `spread` (5,) is anchor,
-    stiffness, rest length, lever, friction of the tolerances.
+    Draws (m, 8 N) have one sample per row, in the layout of `Draws`; `spread` (5,) contains the
+    tolerances of anchor, stiffness, rest length, lever and friction.
     """
     out = np.empty((len(draws), *numbers.shape))
     cells = np.column_stack([numbers, np.zeros(len(numbers))])
@@ -85,12 +85,12 @@ def as_made(draws: Floats, numbers: Floats, spread: Floats) -> Floats:
 
 @kernel
 def _keeps(made: list[Simple], friction: Floats, full: Floats, key: Floats, order: Ints) -> bool:
-    """Whether no cell that gives travel back in a snap reaches its other stop, proved.
+    """Proof that no cell that gives travel back in a snap reaches its other stop.
 
-    While cell j loads, the cells that are full already give back no more than j still lacks
-    when they let go. That is less than the shortest of their travels, S_min, if at the travel
-    S_j - S_min the force that moves j is still above all those that hold them. Unloading is
-    the same in a mirror.
+    While cell j loads, the cells at 1 give back at most the travel that j still needs when they
+    leave their stops. That is less than the shortest of their travels, S_min, if at the travel
+    S_j - S_min the force that moves j is still above all critical forces of these cells. Unloading
+    is the mirror image.
     """
     for side in range(2):
         first: int = order[side, 0]
@@ -107,7 +107,7 @@ def _keeps(made: list[Simple], friction: Floats, full: Floats, key: Floats, orde
 
 @leaf
 def _code(order: Ints, target: Ints) -> tuple[int, bool]:
-    """Both orders as digits of base N, and whether they are those wanted."""
+    """Both orders as digits of base N, and whether they are the target orders."""
     number, right = 0, True
     for side in range(2):
         for place in range(order.shape[1]):
@@ -118,7 +118,7 @@ def _code(order: Ints, target: Ints) -> tuple[int, bool]:
 
 @leaf
 def _gaps(key: Floats, target: Ints, order: Ints, least: float) -> tuple[float, int, bool]:
-    """The smallest gap of wanted neighbours, where it is, and whether some forces are one."""
+    """Smallest gap of neighbours in the target order, its place, and whether two forces tie."""
     smallest, where, tie = np.inf, 0, False
     pairs = order.shape[1] - 1
     for side in range(2):
@@ -133,15 +133,15 @@ def _gaps(key: Floats, target: Ints, order: Ints, least: float) -> tuple[float, 
 
 @record
 class Judged(NamedTuple):
-    """What `judged` finds out about m draws of N cells.
+    """Results of `judged` for m samples of N cells.
 
     Attributes:
         verdict: (m,) ASK where the closed form is not proved.
-        does: (m,) both orders as digits of base N; wraps where they are too many.
-        gap: (m,) smallest gap [N] between neighbours of the wanted orders, negative where two of
+        does: (m,) both orders as digits of base N; overflows for long chains.
+        gap: (m,) smallest gap [N] between neighbours of the target orders, negative where two of
             them are in the other order; infinite for a single cell.
-        wrong: (2, N - 1) how often a pair of neighbours is in the other order, added up.
-        narrowest: the same, how often their gap is the smallest.
+        wrong: (2, N - 1) number of samples with a pair of neighbours in the other order.
+        narrowest: (2, N - 1) number of samples in which the gap of a pair is the smallest.
     """
 
     verdict: Verdicts
@@ -155,18 +155,18 @@ class Judged(NamedTuple):
 def judged(
     draws: Floats, cells: Floats, spread: Floats, target: Ints, drive: int, out: Judged
 ) -> None:
-    """Judge every draw by the order of the forces at which its cells let go.
+    """Verdict on every sample by the order of the critical forces of its cells.
 
     Cells of falling force load in rising F0 + f and unload in falling F1 - f, f their friction:
-    while one of them moves, the actuator's force stays below what would wake the next, and the
-    cells awake cannot lack a whole travel between them, so none goes back to its other stop.
-    That needs equal travels, or `_keeps` under a rigid actuator; a prescribed force needs
-    neither, because no cell feels another.
+    while one of them moves, the actuator's force stays below the critical force of the next, and
+    the moving cells lack less than one full travel in sum, so none returns to its other stop. That
+    needs equal travels, or `_keeps` under a rigid actuator. A prescribed force needs neither,
+    because the cells do not interact.
 
     Draws and spread are as for `as_made`, cells (N, 7) end with their friction, and `target` has
     (2, N) cells in order; `wrong` and `narrowest` of `out` are added to.
     """
-    # Its arrays serve all draws, and are made once.
+    # The arrays are made once for all samples.
     n = len(cells)
     made = [of_row(cells[0]) for _ in range(n)]
     friction, full = np.empty(n), np.empty(n)
@@ -204,7 +204,7 @@ def judged(
 
 @dataclass(frozen=True, slots=True)
 class DrawJudge:
-    """Judges many draws of one chain by one wanted cycle."""
+    """Evaluation of many samples of one chain against a target cycle."""
 
     cells: Floats  # (N, 7) as `judged` takes them
     spread: Floats  # (5,)
@@ -213,7 +213,7 @@ class DrawJudge:
 
     @classmethod
     def of(cls, chain: Chain, spread: Floats, target: Ints) -> "DrawJudge | None":
-        """None where a cell has several bands, a bent law or a load: no closed form at all."""
+        """The judge of a chain; None where a cell has several bands, a nonlinear law or a load."""
         cells: list[list[float]] = []
         for cell in chain.cells:
             numbers = simple(replace(cell, friction=0.0))
@@ -224,7 +224,7 @@ class DrawJudge:
         return cls(np.array(cells), spread, target, drive)
 
     def __call__(self, draws: Floats) -> Judged:
-        """The verdicts on draws (m, 8 N)."""
+        """The verdicts on samples (m, 8 N)."""
         m, n = len(draws), len(self.cells)
         verdict, does, gap = np.empty(m, np.int8), np.empty(m, np.int64), np.empty(m)
         counts: list[Ints] = []

@@ -1,4 +1,4 @@
-"""The order of motion of concave cells: two sorted lists of end forces.
+"""Loading and unloading permutations of concave cells: two sorted lists of end forces.
 
 Cells of falling force load in ascending F0 and unload in descending F1, where all travels are
 equal (theory page, "Sorting").
@@ -16,7 +16,7 @@ from stepwell.concave.certificate import proved_ends
 from stepwell.kernels import leaf
 from stepwell.mechanism import Chain
 
-_SAME = 1e-12  # relative difference of travels that are meant to be equal
+_SAME = 1e-12  # relative difference of travels that count as equal
 TIED = 1e-9  # of the largest force: end forces nearer than this tie in the engine
 
 
@@ -27,7 +27,7 @@ def same_travel(longest: float, shortest: float) -> bool:
 
 
 def one_travel(chain: Chain) -> bool:
-    """Whether all cells share one full travel."""
+    """Whether all cells have the same full travel."""
     full = chain.full_travels
     return bool(same_travel(max(full), min(full)))
 
@@ -42,9 +42,9 @@ def proved_cells(chain: Chain) -> tuple[tuple[Simple, ...], Floats] | None:
 
 
 def motion_orders(ends: Floats) -> tuple[Ints, Ints]:
-    """Cells in order of loading and of unloading, (..., N) each, by end forces (..., N, 2).
+    """Loading and unloading permutations, (..., N) each, by end forces (..., N, 2).
 
-    Of equal forces the inner cell goes first, as in the engine.
+    For equal forces the inner cell switches first, as in the engine.
     """
     loading = np.argsort(ends[..., 0], axis=-1, kind="stable")
     return loading, np.argsort(-ends[..., 1], axis=-1, kind="stable")
@@ -63,7 +63,7 @@ def rank(key: Floats, start: Ints, order: Ints) -> None:
 
 
 class Neighbour(NamedTuple):
-    """An end force that another cell has and this one may reach."""
+    """A neighbouring end force, of another cell."""
 
     side: int  # -1 for F0, +1 for F1
     own: float  # [N]
@@ -100,10 +100,10 @@ class SortedChain:
     def neighbours(
         self, cell: int, orders: tuple[tuple[int, ...], tuple[int, ...]] | None = None
     ) -> list[Neighbour]:
-        """The end forces next to those of a cell, up to four; in its own orders, or in others.
+        """End forces next to those of a cell, up to four; in its own orders, or in others.
 
-        The sequence changes exactly when an end force of the cell passes one of these: whatever
-        it passes first is next to it in the sorted list.
+        The sequence changes exactly when an end force of the cell passes one of these: the first
+        force that it passes is next to it in the sorted list.
         """
         neighbours: list[Neighbour] = []
         # Ranks rise with F0 and fall with F1.

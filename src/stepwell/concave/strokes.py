@@ -15,20 +15,20 @@ from stepwell.concave.certificate import certify, end_forces, proved_ends
 from stepwell.concave.sorting import TIED, rank, same_travel
 from stepwell.kernels import entry, kernel
 
-# What drives the chain.
+# Kind of actuator.
 STROKE, FORCE = 0, 1
 # Targets that are no node: the drive ends, or there is no such node.
 END, NONE = -1, -2
-# Why a design is not told in closed form.
+# Status of a design: decided in closed form, or the reason why not.
 TOLD, NOT_PROVED, TIES, WAKES = 0, 1, 2, 3
-# Of more cells nearly every design has a graph of its own.
+# With more cells nearly every design has a different graph.
 MOST_CELLS = 6
 
-# Pieces into which an exchange is cut at most to see whether it wakes a third cell.
+# Largest number of pieces of an exchange in the proof that no third cell starts to move.
 _PIECES = 64
-# Longest steps of a flow, of the full travel, that must agree on where it ends; steps at most.
+# Longest steps of a flow, as fractions of the full travel, that must give the same end; most steps.
 _COARSE, _FINE, _STEPS = 0.01, 0.005, 10_000
-# What a number of a cell takes, interpreted [s].
+# Time per number of a cell, interpreted [s].
 _EACH = 3e-5
 # Two remainders of 31 bits make a key.
 _PRIMES, _FACTORS = (2147483647, 2147483629), (1000003, 999983)
@@ -50,7 +50,7 @@ def _first(ends: Floats, state: int, skip: int, side: int) -> int:
 
 @kernel
 def _limits(ends: Floats, state: int, a: int, b: int) -> tuple[float, float]:
-    """Between which forces all cells but a and b stay at their stops."""
+    """Forces between which all cells but a and b stay at their stops."""
     low, high = -np.inf, np.inf
     for cell in range(len(ends)):
         if cell != a and cell != b:
@@ -65,9 +65,9 @@ def _limits(ends: Floats, state: int, a: int, b: int) -> tuple[float, float]:
 def _undisturbed(
     cells: Floats, ends: Floats, state: int, give: int, take: int, gives: float, takes: float
 ) -> bool:
-    """Whether no third cell wakes while one cell gives travel to another, proved.
+    """Proof that no third cell starts to move while one cell gives travel to another.
 
-    One pushes more and more and one less and less, so their ends bound the force, their mean.
+    One force rises and one falls, so their end values bound the mean, the force of the chain.
     """
     giver, taker = of_row(cells[give]), of_row(cells[take])
     low, high = _limits(ends, state, give, take)
@@ -116,7 +116,7 @@ def _mean(force: Floats, travel: Floats, full: float) -> float:
 
 @kernel
 def _rates(cells: Floats, full: float, travel: Floats, force: Floats, rate: Floats) -> float:
-    """How fast travels of given sum flow, (N,) into `rate`; the fastest of them."""
+    """Rates of the flow of travels of given sum, (N,) into `rate`; returns the largest."""
     for i in range(len(cells)):
         force[i] = force_at(of_row(cells[i]), travel[i])[0]
     mean, fastest = _mean(force, travel, full), 0.0
@@ -130,11 +130,11 @@ def _rates(cells: Floats, full: float, travel: Floats, force: Floats, rate: Floa
 
 @kernel
 def _flow(cells: Floats, full: float, travel: Floats, step: float) -> int:
-    """Let travels (N,) of given sum flow until one cell alone is in transit; which, or -1.
+    """Integrate travels (N,) of given sum until one cell alone is in transit; returns it, or -1.
 
     By the midpoint rule in steps of at most `step` [m], and a simple one where a cell arrives.
     """
-    # One function: a step works on three arrays that are made once.
+    # One function: a step uses three arrays that are made once.
     n = len(cells)
     force, rate, half = np.empty(n), np.empty(n), np.empty(n)
     for _ in range(_STEPS):
@@ -153,7 +153,7 @@ def _flow(cells: Floats, full: float, travel: Floats, step: float) -> int:
             arrives = arrives or (rate[i] != 0.0 and not 0.0 < half[i] < full)
         if not arrives:
             fastest = _rates(cells, full, half, force, rate)
-        # As far as a step goes, or until the first cell arrives.
+        # Up to the end of the step, or until the first cell arrives.
         time, first = step / fastest, -1
         for i in range(n):
             room = full - travel[i] if rate[i] > 0.0 else travel[i]
@@ -170,13 +170,13 @@ def _flow(cells: Floats, full: float, travel: Floats, step: float) -> int:
 def _flowed(
     cells: Floats, full: float, state: int, moving: int, travel: float, other: int, step: float
 ) -> int:
-    """The node onto which a chain flows as for `_landing`, in steps [m]; -1 for no end."""
+    """Target node of a flow as for `_landing`, in steps [m]; -1 without an end."""
     n = len(cells)
     place = np.empty(n)
     for i in range(n):
         place[i] = full if state >> i & 1 else 0.0
     place[moving] = travel
-    # Off the fold, on the side to which it lets go.
+    # Off the fold, on the side of the snap.
     little = 1e-4 * full
     if state >> other & 1:
         little = -min(little, 0.5 * (full - travel))
@@ -198,9 +198,9 @@ def _flowed(
 def _landing(
     cells: Floats, ends: Floats, full: float, state: int, moving: int, travel: float, other: int
 ) -> tuple[int, float]:
-    """The node onto which a chain lands, and how far its force is from waking another cell [N].
+    """Landing node of a chain, and the distance of its force to a third critical force [N].
 
-    The cell that lets go, `other`, takes the travel of `moving` [m] if it was at 0, or gives its
+    The cell that switches, `other`, takes the travel of `moving` [m] if it was at 0, or gives its
     own. The node is -1 where two computations differ.
     """
     n = len(ends)
@@ -230,8 +230,8 @@ def _landing(
 
 @kernel
 def _by_stroke(cells: Floats, ends: Floats, slip: float, up: Ints, down: Ints) -> float:
-    """Fill the targets of all nodes to which vertices lead; the clearance, -1 if none is proved."""
-    # One function: every node adds to the same list of those that wait.
+    """Fill the targets of all nodes after vertices; returns the clearance, -1 without proof."""
+    # One function: every node adds to the same list of waiting nodes.
     n = len(ends)
     full, clear = full_travel(of_row(cells[0])), np.inf
     waiting, count = np.empty(len(up), np.int64), 0
@@ -251,7 +251,7 @@ def _by_stroke(cells: Floats, ends: Floats, slip: float, up: Ints, down: Ints) -
             force = own
             if other >= 0:
                 force = max(own, ends[other, 1]) if rises else min(own, ends[other, 0])
-            # It arrives at its own stop before anything else lets go.
+            # It arrives at its own stop before another cell switches.
             target = n << n | (state | 1 << moving if rises else state)
             if other >= 0 and force != own:
                 travel = 0.0
@@ -275,7 +275,7 @@ def _by_stroke(cells: Floats, ends: Floats, slip: float, up: Ints, down: Ints) -
 
 @kernel
 def graph_of(cells: Floats, ends: Floats, drive: int, slip: float, up: Ints, down: Ints) -> float:
-    """Where every node of a chain leads to as the drive rises, and as it falls.
+    """Targets of every node of a chain as the drive rises, and as it falls.
 
     A node is the number of the cell in transit, N if none is, times 2^N, and the bits of the cells
     at 1. Cells are proved concave, of one full travel, and no two end forces tie. Returned is by
@@ -288,7 +288,7 @@ def graph_of(cells: Floats, ends: Floats, drive: int, slip: float, up: Ints, dow
         if empty >= 0 and held >= 0 and ends[held, 1] > ends[empty, 0]:
             continue
         vertex = n << n | state
-        # By force a cell goes from stop to stop, and by stroke it is in transit first.
+        # By force a cell goes from stop to stop; by stroke it is in transit first.
         if drive == FORCE:
             up[vertex] = END if empty < 0 else vertex | 1 << empty
             down[vertex] = END if held < 0 else vertex & ~(1 << held)
@@ -302,7 +302,7 @@ def graph_of(cells: Floats, ends: Floats, drive: int, slip: float, up: Ints, dow
 
 @kernel
 def _nearest(ends: Floats) -> tuple[float, float]:
-    """How far apart the nearest end forces of two cells are, and those at one end [N]."""
+    """Smallest distances of the end forces of two cells, at all ends and at one end [N]."""
     nearest, apart = np.inf, np.inf
     for i in range(len(ends)):
         for j in range(i):
@@ -349,7 +349,7 @@ def _classed(
         for i in range(n):
             code = code * n + unloading[i]
         cycle[k], gap[k, 1] = code, apart / scale
-        # Cells by rising F0: the force in a chain knows no places.
+        # Cells by rising F0: the force in a chain does not depend on their places.
         for i in range(n):
             cells[i] = numbers[k, loading[i]]
         for i in range(n):
@@ -369,14 +369,14 @@ def _classed(
 
 
 class KeyCounts:
-    """How often each key came, and where with the largest gap; of any number of designs."""
+    """Counts of keys, and the design with the largest gap of each; for any number of designs."""
 
     def __init__(self, most: int):
         self._most, self._gap = most, np.zeros(0)
         self._key, self._count, self._where = np.zeros((3, 0), np.int64)
 
     def add(self, key: Ints, gap: Floats, first: int) -> None:
-        """Count keys (m,) of the designs from number `first` on; negative ones are left out.
+        """Count keys (m,) of the designs from number `first` on, without negative ones.
 
         Raises:
             ValueError: there are too many different ones.
@@ -385,7 +385,7 @@ class KeyCounts:
         key, gap = np.append(self._key, key[there]), np.append(self._gap, gap[there])
         count = np.append(self._count, np.ones_like(there))
         where = np.append(self._where, first + there)
-        # Stable: of equal gaps the one that came first is kept.
+        # Stable: for equal gaps the first design is kept.
         order = np.lexsort((-gap, key))
         self._key, begin = np.unique(key[order], return_index=True)
         if len(begin) > self._most:
@@ -397,7 +397,7 @@ class KeyCounts:
 
     @property
     def rows(self) -> list[tuple[int, int, float, int]]:
-        """By rising key: the key, how often it came, the largest gap and the design that has it."""
+        """(key, count, largest gap, design with this gap), by rising key."""
         columns = (self._key, self._count, self._gap, self._where)
         return list(zip(*(column.tolist() for column in columns), strict=True))
 
@@ -412,7 +412,7 @@ Way = tuple[str, str, int, bool]
 
 
 def closed_graph(numbers: Floats, drive: int) -> tuple[Way, ...]:
-    """The ways of a chain that `classed` has told, its cells (N, 6) as the fields of `Simple`.
+    """Transitions of a chain that `classed` has decided; cells (N, 6) are the fields of `Simple`.
 
     Nodes are named by the phases of their cells, inner first, "-" for one in transit.
     """
@@ -440,7 +440,7 @@ def _ways(cells: Floats, ends: Floats, drive: int) -> tuple[Way, ...]:
     for direction, targets in ((+1, up), (-1, down)):
         for node in np.flatnonzero(targets >= 0).tolist():
             target = int(targets[node])
-            # By stroke whatever begins or ends at a vertex can be turned back.
+            # By stroke a transition that begins or ends at a vertex is reversible.
             snaps = drive == FORCE or (node >> n < n and target >> n < n)
             ways.append((_label(node, n), _label(target, n), direction, snaps))
     return tuple(ways)
@@ -454,7 +454,7 @@ def _label(node: int, n: int) -> str:
 
 
 def classed(numbers: Floats, drive: int) -> tuple[Ints, Ints, Floats, Ints]:
-    """Of many chains at once: which graph each has, and which cycle.
+    """Graph keys and cycles of many chains at once.
 
     Args:
         numbers: (m, N, 6) cells as the fields of `Simple`, inner first.

@@ -1,8 +1,8 @@
-"""Formulas that run at once, and as machine code once that pays: the same bits either way.
+"""Formulas in Python, compiled with Numba on repeated use; both give the same bits.
 
-A `kernel` is an ordinary function of numbers and arrays. An `entry` is one that the rest of the
-program calls: it is interpreted while the work is small, compiled by a process of its own when
-it is not, and what was compiled is kept on disk under the fingerprint of all that went into it.
+A `kernel` is an ordinary function of numbers and arrays. An `entry` is a kernel that Python code
+calls: it is interpreted while the work is small, and compiled by a separate process otherwise.
+Machine code is stored on disk under the fingerprint of its source and its environment.
 """
 
 from stepwell.kernels.entry import WORTH_LOADING, entry, stay

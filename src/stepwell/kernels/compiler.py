@@ -1,4 +1,4 @@
-"""The process that compiles, beside the one that asks, which never waits in vain."""
+"""Compilation of kernels in a separate process."""
 
 import atexit
 import gc
@@ -17,21 +17,21 @@ from typing import Any
 
 from stepwell.kernels import store
 
-# No compiler waits longer than this for another one.
+# Longest time that a compiler waits for another one.
 _LONGEST = 120.0  # s
 _START = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
     "from stepwell.kernels.compiler import main; main()"
 )
 _working: "list[subprocess.Popen[bytes]]" = []
-# The compiler itself, and a program without one, compile where they are.
+# Whether to compile in this process: in the compiler itself, and if it cannot be started.
 here = False
 
 
 def begin(function: FunctionType, kinds: bytes) -> bool:
-    """Have a kernel compiled for a kind of arguments, in the background; whether that began.
+    """Start compiling a kernel for a kind of arguments in the background; returns whether it began.
 
-    Whoever asks may end meanwhile; what is compiled next time is what is still missing.
+    This process may end meanwhile; kernels that are still missing are compiled next time.
     """
     _working[:] = [process for process in _working if process.poll() is None]
     if _working or not _possible():
@@ -44,13 +44,13 @@ def begin(function: FunctionType, kinds: bytes) -> bool:
 
 @atexit.register
 def _let_go() -> None:
-    """Leave compilers to themselves: they are not reported as forgotten."""
+    """Detach running compilers, so that Python does not warn about them."""
     for process in _working:
         process.returncode = process.poll() or 0
 
 
 def compile_elsewhere(function: FunctionType, kinds: bytes) -> bool:
-    """Have one kernel compiled for one kind of arguments, and wait; whether that was done."""
+    """Compile one kernel for one kind of arguments in another process; returns whether it did."""
     global here
     if not _possible():
         return False
@@ -73,7 +73,7 @@ def compile_elsewhere(function: FunctionType, kinds: bytes) -> bool:
         raise
     if process.returncode == -signal.SIGINT:
         raise KeyboardInterrupt
-    # Where it cannot be done elsewhere, it is done here.
+    # If the other process fails, this one compiles.
     here = process.returncode != 0
     return not here
 
@@ -89,9 +89,9 @@ def _started(
     place = store.folder()
     assert place is not None
     order = pickle.dumps((str(place), background, function.__module__, function.__name__, kinds))
-    # It finds what this process finds, however this one came to find it.
+    # The same import path as that of this process.
     path = json.dumps([str(folder) or os.getcwd() for folder in sys.path])
-    # In the background it does not hear the Ctrl-C that ends its parent.
+    # In the background it does not receive the Ctrl-C that ends its parent.
     apart = 0
     if background and sys.platform == "win32":
         apart = subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.DETACHED_PROCESS
@@ -108,18 +108,18 @@ def _started(
     except OSError:
         return None
     assert process.stdin is not None
-    # One that has ended already says why by how it ended.
+    # If it has ended already, its exit status contains the reason.
     with suppress(OSError), process.stdin:
         process.stdin.write(order)
     return process
 
 
 def main() -> None:
-    """Compile what standard input asks for."""
+    """Compile the kernel that is named on standard input."""
     global here
     place, background, module, name, kinds = pickle.load(sys.stdin.buffer)
     here = True
-    # Looking for what can be freed is a tenth of the work, and this process ends soon.
+    # Garbage collection is a tenth of the work, and this process ends soon.
     gc.disable()
     store.keep_in(Path(place))
     if not background:
@@ -143,11 +143,11 @@ def _compile(module: str, name: str, kinds: bytes) -> None:
 
 @contextmanager
 def _one_at_a_time(place: Path) -> Iterator[None]:
-    """Wait while another process compiles, which may be making the same."""
+    """Wait while another process compiles, possibly the same kernel."""
     from filelock import FileLock, Timeout
 
     lock = FileLock(place / "compiling", timeout=_LONGEST, fallback_to_soft=False)
-    # Without locks, and after that time, the same may be made twice, which does no harm.
+    # Without locks, and after that time, a kernel may be compiled twice, which does no harm.
     with suppress(OSError, NotImplementedError, Timeout):
         lock.acquire()
     try:

@@ -1,4 +1,4 @@
-"""Kernels that the rest of the program calls: interpreted at first, machine code when it pays."""
+"""Kernels that Python code calls: interpreted at first, compiled for long work."""
 
 import functools
 import os
@@ -17,20 +17,20 @@ from stepwell.kernels.fingerprint import called, stem
 P = ParamSpec("P")
 R = TypeVar("R")
 
-# Times of the processor: on a busy machine the clock on the wall runs on where nothing is done.
-# Loading the compiler, which machine code on disk needs too, takes as long as this. Entries that
-# have been interpreted for so long together load it ...
+# Times of the processor: on a busy machine the wall clock also counts idle time.
+# Total interpreted time of all entries after which the compiler is loaded, which machine code on
+# disk needs too; loading it takes this long.
 WORTH_LOADING = 0.5  # s
-# ... another one goes over to machine code that is on disk after this once it is loaded ...
+# Interpreted time after which an entry uses machine code on disk, if the compiler is loaded.
 _WORTH_CHANGING = 0.1  # s
-# ... for so long interpreted, an entry is compiled in the background ...
+# Interpreted time after which an entry is compiled in the background.
 _WORTH_COMPILING = 1.0  # s
-# ... and one call that would take longer than this waits for the compiler instead.
+# Expected time of one call above which it waits for the compiler.
 _WORTH_WAITING = 5.0  # s
 _LOOK_AGAIN = 0.25  # s
-# What answers for long is better off with machine code from its first call on.
+# A long-lived process uses machine code from the first call on.
 _long_lived = False
-# How long all entries together have been interpreted [s].
+# Interpreted time of all entries [s].
 _interpreted_for = 0.0
 
 AUTO, INTERPRETED, COMPILED = "auto", "interpreted", "compiled"
@@ -46,7 +46,7 @@ def _wanted() -> str:
 
 
 class Entry(Generic[P, R]):
-    """A kernel that the rest of the program calls; see `entry`."""
+    """A kernel that Python code calls; see `entry`."""
 
     def __init__(self, function: Callable[P, R], seconds: float, of: tuple[str, ...]) -> None:
         functools.update_wrapper(self, function)
@@ -60,7 +60,7 @@ class Entry(Generic[P, R]):
         self._tries, self._ready = 3, False
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
-        """What the function says of these numbers and arrays."""
+        """The result of the function for these numbers and arrays."""
         global _interpreted_for
         if self._machine is not None:
             return self._machine(*args, **kwargs)
@@ -68,7 +68,7 @@ class Entry(Generic[P, R]):
             return self.compiled()(*args, **kwargs)
         begun = thread_time()
         try:
-            # Machine code divides by zero as IEEE arithmetic does, without a word.
+            # Machine code divides by zero as in IEEE arithmetic, without a warning.
             with np.errstate(all="ignore"):
                 return _plain(self.function(*args, **kwargs))
         finally:
@@ -78,11 +78,11 @@ class Entry(Generic[P, R]):
 
     @property
     def interpreted(self) -> bool:
-        """Whether it has not gone over to machine code."""
+        """Whether it does not use machine code yet."""
         return self._machine is None
 
     def compiled(self) -> Callable[P, R]:
-        """Its machine code, which is loaded or made when it is called."""
+        """Its machine code, loaded or compiled at the first call."""
         if self._machine is None:
             from stepwell.kernels.machine import machine
 
@@ -91,10 +91,10 @@ class Entry(Generic[P, R]):
         return self._machine
 
     def block(self, size: int, *args: Any) -> int:
-        """How many of `size` things to take at a time where these arguments go in block by block.
+        """Block size for `size` items with these arguments.
 
-        All of them where it is machine code or becomes it; a fortieth where it is interpreted,
-        which takes turns and has to hear Ctrl-C.
+        All items for machine code; a fortieth for interpreted code, which takes turns and has to
+        react to Ctrl-C.
         """
         if self._machine is None and self._pays(*args):
             self.compiled()
@@ -110,7 +110,7 @@ class Entry(Generic[P, R]):
         return self._ready
 
     def ask_for_machine_code(self, *args: Any) -> None:
-        """Have it compiled for arguments like these, in the background."""
+        """Start to compile it for arguments like these in the background."""
         from stepwell.kernels import compiler as _compiler
 
         if self._tries == 0 or monotonic() - self._asked < _LOOK_AGAIN:
@@ -142,35 +142,34 @@ class Entry(Generic[P, R]):
 
 
 def stay() -> None:
-    """Have every kernel go over to machine code that is on disk at its first call, from now on."""
+    """From now on use machine code that is on disk from the first call of every kernel."""
     global _long_lived
     _long_lived = True
 
 
 def entry(seconds: float = 0.0, *of: str) -> Callable[[Callable[P, R]], Entry[P, R]]:
-    """Mark a kernel as one that the rest of the program calls.
+    """Mark a kernel as one that Python code calls.
 
-    Its first calls are interpreted. It goes over to machine code on disk when entries have been
-    interpreted for as long as loading the compiler takes, half a second of processor time, and
-    asks for machine code to be made in the background after a second. Interpreted and compiled,
-    it gives the same bits.
+    Its first calls are interpreted. It uses machine code on disk when entries have been interpreted
+    for half a second of processor time, the time of loading the compiler. After a second it is
+    compiled in the background. Interpreted and compiled, it gives the same bits.
 
-    `seconds` is how long the interpreter takes for each element of the arrays `of`: arguments, or
-    fields of them as in "laws.lever", whose sizes are multiplied. A call of more than a few seconds
-    waits for the compiler.
+    `seconds` is the interpreted time per element of the arrays `of`: arguments, or fields of them
+    as in "laws.lever", whose sizes are multiplied. A call of more than a few seconds waits for the
+    compiler.
     """
     return lambda function: Entry(function, seconds, of)
 
 
 def _plain(result: Any) -> Any:
-    """Numbers of Python in place of NumPy's, as machine code returns them."""
+    """The result with Python numbers instead of NumPy's, as machine code returns them."""
     if isinstance(result, np.generic):
         return result.item()
     if type(result) is tuple:
         return tuple(_plain(value) for value in result)
     if result is None or isinstance(result, (bool, int, float)):
         return result
-    # Machine code makes anything else by running Python: Ctrl-C just then would be its end.
+    # Machine code makes other results by running Python, where Ctrl-C would end the process.
     raise TypeError(f"an entry returns numbers and fills arrays, and not {type(result).__name__}.")
 
 

@@ -1,4 +1,4 @@
-"""What a kernel is made of, as one number: its own code and that of all it calls, and constants."""
+"""Fingerprints of kernels: a hash of their code, of all that they call, and of constants."""
 
 import hashlib
 import sys
@@ -22,34 +22,34 @@ _RECORDS: set[type] = set()
 
 
 def kernel(function: F) -> F:
-    """Mark a function as one that can be compiled into those that call it; it stays as it is."""
+    """Mark a function as one that can be compiled into its callers; returns it unchanged."""
     _KERNELS.add(cast(FunctionType, function))
     return function
 
 
 def leaf(function: F) -> F:
-    """Mark a kernel that makes no array and calls only such: it is compiled without counting.
+    """Mark a kernel that makes no array and calls only leaves: compiled without reference counts.
 
-    Machine code counts references to every array that it is handed or takes out of a record, with
-    an atomic operation each, which is more than the arithmetic of a few cells. What makes no
-    array owns none, so it need not count.
+    Machine code counts references to every array that it gets or takes out of a record, with an
+    atomic operation each, which costs more than the arithmetic of a few cells. A kernel that makes
+    no array owns none, so it need not count.
     """
     LEAVES.add(cast(FunctionType, function))
     return kernel(function)
 
 
 def called(function: F) -> F:
-    """Mark a kernel that Python calls: its machine code takes Python's values too."""
+    """Mark a kernel that Python calls: its machine code accepts Python values."""
     CALLED.add(cast(FunctionType, function))
     return kernel(function)
 
 
 def record(kind: R) -> R:
-    """Mark a named tuple that kernels are handed by its place in memory; it stays as it is.
+    """Mark a named tuple that kernels get by reference; returns it unchanged.
 
-    Machine code passes an array as seven numbers or more, so that a chain of some 30 arrays was 300
-    numbers, copied at every call. A leaf may make such a record for those that it calls, but not
-    return one: it ends with the leaf that made it.
+    Machine code passes an array as seven numbers or more, so a chain of some 30 arrays was 300
+    numbers, copied at every call. A leaf may make such a record for its callees, but not return
+    one: it ends with the leaf that made it.
     """
     _RECORDS.add(kind)
     return kind
@@ -69,8 +69,8 @@ def kernel_of(value: Any) -> FunctionType | None:
 def named_by(function: FunctionType) -> dict[str, Any]:
     """Every value that a function names outside itself, by its name.
 
-    Values in a module of this package have names such as "geometry.sine_at"; modules in it have
-    none, so that machine code cannot use what is two levels away.
+    Values in a module of this package have names such as "geometry.sine_at"; modules in it have no
+    names, so machine code cannot use values two levels away.
     """
     names = _names(function.__code__)
     values: dict[str, Any] = {}
@@ -93,7 +93,7 @@ def _is_ours(module: ModuleType) -> bool:
 
 
 def _names(code: CodeType) -> set[str]:
-    """Names and attributes that code looks up, those of its inner functions too."""
+    """Names and attributes that code reads, inner functions included."""
     names = set(code.co_names)
     for inner in code.co_consts:
         if isinstance(inner, CodeType):
@@ -102,12 +102,12 @@ def _names(code: CodeType) -> set[str]:
 
 
 def fingerprint(function: FunctionType, known: dict[FunctionType, str] | None = None) -> str:
-    """A hash of all that decides what the machine code of a kernel does, as 32 hex digits.
+    """A hash of everything that determines the machine code of a kernel, as 32 hex digits.
 
-    Its byte code and constants, those of every kernel that it calls, the values of the globals
-    that they read, and the versions of Python, Numba and NumPy and the kind of processor. No
-    times and no places: the same formulas have the same fingerprint wherever they are installed.
-    Anything that is neither a kernel nor a constant raises TypeError.
+    It includes byte code and constants of the kernel and of every kernel that it calls, the values
+    of the globals that they read, the versions of Python, Numba and NumPy, and the kind of
+    processor. It includes no times and no paths: the same formulas have the same fingerprint in
+    every installation. Anything that is neither a kernel nor a constant raises TypeError.
     """
     known = {} if known is None else known
     if function not in known:
@@ -123,7 +123,7 @@ def fingerprint(function: FunctionType, known: dict[FunctionType, str] | None = 
 
 
 def stem(function: FunctionType) -> str:
-    """How the names of a kernel's files begin."""
+    """First part of the names of a kernel's files."""
     return f"{function.__name__.strip('_')}-{fingerprint(function)}"
 
 

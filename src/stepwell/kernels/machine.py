@@ -1,4 +1,4 @@
-"""Machine code of kernels: looked up on disk, else made by a process of its own."""
+"""Machine code of kernels: read from disk, else compiled by a separate process."""
 
 import builtins
 import hashlib
@@ -17,7 +17,7 @@ _MADE: dict[FunctionType, Any] = {}
 
 
 def machine(function: FunctionType) -> Any:
-    """Numba's dispatcher of a kernel that Python calls; only an entry's code takes its values."""
+    """Numba's dispatcher of an entry; only an entry's code accepts Python values."""
     if function not in CALLED:
         raise TypeError(f"{function.__qualname__} is not an entry: only other kernels can call it.")
     return _dispatcher(function)
@@ -34,8 +34,8 @@ def _dispatcher(function: FunctionType) -> Any:
         bound = FunctionType(function.__code__, scope, function.__name__, function.__defaults__)
         bound.__qualname__, bound.__module__ = function.__qualname__, function.__module__
         options: dict[str, Any] = {"error_model": "numpy", "nogil": True}
-        # What takes and gives values of Python and of C is compiled only where it is used: for all
-        # kernels it would take more than half as long as the rest.
+        # Wrappers for values of Python and of C are compiled only where they are used: for all
+        # kernels they would take more than half as long as the rest.
         options |= {"no_cpython_wrapper": function not in CALLED, "no_cfunc_wrapper": True}
         # An option that Numba does not list: whether references are counted.
         options["_nrt"] = function not in LEAVES
@@ -47,7 +47,7 @@ def _dispatcher(function: FunctionType) -> Any:
 
 
 def _machine_form(function: FunctionType, value: Any) -> Any:
-    """What stands in a kernel's machine code for a value that the kernel names."""
+    """Replacement in machine code for a value that the kernel names."""
     if is_record(value):
         if function not in LEAVES:
             raise TypeError(
@@ -60,7 +60,7 @@ def _machine_form(function: FunctionType, value: Any) -> Any:
 
 
 class _Kept:
-    """What Numba asks for compiled code before it compiles, and hands it to afterwards."""
+    """Cache of compiled code with the interface that Numba expects."""
 
     cache_path = None
 
@@ -82,7 +82,7 @@ class _Kept:
         try:
             return CompileResult._rebuild(target_context, *pickle.loads(payload))
         except Exception as error:
-            # Whole, and yet not what this Numba can read.
+            # Undamaged, but unreadable by this version of Numba.
             store.say(f"the compiled kernel {name} cannot be used ({error}); it is made again.")
             return None
 
@@ -97,5 +97,5 @@ class _Kept:
 
 
 def _kinds(sig: Any) -> tuple[Any, ...]:
-    """The types of the arguments; Numba hands them over with the result's type or without."""
+    """The types of the arguments; Numba passes them with or without the type of the result."""
     return tuple(getattr(sig, "args", sig))

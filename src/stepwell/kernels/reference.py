@@ -1,4 +1,4 @@
-"""Records handed from kernel to kernel by their place in memory, and not array by array."""
+"""Records that kernels pass by reference instead of array by array."""
 
 import hashlib
 from typing import Any
@@ -14,11 +14,11 @@ from stepwell.kernels.fingerprint import is_record
 
 
 class Reference(types.Type):
-    """Where a record is: its class, and the types of what it holds."""
+    """Type of a pointer to a record: its class, and the types of its fields."""
 
     def __init__(self, kind: type, held: tuple[types.Type, ...]) -> None:
         self.kind, self.held = kind, held
-        # The name becomes part of every symbol: short, and another one for other arrays.
+        # The name is part of every symbol: short, and different for other arrays.
         named = f"{kind.__module__}.{kind.__qualname__}{held}"
         super().__init__(f"{kind.__name__}.{hashlib.sha256(named.encode()).hexdigest()[:12]}")
 
@@ -64,14 +64,14 @@ def _get(context: Any, builder: Any, record: Reference, where: Any, field: str) 
     return impl_ret_borrowed(context, builder, record.held[place], value)
 
 
-def _room(context: Any, builder: Any, record: Reference) -> Any:
-    """Room for a record in the frame of the function that is being compiled."""
+def _frame_memory(context: Any, builder: Any, record: Reference) -> Any:
+    """Memory for a record in the frame of the function that is being compiled."""
     return cgutils.alloca_once(builder, context.get_value_type(record).pointee)
 
 
 @unbox(Reference)
 def _unbox(record: Reference, value: Any, c: Any) -> NativeValue:
-    where = _room(c.context, c.builder, record)
+    where = _frame_memory(c.context, c.builder, record)
     failed: Any = cgutils.false_bit
     cleanups = []
     for place, kind in enumerate(record.held):
@@ -92,9 +92,9 @@ def _unbox(record: Reference, value: Any, c: Any) -> NativeValue:
 
 
 def maker(kind: type) -> Any:
-    """What makes a record of a class where compiled code asks for one.
+    """Intrinsic that makes a record of a class in compiled code.
 
-    It lives as long as the function that makes it runs, which therefore may not return it.
+    The record ends with the function that makes it, which therefore may not return it.
     """
 
     @intrinsic
@@ -102,7 +102,7 @@ def maker(kind: type) -> Any:
         record = Reference(kind, tuple(values))
 
         def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            where = _room(context, builder, record)
+            where = _frame_memory(context, builder, record)
             for place, value in enumerate(cgutils.unpack_tuple(builder, args[0])):
                 builder.store(value, cgutils.gep_inbounds(builder, where, 0, place))
             return where

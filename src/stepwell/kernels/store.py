@@ -1,4 +1,4 @@
-"""Compiled kernels on disk: each in a file that is whole and unchanged, or not used."""
+"""Store of compiled kernels on disk; incomplete or changed files are not used."""
 
 import atexit
 import hashlib
@@ -17,12 +17,12 @@ from stepwell.base import write_atomic
 
 _MARK = b"a compiled kernel of Stepwell\n"
 _DIGEST = 32
-# Versions of one kernel that are kept: other signatures, other processors, the last few edits.
+# Stored versions of one kernel: other signatures, other processors, the last few edits.
 _KEPT = 12
 
 
 def say(line: str) -> None:
-    """One line to whoever runs the program."""
+    """Print one line to standard error."""
     with suppress(OSError, ValueError, AttributeError):
         sys.stderr.write(f"stepwell: {line}\n")
         sys.stderr.flush()
@@ -39,10 +39,10 @@ def keep_in(place: Path) -> None:
 
 @cache
 def folder() -> Path | None:
-    """Where compiled kernels are kept; a private temporary folder, or None, where nowhere can.
+    """Folder of compiled kernels; a private temporary folder, or None, if it is not writable.
 
-    The folder that NUMBA_CACHE_DIR names, or else the user's own folder for what can be made
-    again. Made for the user alone: what is in it will be run.
+    It is the folder that NUMBA_CACHE_DIR names, or else the user's cache folder. Only the user can
+    access it, because its contents are executed.
     """
     if _GIVEN:
         return _GIVEN[0]
@@ -67,9 +67,9 @@ def folder() -> Path | None:
 
 
 class Kept(NamedTuple):
-    """What is kept of compiled kernels [bytes], of this version or an earlier one, and where.
+    """Number and size [bytes] of the stored kernels, earlier versions included, and their folder.
 
-    The folder is where they would be if it is not `writable`.
+    If it is not `writable`, the folder is the intended one.
     """
 
     folder: Path
@@ -79,7 +79,7 @@ class Kept(NamedTuple):
 
 
 def kept() -> Kept:
-    """What is kept of compiled kernels now."""
+    """The present contents of the store."""
     place = _GIVEN[0] if _GIVEN else _wanted()
     files = [*place.glob("*.kernel")] if place.is_dir() else []
     names = {file.name.partition("-")[0] for file in files}
@@ -98,7 +98,7 @@ def holds(name: str) -> bool:
 
 
 def read(name: str) -> bytes | None:
-    """What was kept under a name; None where nothing was, or no longer what was written."""
+    """The bytes stored under a name; None if there are none or they are damaged."""
     place = folder()
     if place is None:
         return None
@@ -118,7 +118,7 @@ def read(name: str) -> bytes | None:
 
 
 def write(name: str, payload: bytes) -> None:
-    """Keep bytes under a name, whole or not at all."""
+    """Store bytes under a name, atomically."""
     place = folder()
     if place is None:
         return

@@ -1,4 +1,4 @@
-"""Long work beside the thread that asked for it, and what it may cost."""
+"""Long work in other threads, with a limit of its effort."""
 
 import os
 from collections.abc import Callable
@@ -12,8 +12,8 @@ from stepwell.kernels.fingerprint import kernel
 
 R = TypeVar("R")
 
-_LOOK_AFTER = 0.1  # s; a wait without an end would not hear Ctrl-C everywhere
-# Blocks for each core, as long as none is shorter than this share of the longest.
+_LOOK_AFTER = 0.1  # s; an unlimited wait would ignore Ctrl-C on some systems
+# Blocks for each core; the shortest block is the longest one over _SHARES.
 _BLOCKS_A_CORE, _SHARES = 8, 16
 
 
@@ -27,10 +27,10 @@ def cores() -> int:
 def beside(
     run: Callable[[], R], stop: Callable[[], object], look: Callable[[], object] = lambda: None
 ) -> R:
-    """What run() returns, from a thread of its own.
+    """Run run() in another thread and return its result.
 
-    `stop` makes it end soon, and is called where this thread is interrupted, which waits for that
-    end. `look` is called ten times a second; what it raises stops the work too.
+    If this thread is interrupted, it calls `stop`, which has to end the work soon, and waits.
+    `look` is called ten times a second; an exception in it stops the work too.
     """
     with ThreadPoolExecutor(1) as pool:
         running = pool.submit(run)
@@ -46,18 +46,18 @@ def in_blocks(
 ) -> None:
     """Call run(begin, end) for stretches that cover 0..count, in any order, on all cores.
 
-    Compiled kernels work side by side; interpreted ones take turns. One call takes at most `size`:
+    Compiled kernels run in parallel; interpreted ones take turns. One call covers at most `size`:
     Ctrl-C waits for the calls that have begun. Less than a sixteenth of that is not worth a thread.
-    `progress` is called now and then with (done, count).
+    `progress` is called from time to time with (done, count).
     """
-    # The first one runs here: what has to be compiled is compiled once, where Ctrl-C is heard. The
-    # other cores wait for it, so it is the shortest.
+    # The first block runs here, so that compilation happens once and reacts to Ctrl-C. The other
+    # cores wait for it, so it is the shortest.
     least = max(1, size // _SHARES)
     run(0, min(least, count))
     if count <= least:
         return
     with ThreadPoolExecutor(cores()) as pool:
-        # Several a core: one that is slow, or busy elsewhere, leaves the rest to the others.
+        # Several blocks per core, so that other cores take over the blocks of a slow one.
         step = min(size, max(least, -(-(count - least) // (_BLOCKS_A_CORE * cores()))))
         ends = range(least + step, count + step, step)
         runs = [pool.submit(run, end - step, min(end, count)) for end in ends]
@@ -80,14 +80,13 @@ def _result(running: Future[R], look: Callable[[], object] = lambda: None) -> R:
             look()
 
 
-# What the present stroke has cost; how much it may cost at most. Lowering the second from another
-# thread stops a run.
+# Effort of the present stroke, and its limit. Lowering the limit from another thread stops a run.
 SPENT, MOST = 0, 1
 UNLIMITED = int(np.iinfo(np.int64).max)
 
 
 def watched(run: Callable[[Ints], R], *, long: bool = True, most: int = UNLIMITED) -> R:
-    """What run(effort) returns; beside this thread where it may be long, for Ctrl-C's sake."""
+    """The result of run(effort), in another thread if it may be long, so that Ctrl-C works."""
     effort = np.array([0, most])
     if not long:
         return run(effort)
@@ -101,6 +100,6 @@ def end_early(effort: Ints) -> None:
 
 @kernel
 def overspent(effort: Ints, looks: int) -> bool:
-    """Count more looks; whether they are now too many."""
+    """Add to the number of force evaluations; returns whether it exceeds the limit."""
     effort[SPENT] += looks
     return effort[SPENT] > effort[MOST]
