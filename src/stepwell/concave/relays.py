@@ -352,11 +352,11 @@ class RelayPlan:
 def fewest_strokes(fields: Relays, start: str, target: str) -> RelayPlan:
     """The fewest strokes that bring relays from one state to another, where none skips a phase.
 
-    Backward from the end. The last stroke, if it goes up, sets all relays with A below some
-    field; it must set none that is wanted down, so it may go up to just below the least A of
-    those, and then what the relays below were before does not matter any more. The stroke before
-    it goes down and has to please fewer; and so on, until those left stand right from the
-    start. Setting as many as allowed leaves the fewest to please, so none needs fewer strokes.
+    Planned backward from the end. The last stroke, if it goes up, sets all relays with A below some
+    field. It must not set a relay that is down in the target, so it may go up to just below the
+    least A of these. Then the earlier states of the relays it sets do not matter. The stroke before
+    it goes down and has to fit fewer relays; and so on, until the remaining relays fit at the
+    start. Each stroke sets as many relays as allowed, so no program has fewer strokes.
 
     Source: Preisach 1935; Terzi and Mungan 2020 for the states; the plan is ours (theory page).
     """

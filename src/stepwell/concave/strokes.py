@@ -36,7 +36,7 @@ _PRIMES, _FACTORS = (2147483647, 2147483629), (1000003, 999983)
 
 @kernel
 def _first(ends: Floats, state: int, skip: int, side: int) -> int:
-    """The cell but `skip` that lets go first at 0, of the least force, or at 1, of the largest; or
+    """The cell but `skip` that switches first: at 0 with the least force, at 1 with the largest; or
     -1.
     """
     first = -1
@@ -462,9 +462,9 @@ def classed(numbers: Floats, drive: int) -> tuple[Ints, Ints, Floats, Ints]:
 
     Returns:
         (m,) keys of the graphs, equal where graphs are, cells taken by rising F0, or -1; (m,)
-        orders of loading and of unloading, the cells' numbers as digits of base N, or -1; (m, 2) by
-        how much of the largest force two forces could come nearer before the graph, or the cycle,
-        is another one; (m,) TOLD, or why there is no key: NOT_PROVED, TIES, WAKES.
+        orders of loading and of unloading, the cells' numbers as digits of base N, or -1; (m, 2)
+        smallest change of a force, over the largest force, that changes the graph, or the cycle;
+        (m,) TOLD, or why there is no key: NOT_PROVED, TIES, WAKES.
 
     Raises:
         ValueError: more cells than `MOST_CELLS`.

@@ -108,9 +108,9 @@ def point_at(
     joints: bool,
 ) -> float:
     """The λ between `begin` and `end` at which a branch has U = `drive`; travels into `out`."""
-    # With `joints` the movers pass on to the pieces that their branches go on with.
+    # With `joints` the movers pass to the next pieces of their branches.
     low, high, force = begin, end, end
-    # The same answer whatever was there.
+    # The result does not depend on the previous contents.
     out[:] = np.nan
     u_low = drive_at(problem, movers, low, out, joints)
     u_high = drive_at(problem, movers, high, out, joints)

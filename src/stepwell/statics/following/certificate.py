@@ -1,4 +1,4 @@
-"""What a computed path has to keep, checked again, and points along it with their certificates."""
+"""Independent checks of a computed path, and samples along it with their certificates."""
 
 from typing import NamedTuple
 
@@ -13,21 +13,21 @@ from stepwell.statics.following.log import Pair
 from stepwell.statics.following.state import DrivenChain, Movers, drive_of, moved, some_movers
 
 KEPT, EQUILIBRIUM, STABILITY, ENERGY, STROKE = 0, 1, 2, 3, 4
-# Shares of the largest force, and of what that force does or resists over a full travel. The
-# engine keeps them a hundred times better; what breaks them has lost its digits.
+# Tolerances as fractions of the largest force, and of its work or stiffness over a full travel.
+# The engine is a hundred times better; a path that fails them has lost its digits.
 FORCE_SLACK, STIFFNESS_SLACK, ENERGY_SLACK = 1e-7, 1e-4, 1e-7
-# How often all cells of a long chain are looked at.
+# Number of evaluations of all cells of a long chain.
 _WHOLE_LOOKS = 8
-# Rows of the spare room, free once a path is followed, for what the audit knows of every cell where
-# it was seen last: its travel, between which λ it stands, what it stores and its force ...
+# Rows of the work memory, free once a path is followed, for the last values of every cell in the
+# audit: its travel, its least and largest λ, its energy and force ...
 _NOW, _LOWEST, _HIGHEST, _ENERGY, _PUSHES = st.WAS, st.PLACE, st.FAR_PLACE, st.START, st.WORN
-# ... the piece on which these two were looked at, that on which it was, and its segment; or -1.
+# ... the piece of these two values, its last piece, and its segment; or -1.
 _SEEN, _ON, _NAMED = st.MODES, st.SHEETS, st.WAS_ON
 
 
 @leaf
 def certify(problem: DrivenChain, travel: Floats, force: float, movers: Movers) -> Pair:
-    """Worst violation of equilibrium by any cell [N], least stiffness of what can move [N/m]."""
+    """Worst violation of equilibrium by any cell [N], least stiffness of the free cells [N/m]."""
     # At a kink the smaller of two counts, unless a cell slides: it cannot give way to the other.
     # One function: one pass over the cells finds the worst force and all slopes.
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
@@ -85,12 +85,12 @@ def _beyond(problem: DrivenChain, cell: int, piece: int, travel: float) -> float
 def audit(
     problem: DrivenChain, log: logged.Log, start: Floats, sheets: Ints
 ) -> tuple[int, int, float]:
-    """The first segment of a log that breaks a promise, or -1; which one; by how much."""
-    # At the end of a segment all cells are in equilibrium; on a smooth one a moving cell stores
-    # what the forces at its ends and middle allow, being convex or concave there; a snap sets
-    # energy free, and the last of several at one drive ends in a stable place. Where cells follow
-    # the force without rows, all are looked at and added up at the last such segment and at about 8
-    # before it, else those with rows.
+    """The first segment of a log that fails a check, or -1; the check; by how much."""
+    # At the end of a segment all cells are in equilibrium. On a smooth one the energy of a moving
+    # cell is within the bounds by the forces at its ends and middle, being convex or concave there.
+    # A snap releases energy, and the last of several at one drive ends in a stable equilibrium. If
+    # cells follow the force without rows, all are evaluated and summed at the last such segment and
+    # at about 8 before it, else only the cells with rows.
     # One function: every segment updates the same places, limits and marks.
     laws, pieces, scale, spare = problem.laws, problem.pieces, problem.scale, problem.spare
     n, ends = len(start), problem.sheets.ends
@@ -149,8 +149,8 @@ def audit(
         if jumps:
             if not row[logged.RELEASED] >= -limit:
                 return k, ENERGY, -row[logged.RELEASED]
-            # Alike cells can creep into a saddle together, or stand on their tops under the same
-            # force; they leave by another snap at the same drive.
+            # Equal cells can reach a saddle together, or their peaks under the same force; they
+            # leave by another snap at the same drive.
             if not all_of_them or _snaps_again(log, k):
                 continue
             least = certify(problem, now, force, some_movers(spare, 0, 0.0))[1]
@@ -170,7 +170,7 @@ def _rising_piece(problem: DrivenChain, i: int) -> int:
 
 @leaf
 def _goes(problem: DrivenChain, i: int, piece: int, way: Pair, force: float) -> Pair:
-    """Let a cell go on its way; its miss of `force` there [N], and of what it should store [J]."""
+    """Move a cell to its end; errors of its `force` there [N], and of its stored energy [J]."""
     laws, pieces, (begin, end) = problem.laws, problem.pieces, way
     number, whole = problem.spare.number, problem.spare.whole
     begun = number[_NOW, i] == begin and whole[_SEEN, i] == piece
@@ -195,7 +195,7 @@ def _goes(problem: DrivenChain, i: int, piece: int, way: Pair, force: float) -> 
 
 @leaf
 def _snaps_again(log: logged.Log, k: int) -> bool:
-    """Whether another snap follows segment k before the drive goes on."""
+    """Whether another snap follows segment k at the same drive."""
     drive = log.segments[k, logged.DRIVE_1]
     for after in range(k + 1, log.used[0]):
         if int(log.segments[after, logged.KIND]) == logged.SNAP:
@@ -207,7 +207,7 @@ def _snaps_again(log: logged.Log, k: int) -> bool:
 
 @leaf
 def _stands(problem: DrivenChain, cell: int, piece: int) -> float:
-    """Write down between which λ a cell stands; its force [N]."""
+    """Store the least and largest λ of a cell; returns its force [N]."""
     laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
     number, travel = problem.spare.number, problem.spare.number[_NOW, cell]
     on = piece if piece >= 0 else cutting.find_piece(pieces, cell, travel, 0)
@@ -234,7 +234,7 @@ class Samples(NamedTuple):
 
 
 def memory_for_samples(log: logged.Log, points: int, cells: int) -> Samples:
-    """Room for the samples of a log, with so many on every smooth branch."""
+    """Memory for the samples of a log, with this number on every smooth branch."""
     kinds = log.segments[:, logged.KIND]
     ends = np.where(kinds == logged.SNAP, 1, np.where(kinds == logged.HOLD, 2, points))
     size = 1 + int(np.sum(ends))
@@ -311,7 +311,7 @@ def sample(
                     cutting.stand_on(laws, problem.sheets, pieces, i, on)
             stands = drive[at - 1] == u and force[at - 1] == level
             if p == 0 and stands and direction[at - 1] == toward:
-                # The branch goes on from the sample before.
+                # The branch continues from the previous sample.
                 continue
             drive[at], travel[at], sheet[at], force[at] = (
                 u,

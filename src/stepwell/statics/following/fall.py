@@ -1,9 +1,9 @@
-"""Where a snap lands if one cell falls and all others stay on their branches: without flow.
+"""Landing of a snap in which one cell falls and all others stay on their branches: without flow.
 
 A cell j that comes to the end of its branch at λ0 falls along its curve. As long as no other cell
 leaves its branch, overdamped flow ends in the first equilibrium on the way, which is the first
-root of x + Σ s_i(F_j(x)) = u: one scalar equation instead of a race in N unknowns. This file says
-when that is proved (theory page, "Landing without flow") and solves the equation.
+root of x + Σ s_i(F_j(x)) = u: one scalar equation instead of a flow in N unknowns. This file proves
+that (theory page, "Landing without flow") and solves the equation.
 """
 
 from typing import NamedTuple
@@ -19,15 +19,15 @@ from stepwell.statics.following.pieces import invert
 from stepwell.statics.following.rising import Rising
 from stepwell.statics.following.state import DrivenChain, Movers, State
 
-# No landing is looked for while the force has fallen by less than this share of the largest one:
+# No landing is searched while the force has fallen by less than this fraction of the largest one:
 # next to a fold the equation has a double root, and its sign is rounding.
 _NEAR = 1e-9
-# Into so many parts a curved rising piece is cut to bound what happens on it.
+# Number of parts of a curved rising piece for the bounds on it.
 _PARTS = 8
 
 
 class Falling(NamedTuple):
-    """The cell that falls, where it is, and where the others are."""
+    """The falling cell, its place, and the place of the others."""
 
     cell: int
     piece: int
@@ -138,7 +138,7 @@ def _first_return(
         short = direction * (goal - drive_at(problem, movers, b, b_places, False))
         low, high = _softest(problem, movers, a_places, b_places)
         if low >= 0.0:
-            # U goes on away from the goal.
+            # U moves away from the goal.
             continue
         if high <= 0.0:
             if short <= 0.0:
@@ -158,7 +158,7 @@ def _first_return(
 
 
 class FallEnd(NamedTuple):
-    """Where a fall ends."""
+    """End of a fall."""
 
     exists: bool
     force: float  # λ
@@ -172,7 +172,7 @@ def land_after(
     problem: DrivenChain, state: State, rising: Rising, falling: Falling, floor: float, drive: float
 ) -> FallEnd:
     """The first equilibrium on the way of a falling cell, down to its floor."""
-    # Where one is found the rising cells are on the pieces that they have there.
+    # If there is one, the rising cells are put on their pieces there.
     # One function: piece, level and edge of the cell that falls are its locals.
     pieces, queues = problem.pieces, rising.queues
     j, p, travel, force, d, _ = falling
@@ -203,8 +203,8 @@ def land_after(
             break
         p += d
         travel = pieces.left[p] if d > 0 else pieces.right[p]
-    # From there on all forces rise with λ, so there is one equilibrium: looked for from above, it
-    # takes the fewest joints.
+    # From there on all forces rise with λ, so there is one equilibrium: a search from above passes
+    # the fewest joints.
     _lead_back(problem, state, rising, level, begin, d)
     level = begin
     while p != edge:
@@ -237,7 +237,7 @@ def land_after(
             stopped = False
         else:
             p -= d
-    # Rounding has it that there is none: back to where it began.
+    # By rounding there may be none: back to the beginning.
     _lead_back(problem, state, rising, level, begin, d)
     return FallEnd(False, force, falling.piece, falling.travel, missed)
 
@@ -246,7 +246,7 @@ def land_after(
 def _lead_back(
     problem: DrivenChain, state: State, rising: Rising, level: float, begin: float, d: int
 ) -> None:
-    """Let the rising cells follow d λ from a level to where it began."""
+    """Move the rising cells along d λ from a level back to the beginning."""
     ahead = risings.JOINT_UP if d > 0 else risings.JOINT_DOWN
     while risings.first_key(rising.queues, ahead) <= begin:
         joint = risings.first_key(rising.queues, ahead)
@@ -260,7 +260,7 @@ def _lead_back(
 def _goes_on_away(
     problem: DrivenChain, rising: Rising, falling: Falling, p: int, travel: float
 ) -> bool:
-    """Whether no equilibrium is passed up to the end of piece p: the others give way more."""
+    """Whether no equilibrium is passed up to the end of piece p: the others are softer."""
     laws, pieces, j = problem.laws, problem.pieces, falling.cell
     picked, end = pieces.picked[p], pieces.right[p] if falling.direction > 0 else pieces.left[p]
     gentle = min(-law(laws, j, picked, travel)[1], -law(laws, j, picked, end)[1])

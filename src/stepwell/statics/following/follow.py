@@ -23,8 +23,8 @@ _LONGEST_WAIT = 15
 @entry()
 @leaf
 def follow(problem: DrivenChain, turning: Floats, state: State, rising: Rising) -> int:
-    """Drive the chain through `turning`, writing every segment to the log; how it ended."""
-    # Where the log is full it goes on from there when called with a longer one.
+    """Drive the chain through `turning`, and log every segment; returns the status."""
+    # Where the log is full, a call with a longer one continues from there.
     # One function: the loop of a stroke keeps its counts as locals; steps are functions.
     effort, n, goes = problem.effort, len(state.mode), problem.spare.whole[st.GOES]
     slack = st.drive_slack(problem)
@@ -38,14 +38,14 @@ def follow(problem: DrivenChain, turning: Floats, state: State, rising: Rising) 
         if turn > state.stroke[0]:
             state.stroke[0], effort[SPENT] = turn, 0
             _come_to_rest(problem, state, direction)
-        # With all the stroke used up every cell is at its stop: ask for that and not for a number,
-        # which rounding could meet one cell early.
+        # At the end of the stroke every cell is at its stop: this is exact, while a number could be
+        # reached one cell early by rounding.
         ends = target >= highest - slack if direction > 0 else target <= lowest + slack
         to_the_end = problem.beta == 0.0 and ends
         if to_the_end:
             target = direction * np.inf
         furthest, idle, status = np.nan, 0, st.GOES_ON
-        # Where queues have led to nothing, some events pass before they are tried again.
+        # After queues without effect, some events pass before they are tried again.
         in_vain, waits = 0, 0
         while status == st.GOES_ON:
             waits -= 1
@@ -91,14 +91,14 @@ def follow(problem: DrivenChain, turning: Floats, state: State, rising: Rising) 
                     problem, state, smooth.set_off(problem, state, goes), direction, target
                 )
         if status != st.DONE and not (to_the_end and status == st.RUNS_AWAY):
-            # What ran out of looks may say that it did not settle.
+            # A run that reached the step limit may report that it did not settle.
             return st.GAVE_UP if overspent(effort, 0) else status
     return st.DONE
 
 
 @leaf
 def _come_to_rest(problem: DrivenChain, state: State, direction: int) -> None:
-    """The actuator turns: what slid rests, and nothing is known of what comes next."""
+    """Turn the actuator: sliding cells rest, and the next event is reset."""
     st.set_snap(state.next_snap, -1, direction, FOLD)
     state.next_snap[st.DUE] = 0
     state.tie[:] = -1

@@ -1,4 +1,4 @@
-"""Where a snap lands when one cell, or one pair of cells, moves: exactly.
+"""Exact landing of a snap in which one cell, or one pair of cells, moves.
 
 The landing rule is overdamped flow at fixed drive, each cell with its own mobility. With one
 degree of freedom the flow runs along a line, so no time has to be integrated: it stops at the
@@ -16,7 +16,7 @@ from stepwell.statics.following.pieces import find_piece
 from stepwell.statics.following.state import FREE, HELD, DrivenChain, State, set_near
 
 LANDED, STOPPED, JOINED, UNDECIDED, JUMPED = 0, 1, 2, 3, 4
-# Rows of the spare stack from here on: shifts where stretches end, and what `_ends` says there.
+# First rows in the spare stack: shifts where stretches end, and the results of `_ends` there.
 _SHIFT = 3
 
 
@@ -38,7 +38,7 @@ class SnapLine(NamedTuple):
 def _ends(
     problem: DrivenChain, line: SnapLine, on: tuple[int, int], bias: float, x: float
 ) -> tuple[float, float, float, float]:
-    """What pulls (G) and what resists (H) after a shift x, and both slopes by x."""
+    """Pull (G) and resistance (H) after a shift x, and both slopes by x."""
     laws, picked = problem.laws, problem.pieces.picked
     if line.back >= 0:
         value, slope, _ = law(laws, line.back, picked[on[1]], line.from_back - x)
@@ -63,7 +63,7 @@ def _pieces_at(problem: DrivenChain, line: SnapLine, x: float, onward: int) -> t
 
 @leaf
 def pull_at(problem: DrivenChain, line: SnapLine, x: float) -> float:
-    """What pulls less what resists after a shift x, as far as the line goes [N]."""
+    """Pull minus resistance after a shift x, as far as the line goes [N]."""
     ends = problem.sheets.ends
     if line.forth >= 0:
         x = min(x, ends[line.forth, HIGH] - line.from_forth)
@@ -89,7 +89,7 @@ def _balance(
     bias: float,
     ends: tuple[float, float, float, float],
 ) -> tuple[float, float, float]:
-    """Where a pull that only falls is balanced between two shifts; pull and resistance there."""
+    """Shift between two others at which a falling pull is balanced; pull and resistance there."""
     # The secant with half the value of an end that stays (Dowell and Jarratt 1971), or the middle.
     a, b, at_a, at_b = ends
     size, stays, x = problem.laws.full[line.forth if line.forth >= 0 else line.back], 0, b
@@ -119,7 +119,7 @@ def _balance(
 
 @leaf
 def _wait(stack: Floats, k: int, x: float, there: tuple[float, float, float, float]) -> int:
-    """Let the end of a stretch wait in place k of the stack; how many wait then."""
+    """Push the end of a stretch to place k of the stack; returns its new height."""
     stack[_SHIFT, k] = x
     for row in range(4):
         stack[_SHIFT + 1 + row, k] = there[row]
@@ -220,7 +220,7 @@ def least_pull(
     problem: DrivenChain, line: SnapLine, begin: float, end: float
 ) -> tuple[float, float]:
     """The least pull between two shifts with more on both sides, or inf; the stiffness there."""
-    # One function: pieces, and whether the pull falls, go on as locals.
+    # One function: pieces, and whether the pull falls, are locals.
     pieces, forth, back = problem.pieces, line.forth, line.back
     on_forth, on_back = _pieces_at(problem, line, begin, 1)
     least, stiffness, falls, at = np.inf, 0.0, False, begin
@@ -264,7 +264,7 @@ def least_pull(
 
 @leaf
 def note_next_snap(problem: DrivenChain, state: State) -> None:
-    """Note by how much λ misses the force at which a cell would set off one more snap."""
+    """Note the distance of λ to the force at which a cell would trigger one more snap."""
     # One function: one pass over the cells finds the nearest event of any kind.
     laws, pieces, ends, travel = problem.laws, problem.pieces, problem.sheets.ends, state.travel
     shared, falling = state.force[0], 0
@@ -298,11 +298,11 @@ def note_next_snap(problem: DrivenChain, state: State) -> None:
                 at_end = pieces.force_right[piece] if heading > 0 else pieces.force_left[piece]
                 force = heading * at_end
             elif slope >= 0.0 or (falling == 0 and compliance <= -1.0 / slope):
-                # Where the others give way too little it would follow λ and not run away.
+                # If the others are too stiff it would follow λ and not snap.
                 continue
             gap, room = force - heading * shared + laws.friction[i], heading * (end - travel[i])
             if room > 0.0:
                 set_near(state.near, max(gap, 0.0), max(gap, 0.0) / room)
             elif laws.friction[i] == 0.0 or gap > 1e-9 * problem.scale:
-                # One that slid here comes to rest as others do that follow λ.
+                # A cell that slid here comes to rest like others that follow λ.
                 set_near(state.near, max(gap, 0.0), -slope)

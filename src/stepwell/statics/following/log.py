@@ -1,4 +1,4 @@
-"""What the follower writes down: one row a segment, and a row for every cell that moved in it."""
+"""Log of the follower: one row per segment, and a row for every cell that moved in it."""
 
 from typing import NamedTuple
 
@@ -7,28 +7,28 @@ import numpy as np
 from stepwell.base import Floats, Ints
 from stepwell.kernels import leaf, record
 
-# What happens on a segment; on a drift, cells of constant force move.
+# Kinds of segments; on a drift, cells of constant force move.
 HOLD, MOVE, DRIFT, SNAP = 0, 1, 2, 3
-# Why a snap happened.
+# Causes of a snap.
 FOLD, RELEASE, KINK, ENDS = 1, 2, 3, 4
 
-# How the landing of a snap was found: along the line on which one cell or pair moves; as the root
-# of one equation, all other cells being proved to stay on their branches; or by integrated flow.
+# Methods of landing: along the line on which one cell or pair moves; as the root of one equation,
+# if all other cells are proved to stay on their branches; or by integrated flow.
 BY_LINE, BY_EQUATION, BY_FLOW = 1, 2, 3
 
 SEGMENT_COLUMNS = 18
 KIND, DIRECTION, DRIVE_0, DRIVE_1, FORCE_0, FORCE_1 = range(6)
-# The cell that sets a snap off, -1 on other segments, and the sense in which it moves.
+# LEADER and HEADING: the cell that triggers a snap, -1 on other segments, and its sense.
 RELEASED, RUBBED, CAUSE, TIE_A, TIE_B, LEADER, HEADING = range(6, 13)
-# How a landing was found; and 1 where every cell between its stops that has no row of its own
-# follows the force on its branch, which is how long chains are written down.
+# Method of landing; and 1 where every cell between its stops without a row follows the force on
+# its branch, the format of long chains.
 DECIDED, FOLLOW = 13, 14
-# How far a snap is from another landing [N], [m], and by how much an integrated one may be off [m].
+# Distance of a snap to another landing [N], [m], and the error of an integrated landing [m].
 NEAR_FORCE, NEAR_TRAVEL, ERROR = range(15, SEGMENT_COLUMNS)
 MOVER_COLUMNS = 7
 CELL, PIECE, OFFSET, TRAVEL_0, TRAVEL_1, SHEET_0, SHEET_1 = range(MOVER_COLUMNS)
 
-# Two numbers that belong together, mostly of a beginning and an end.
+# Two numbers, mostly of a beginning and an end.
 Pair = tuple[float, float]
 
 
@@ -43,13 +43,13 @@ class Log(NamedTuple):
 
 
 def empty_log(segments: int, movers: int) -> Log:
-    """A log with room for so many segments and movers."""
+    """An empty log with capacity for this number of segments and movers."""
     rows, first = np.zeros((segments, SEGMENT_COLUMNS)), np.zeros(segments + 1, np.int64)
     return Log(rows, first, np.zeros((movers, MOVER_COLUMNS)), np.zeros(2, np.int64))
 
 
 def longer(log: Log) -> Log:
-    """The same log with four times the room, which takes memory only where it is written to."""
+    """The same log with four times the capacity; memory is used only where it is written."""
     fresh = empty_log(4 * len(log.segments), 4 * len(log.movers))
     for old, new in zip(log, fresh, strict=True):
         new[: len(old)] = old
@@ -58,7 +58,7 @@ def longer(log: Log) -> Log:
 
 @leaf
 def add_row(log: Log, kind: int, direction: int, drive: Pair, force: Pair) -> None:
-    """Append the row of a segment that no cell sets off and in which none tie."""
+    """Append the row of a segment without a trigger and without a tie."""
     k = log.used[0]
     row = log.segments[k]
     row[:] = 0.0
@@ -82,10 +82,10 @@ def add_mover(log: Log, cell: int, piece: int, offset: float, before: float, aft
 
 
 def written(log: Log) -> Log:
-    """A log without the room that was not used, so that two logs of one motion are equal."""
+    """A log without unused capacity, so that two logs of one motion are equal."""
     segments, movers = log.used.tolist()
     rows, first, moved = log.segments[:segments], log.first[: segments + 1], log.movers[:movers]
     if 4 * movers < len(log.movers):
-        # So much room is not kept for so little.
+        # Copies free the memory of much larger arrays.
         rows, first, moved = rows.copy(), first.copy(), moved.copy()
     return Log(rows, first, moved, log.used)

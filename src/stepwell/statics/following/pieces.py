@@ -1,7 +1,7 @@
 """Cutting a cell's law into pieces on which force and slope are both monotone.
 
-Everything exact in this room rests on it: on such a piece the force has one inverse, and over
-any part of it the force and the slope are bounded by their end values.
+All exact results of this package are based on it: on such a piece the force has one inverse, and
+over any part of it the force and the slope are bounded by their end values.
 """
 
 import math
@@ -16,13 +16,13 @@ from stepwell.mechanism import Laws, Looks, Sheets, geometry
 
 _NODES = 13
 _DEPTH = 40
-# A Chebyshev series speaks for its function once its last coefficients are this small.
+# A Chebyshev series represents its function once its last coefficients are this small.
 _RESOLVED = 1e-6
-# A force that changes by less than this share of itself is constant but for rounding.
+# A force that changes by less than this fraction of itself is constant but for rounding.
 _FLAT = 1e-12
-# More pieces in one cell than this and the search for them has gone astray.
+# With more pieces in one cell the search for them has failed.
 MOST_PIECES = 1000
-# Forces that reach no further than this are none [N].
+# Forces below this are zero [N].
 NO_FORCE = 1e-12
 
 
@@ -56,7 +56,7 @@ _POINTS = np.cos(np.pi * np.arange(_NODES) / (_NODES - 1))
 
 @record
 class CuttingSpace(NamedTuple):
-    """What cutting writes to on its way, so that no cut makes an array."""
+    """Work memory of cutting, so that no cut makes an array."""
 
     points: Floats  # (kinks,)
     cuts: Floats  # (4 MOST_PIECES,)
@@ -68,7 +68,7 @@ class CuttingSpace(NamedTuple):
 
 
 def cutting_space(laws: Laws) -> CuttingSpace:
-    """Room to cut these cells in."""
+    """Work memory to cut these cells."""
     bands = int(np.max(np.diff(laws.band_first)))
     points, cuts = np.empty(2 + 2 * len(laws.rows) + 4 * bands), np.empty(4 * MOST_PIECES)
     rows, at = np.empty(bands + 1, np.int64), Looks._make(np.empty((6, _NODES)))
@@ -96,8 +96,8 @@ def _kinks(laws: Laws, ends: Floats, cell: int, points: Floats) -> int:
     for b in range(laws.band_first[cell], laws.band_first[cell + 1]):
         dx, dy, rest = laws.band[b, 0], laws.band[b, 1], laws.band[b, 3]
         reach = np.sqrt(dx * dx + dy * dy)
-        # Looking from where the band is longest and where it is shortest puts the dense ends of
-        # the Chebyshev points at the only places where its law can turn sharply.
+        # Cuts where the band is longest and shortest put the dense ends of the Chebyshev points at
+        # the only places where its law can turn sharply.
         sine = dy / reach if reach > 0.0 else 2.0
         for side in (-1.0, 1.0):
             travel = geometry.travel_of(side * sine, r, sin_limit)
@@ -146,7 +146,7 @@ def _look(laws: Laws, cell: int, a: float, b: float, room: CuttingSpace) -> None
 
 @leaf
 def _verdict(values: Floats, noise: float, room: CuttingSpace) -> int:
-    """0: no root of a function with these values, or only noise; 1: it is monotone; 2: unknown."""
+    """0: no root of a function with these values, or only noise; 1: monotone; 2: undecided."""
     series, slopes = room.series[0], room.series[1]
     series[:] = 0.0
     for i in range(_NODES):
@@ -205,7 +205,7 @@ def _root(
 
 @leaf
 def _turns(laws: Laws, cell: int, a: float, b: float, noise: float, room: CuttingSpace) -> int:
-    """Write to the cuts all places in (a, b) where κ or dκ/ds has or may have a root; how many."""
+    """Write all travels in (a, b) where κ or dκ/ds has or may have a root; returns their number."""
     # One function: halves wait on one stack, whose height is a local like the count.
     at, out, picked = room.at, room.cuts, room.rows
     lefts, rights, depth, open_on = room.ends[0], room.ends[1], room.depth[0], room.depth[1]
@@ -262,7 +262,7 @@ def cut(laws: Laws, sheets: Sheets) -> Pieces:
 
 
 def memory_for_pieces(laws: Laws, sheets: Sheets, size: int) -> Pieces:
-    """Room for so many pieces."""
+    """Memory for this number of pieces."""
     cells, slots = len(laws.lever), int(np.max(np.diff(laws.band_first))) + 1
     among = np.zeros(len(sheets.table) + 1, np.int64), np.zeros((cells, 2), np.int64)
     columns = *np.empty((4, size)), np.empty(size, np.int64)
@@ -272,7 +272,7 @@ def memory_for_pieces(laws: Laws, sheets: Sheets, size: int) -> Pieces:
 @entry(1e-3, "laws.lever")
 @leaf
 def cut_into(laws: Laws, sheets: Sheets, out: Pieces, room: CuttingSpace) -> int:
-    """Fill the pieces; how many there are, or -1 where they are more than fit in."""
+    """Fill the pieces; returns their number, or -1 where the memory is too small."""
     total = 0
     cell, last = -1, len(sheets.table)
     for sheet in range(last):
@@ -292,7 +292,7 @@ def cut_into(laws: Laws, sheets: Sheets, out: Pieces, room: CuttingSpace) -> int
 def _cut_sheet(
     laws: Laws, ends: Floats, i: int, out: Pieces, room: CuttingSpace, total: int
 ) -> int:
-    """Append the pieces of a cell's sheet; how many there are then, or -1."""
+    """Append the pieces of a cell's sheet; returns the number of all pieces, or -1."""
     # One function: every cut writes to the same arrays, which are taken out once.
     left, right, force_left, force_right = out.left, out.right, out.force_left, out.force_right
     sign, picked, rows, cuts = out.sign, out.picked, room.rows, room.cuts
@@ -350,7 +350,7 @@ def _steepest(laws: Laws, i: int, a: float, b: float, room: CuttingSpace) -> tup
 
 @leaf
 def _is_flat(laws: Laws, rows: Ints, bands: int) -> bool:
-    """Whether a cell on these rows has a constant force: no taut band, and a level load or none."""
+    """Whether a cell on these rows has a constant force: no band in tension, no varying load."""
     for slot in range(bands):
         if rows[slot] >= 0:
             return False
@@ -361,7 +361,7 @@ def _is_flat(laws: Laws, rows: Ints, bands: int) -> bool:
 
 
 def of_curve(sheets: Sheets, pieces: Pieces) -> Bools:
-    """(P,) which pieces lie on the curve of their cell, and not past an open end of it."""
+    """(P,) whether a piece lies on the curve of its cell, and not past an open end."""
     own = np.repeat(np.arange(len(sheets.table)), np.diff(pieces.of_sheet))
     begin, end = sheets.table[own, mech.CURVE_LOW : mech.CURVE_HIGH + 1].T
     return (pieces.right > begin) & (pieces.left < end)
@@ -385,7 +385,7 @@ def force_scale(laws: Laws, sheets: Sheets, pieces: Pieces) -> float:
 
 @leaf
 def stand_on(laws: Laws, sheets: Sheets, pieces: Pieces, cell: int, sheet: int) -> None:
-    """Let a cell stand on a sheet of its curve, by its number there."""
+    """Move a cell to a sheet of its curve, by its number in the cell."""
     among_all = int(sheets.table[sheets.now[cell], mech.FIRST]) + sheet
     mech.change_sheet(laws, sheets, cell, among_all)
     pieces.among[cell, 0] = pieces.of_sheet[among_all]
@@ -394,7 +394,7 @@ def stand_on(laws: Laws, sheets: Sheets, pieces: Pieces, cell: int, sheet: int) 
 
 @leaf
 def stand_all_on(laws: Laws, sheets: Sheets, pieces: Pieces, numbers: Ints) -> None:
-    """Let every cell stand on its sheet, (N,) by number in the cell."""
+    """Move every cell to its sheet, (N,) by number in the cell."""
     for i in range(len(numbers)):
         if sheet_of(sheets, i) != numbers[i]:
             stand_on(laws, sheets, pieces, i, numbers[i])
@@ -402,13 +402,13 @@ def stand_all_on(laws: Laws, sheets: Sheets, pieces: Pieces, numbers: Ints) -> N
 
 @leaf
 def sheet_of(sheets: Sheets, cell: int) -> int:
-    """The sheet of its curve on which a cell stands, by its number there."""
+    """The present sheet of a cell, by its number in the cell."""
     return int(sheets.now[cell] - sheets.table[sheets.now[cell], mech.FIRST])
 
 
 @kernel
 def sheets_of(sheets: Sheets) -> Ints:
-    """(N,) the sheets on which the cells stand, each by its number in the cell."""
+    """(N,) the present sheets of the cells, each by its number in the cell."""
     numbers = np.empty(len(sheets.now), np.int64)
     for i in range(len(numbers)):
         numbers[i] = sheet_of(sheets, i)
@@ -431,7 +431,7 @@ def find_piece(pieces: Pieces, cell: int, travel: float, direction: int) -> int:
 
 @leaf
 def piece_along(pieces: Pieces, cell: int, piece: int, force: float) -> int:
-    """The piece with a force, of those next to each other on which κ has the sign of `piece`."""
+    """The piece that contains a force, among neighbours on which κ has the sign of `piece`."""
     first, last = pieces.among[cell, 0], pieces.among[cell, 1]
     sign, left, right = pieces.sign, pieces.force_left, pieces.force_right
     way = sign[piece]
@@ -452,7 +452,7 @@ def resting_piece(pieces: Pieces, cell: int, travel: float) -> int:
 
 @leaf
 def invert(laws: Laws, pieces: Pieces, cell: int, piece: int, force: float) -> float:
-    """The travel on `piece` at which the cell pushes back with `force`, clipped to the piece."""
+    """The travel on `piece` at which the cell resists with `force`, clipped to the piece."""
     return invert_near(laws, pieces, cell, piece, force, np.nan)
 
 
@@ -498,7 +498,7 @@ def travel_between(
 def invert_near(
     laws: Laws, pieces: Pieces, cell: int, piece: int, force: float, near: float
 ) -> float:
-    """The same from travel `near` on, by roots of parabolas: near even next to an extremum."""
+    """`invert` from travel `near` on, by roots of parabolas, also next to an extremum."""
     a, b = pieces.left[piece], pieces.right[piece]
     fa, fb = pieces.force_left[piece], pieces.force_right[piece]
     rising, picked = pieces.sign[piece] > 0, pieces.picked[piece]
@@ -536,7 +536,7 @@ def invert_near(
 def travels_between(
     laws: Laws, sheets: Sheets, pieces: Pieces, stretches: Floats, force: float, out: Floats
 ) -> None:
-    """The same of all cells on their (N, 3) stretches, into (N,) `out`."""
+    """`travel_between` of all cells on their (N, 3) stretches, into (N,) `out`."""
     for i in range(len(out)):
         stretch = int(stretches[i, 0]), stretches[i, 1], stretches[i, 2]
         out[i] = travel_between(laws, sheets, pieces, i, stretch, force)

@@ -1,9 +1,9 @@
-"""The cells of a long chain that follow the common force, kept as one spring and four queues.
+"""The cells of a long chain that follow the common force, as one spring and four queues.
 
 Cells in series share λ, so those on rising branches act as one spring in series with the actuator.
 Where their forces are straight its length is C λ + O, with two sums that change by one cell at a
-time; a cell whose force is curved is looked at by itself. The queues hold the forces at which
-something happens to a cell, so the next event is found without looking at the others.
+time; a cell whose force is curved is evaluated separately. The queues contain the forces of the
+next events of the cells, so the first event is known without a loop over all cells.
 """
 
 from typing import NamedTuple
@@ -20,10 +20,10 @@ from stepwell.statics.following.state import FREE, DrivenChain, State, hold
 # Queues of the next joint of two rising pieces, and of the end of a rising branch or the release
 # of a held cell; each with λ rising (key λ) and falling (key -λ).
 JOINT_UP, JOINT_DOWN, END_UP, END_DOWN = range(4)
-# What a cell is here: held at a stop or the one that leads, straight, or curved.
+# Kinds of cells: held at a stop or the leader, straight, or curved.
 _APART, _STRAIGHT, _CURVED = 0, 1, 2
-# Sums, each with what rounding left out of it: C [m/N], O with all held travels [m], mobilities,
-# and what the cells of straight force have stored since it was set to 0 [J].
+# Sums, each with its rounding error: C [m/N], O with all held travels [m], mobilities, and the
+# energy that the cells of straight force have stored since it was set to 0 [J].
 COMPLIANCE, OFFSET, MOBILITY, STORED = 0, 2, 4, 6
 
 
@@ -39,7 +39,7 @@ class Queues(NamedTuple):
 
 @leaf
 def _settle_at(queues: Queues, q: int, k: int, cell: int, own: float) -> None:
-    """Put a cell and its key into place k or up or down from there, where the heap is in order."""
+    """Insert a cell and its key at place k, and move it up or down until the heap is in order."""
     heap, key, place, size = queues.heap[q], queues.key[q], queues.place, queues.size[q]
     while k > 0:
         above = (k - 1) // 2
@@ -63,7 +63,7 @@ def _settle_at(queues: Queues, q: int, k: int, cell: int, own: float) -> None:
 
 @leaf
 def put(queues: Queues, q: int, cell: int, key: float) -> None:
-    """Let a cell stand in queue q with this key, whether it was there or not."""
+    """Insert a cell with this key into queue q, or change its key."""
     at = queues.place[cell, q]
     if at < 0:
         at = queues.size[q]
@@ -99,7 +99,7 @@ def ties(queues: Queues, q: int, within: float) -> bool:
 
 @record
 class FollowedSegment(NamedTuple):
-    """The segment being followed, and the cells that its row has to name; others follow λ."""
+    """The present segment, and the cells that its row has to name; others follow λ."""
 
     begin: Floats  # (2,) drive and λ where it began
     cell: Ints  # (N,) the first counts[0]
@@ -122,7 +122,7 @@ class Rising(NamedTuple):
 
 
 def no_rising(cells: int) -> Rising:
-    """No cell yet, in a chain of so many."""
+    """Empty queues for a chain of N cells."""
     kind, curved, place, cell, named = np.zeros((5, cells), np.int64)
     counts, names = np.zeros((2, 2), np.int64)
     places, keys = np.full((cells, 4), -1), np.zeros((4, cells))
@@ -133,7 +133,7 @@ def no_rising(cells: int) -> Rising:
 
 @leaf
 def clear(rising: Rising) -> None:
-    """Let no cell be in it."""
+    """Remove all cells."""
     rising.queues.place[:], rising.queues.size[:] = -1, 0
     rising.kind[:], rising.counts[:], rising.sums[:] = _APART, 0, 0.0
     rising.segment.named[:], rising.segment.counts[0], rising.segment.counts[1] = 0, 0, -1
@@ -153,7 +153,7 @@ def _add(sums: Floats, at: int, value: float) -> None:
 
 @leaf
 def sum_of(rising: Rising, at: int) -> float:
-    """One of the sums with what rounding left out of it."""
+    """One of the sums with its rounding error."""
     return float(rising.sums[at] + rising.sums[at + 1])
 
 
@@ -175,7 +175,7 @@ def _count_in(problem: DrivenChain, rising: Rising, piece: int, sign: float) -> 
 
 @leaf
 def _line(problem: DrivenChain, piece: int) -> tuple[float, float]:
-    """Travel of a straight piece over its force: 1/κ [m/N], and where the force is none [m]."""
+    """Compliance 1/κ [m/N] of a straight piece, and its travel at zero force [m]."""
     row = problem.laws.rows[problem.pieces.picked[piece, 0]]
     soft = 1.0 / row[2]
     return soft, row[0] - row[1] * soft
@@ -183,7 +183,7 @@ def _line(problem: DrivenChain, piece: int) -> tuple[float, float]:
 
 @leaf
 def _enter(problem: DrivenChain, rising: Rising, i: int, piece: int) -> None:
-    """Take cell i in on a piece, and queue the joints at the ends of that piece."""
+    """Add cell i on a piece, and queue the joints at the ends of that piece."""
     if is_straight(problem.laws, problem.pieces, i, piece):
         rising.kind[i] = _STRAIGHT
         _count_in(problem, rising, piece, 1.0)
@@ -221,7 +221,7 @@ def _exit(problem: DrivenChain, rising: Rising, i: int, piece: int) -> None:
 
 @leaf
 def rise(problem: DrivenChain, state: State, rising: Rising, i: int, piece: int) -> None:
-    """Let cell i follow λ from now on, on a rising piece."""
+    """Start cell i to follow λ, on a rising piece."""
     pieces = problem.pieces
     state.mode[i], state.sense[i], state.piece[i] = FREE, 0, piece
     _enter(problem, rising, i, piece)
@@ -239,7 +239,7 @@ def rise(problem: DrivenChain, state: State, rising: Rising, i: int, piece: int)
 
 @leaf
 def rise_no_more(problem: DrivenChain, state: State, rising: Rising, i: int) -> None:
-    """Take cell i out: it has come to the end of its rising branch."""
+    """Remove cell i at the end of its rising branch."""
     _exit(problem, rising, i, state.piece[i])
     rising.counts[1] -= 1
     _add(rising.sums, MOBILITY, -problem.mobility[i])
@@ -249,7 +249,7 @@ def rise_no_more(problem: DrivenChain, state: State, rising: Rising, i: int) -> 
 
 @leaf
 def pass_joint(problem: DrivenChain, state: State, rising: Rising, toward: int) -> None:
-    """Let the cell that is first at a joint, λ going `toward`, go on to the next piece."""
+    """Move the cell that is first at a joint, λ going `toward`, to the next piece."""
     laws, pieces, queues = problem.laws, problem.pieces, rising.queues
     i = queues.heap[JOINT_UP if toward > 0 else JOINT_DOWN, 0]
     piece, kind = int(state.piece[i]), rising.kind[i]
@@ -284,7 +284,7 @@ def rest(problem: DrivenChain, state: State, rising: Rising, i: int) -> None:
 
 @leaf
 def rest_no_more(state: State, rising: Rising, i: int) -> None:
-    """Take a held cell out: it moves."""
+    """Remove a held cell, which starts to move."""
     _add(rising.sums, OFFSET, -state.travel[i])
     drop(rising.queues, END_UP, i)
     drop(rising.queues, END_DOWN, i)
@@ -340,14 +340,14 @@ def softness_at(problem: DrivenChain, state: State, rising: Rising) -> float:
 
 @leaf
 def count_work(rising: Rising, before: float, after: float) -> None:
-    """Count what the cells of straight force store while λ goes from one value to another."""
+    """Add the energy that the cells of straight force store while λ changes."""
     soft = sum_of(rising, COMPLIANCE)
     _add(rising.sums, STORED, 0.5 * soft * (after - before) * (after + before))
 
 
 @leaf
 def energy_in(problem: DrivenChain, state: State, rising: Rising) -> float:
-    """What the rising cells store, but for a constant [J]; those of curved force where they are."""
+    """Stored energy of the rising cells, up to a constant [J]; curved ones at their travels."""
     total = sum_of(rising, STORED)
     for k in range(rising.counts[0]):
         i = rising.curved[k]

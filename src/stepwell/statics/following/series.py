@@ -2,8 +2,8 @@
 
 What `follow` does event by event over all cells is done here for the cells that an event concerns,
 so that a cycle grows as N log N. Cells without friction whose curves do not fold back, on a stroke
-or behind a spring. Whatever else comes up (a race, constant forces, a release against the drive)
-goes back to `follow`, which does one event and hands over again.
+or behind a spring. All other events (a race, constant forces, a release against the drive) go back
+to `follow`, which handles one event and returns to this file.
 """
 
 import numpy as np
@@ -18,7 +18,7 @@ from stepwell.statics.following.pieces import find_piece, invert
 from stepwell.statics.following.rising import Rising
 from stepwell.statics.following.state import DrivenChain, State
 
-# With fewer pieces in all, looking at every cell is as quick as queues.
+# With fewer pieces in total, a loop over all cells is as fast as queues.
 _WORTH = 64
 
 
@@ -37,7 +37,7 @@ def is_regular(problem: DrivenChain) -> bool:
 
 @leaf
 def _gather(problem: DrivenChain, state: State, rising: Rising, direction: int) -> tuple[bool, int]:
-    """Put every cell where it belongs; whether all do, and the cell of falling force or -1."""
+    """Sort the cells into the queues; whether that is possible, and the falling cell or -1."""
     leader = -1
     for i in range(len(state.mode)):
         if state.mode[i] == st.HELD:
@@ -58,7 +58,7 @@ def _gather(problem: DrivenChain, state: State, rising: Rising, direction: int) 
 
 @leaf
 def _name(rising: Rising, i: int, travel: float) -> None:
-    """Let the row of the segment name cell i, which was at `travel` when it began."""
+    """Add cell i to the row of the segment, with its `travel` at the beginning."""
     segment = rising.segment
     if segment.named[i] == 0:
         k = segment.counts[0]
@@ -70,7 +70,7 @@ def _name(rising: Rising, i: int, travel: float) -> None:
 def _end_segment(
     problem: DrivenChain, state: State, rising: Rising, kind: int, direction: int, drive: float
 ) -> None:
-    """Write the segment that ends here, if anything has changed since it began."""
+    """Write the segment that ends here, if it is not empty."""
     segment, force, begin = rising.segment, state.force[0], rising.segment.begin
     if kind != logged.SNAP and force == begin[1] and drive == begin[0]:
         return
@@ -181,7 +181,7 @@ def _next_cell(problem: DrivenChain, state: State, rising: Rising, q: int, towar
 def advance(
     problem: DrivenChain, state: State, rising: Rising, direction: int, target: float, slack: float
 ) -> int:
-    """Follow a chain towards a target; GOES_ON where something comes up that `follow` has to do."""
+    """Follow a chain towards a target; GOES_ON at an event that `follow` has to handle."""
     # One function: an event changes force, drive and queues, all locals, at once.
     laws, pieces, d = problem.laws, problem.pieces, direction
     n, places = len(state.mode), problem.spare.number[st.PLACE]

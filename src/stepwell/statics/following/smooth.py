@@ -1,4 +1,4 @@
-"""Smooth motion: which cells can go on, and how far they go until something happens."""
+"""Smooth motion: the cells that can move, and the distance to the next event."""
 
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ from stepwell.statics.following.log import DRIFT, FOLD, HOLD, KINK, MOVE, RELEAS
 from stepwell.statics.following.pieces import Pieces, find_piece, invert_near
 from stepwell.statics.following.state import DrivenChain, Movers, State
 
-# How the chain can go on: λ moves with the drive, every moving κ > 0; λ moves against it, exactly
+# Kinds of smooth motion: λ moves with the drive, every moving κ > 0; λ moves against it, exactly
 # one κ < 0 and α Σ 1/κ + β < 0; cells of constant force take all the motion; or nothing of the
 # kind is stable, so the chain snaps.
 WITH, AGAINST, FLAT, LOST = 1, -1, 0, 2
@@ -24,7 +24,7 @@ _NOTHING = 0
 
 
 class BranchEnd(NamedTuple):
-    """What comes first on a branch."""
+    """The first event on a branch."""
 
     why: int  # RELEASE, KINK (the end of a piece), FOLD or _NOTHING
     level: float  # λ there
@@ -36,7 +36,7 @@ class BranchEnd(NamedTuple):
 
 @leaf
 def choose(problem: DrivenChain, state: State, direction: int, goes: Ints) -> tuple[int, int]:
-    """How the chain can go on, marking in `goes` which cells move; the falling cell or -1."""
+    """Kind of motion, with the moving cells marked in `goes`; and the falling cell or -1."""
     # One function: one pass over the cells with arrays that are taken out once.
     mode, sense, piece, signs = state.mode, state.sense, state.piece, problem.pieces.sign
     goes[:] = 0
@@ -98,7 +98,7 @@ def _turn_here(problem: DrivenChain, state: State, cells: Ints) -> bool:
 
 @leaf
 def set_off(problem: DrivenChain, state: State, goes: Ints) -> Movers:
-    """The cells marked in `goes` begin to move; those that were moving and cannot, rest."""
+    """Start the cells marked in `goes`, and stop the other moving cells."""
     mode = state.mode
     for i in range(len(goes)):
         if mode[i] != st.HELD and mode[i] != st.FREE:
@@ -134,7 +134,7 @@ def join_flat(problem: DrivenChain, state: State, direction: int) -> bool:
 
 @leaf
 def share(problem: DrivenChain, state: State, goes: Ints) -> None:
-    """Of cells of the same constant force those of lowest rank take the motion; a tie is noted."""
+    """Give the motion to the cells of equal constant force with the lowest rank; note a tie."""
     rank, one, two, first = problem.rank, -1, -1, len(goes)
     for i in range(len(goes)):
         if goes[i]:
@@ -143,7 +143,7 @@ def share(problem: DrivenChain, state: State, goes: Ints) -> None:
             one, first = i if one < 0 else one, min(first, rank[i])
     if two < 0:
         return
-    # Nothing but their mobility decides how they share.
+    # Their mobility alone decides their fractions of the motion.
     st.set_tie(state.tie, one, two)
     for i in range(len(goes)):
         if rank[i] > first:
@@ -191,7 +191,7 @@ def drift(problem: DrivenChain, state: State, movers: Movers, direction: int, ta
 
 @leaf
 def _until_letting_go(problem: DrivenChain, state: State, i: int, toward: int) -> float:
-    """How far λ has to go until held cell i lets go; inf where it never does."""
+    """Distance of λ to the release of held cell i; inf where it is never released."""
     travel, ends = state.travel[i], problem.sheets.ends
     free = travel < ends[i, BEYOND] if toward > 0 else travel > ends[i, BEFORE]
     distance = toward * (state.at_rest[i] - state.force[0]) + problem.laws.friction[i]
@@ -217,7 +217,7 @@ def _first_to_let_go(problem: DrivenChain, state: State, toward: int) -> tuple[f
             continue
         piece = find_piece(pieces, i, state.travel[i], toward)
         falls = falls or pieces.sign[piece] < 0
-        # One that lets go out of turn would be called back by the one whose turn it is.
+        # A cell released out of order would be called back by the next one in order.
         sooner = distance < closest - 1e-3 * tie_force
         same = first >= 0 and rank[i] == rank[first]
         if first < 0 or rank[i] < rank[first] or (same and sooner):
@@ -232,7 +232,7 @@ def _first_to_let_go(problem: DrivenChain, state: State, toward: int) -> tuple[f
 
 @leaf
 def _until_end(pieces: Pieces, movers: Movers, m: int, force: float, toward: int) -> float:
-    """How far λ has to go `toward` until mover m is at the end of its piece."""
+    """Distance of λ in the sense `toward` to the end of the piece of mover m."""
     piece = movers.piece[m]
     outwards = toward * pieces.sign[piece] > 0
     end = pieces.force_right[piece] if outwards else pieces.force_left[piece]
@@ -303,8 +303,8 @@ def _first_event(
     arrives, on = movers.cell[who], movers.piece[who]
     heading = toward * int(pieces.sign[on])
     if release <= arrival + tie_force:
-        # A force that turns just where another cell lets go: it may or may not. Against the
-        # drive an arrival at a stop is one too: a snap of no size or none at all.
+        # A force that turns at the release of another cell: both orders are possible. Against the
+        # drive an arrival at a stop is one too: a snap of zero size or none.
         past = _turns_over(problem.sheets.ends, pieces, arrives, on, heading)
         if past == -1 if toward == direction else past != pieces.sign[on]:
             st.set_tie(state.tie, arrives, cell)

@@ -13,14 +13,14 @@ from stepwell.statics.following.log import BY_FLOW, BY_LINE, DECIDED, ENDS, FOLD
 from stepwell.statics.following.pieces import find_piece, sheet_of, stand_all_on, stand_on
 from stepwell.statics.following.state import Begin, DrivenChain, State
 
-# Accuracies of a step of the flow, as shares of the travel: of a path, and of samples.
+# Accuracies of a step of the flow, as fractions of the travel: of a path, and of samples.
 FINE, COARSE = 2e-7, 1e-4
 
 
 @leaf
 def snap(problem: DrivenChain, state: State, direction: int, accuracy: float) -> int:
-    """Snap, and write down what moved, what was released, and how near another landing is."""
-    # What is left is one run of steps, each of which may end the snap.
+    """Compute a snap, and log its movers, its heat, and the distance to another landing."""
+    # One function: a sequence of steps, each of which may end the snap.
     begun = st.begin(problem, state, direction)
     state.near[0], state.near[1], state.near[2] = np.inf, np.inf, 0.0
     before, trigger = begun.travel, state.next_snap[st.TRIGGER]
@@ -52,7 +52,7 @@ def snap(problem: DrivenChain, state: State, direction: int, accuracy: float) ->
         # The load falls, or the spring gives back β/2 (λ² - λ'²) with β (λ - λ') = α Σ Δs: this
         # way no large numbers are subtracted.
         released += 0.5 * (begun.force + state.force[0]) * shift
-    # Friction takes no more than there is, though the first step off a fold may say so.
+    # Friction takes at most the released energy, although the first step off a fold may exceed it.
     friction_work = min(friction_work, max(released, 0.0))
     if close and state.tie[0] < 0:
         st.set_tie(state.tie, trigger, trigger)
@@ -68,7 +68,7 @@ def snap(problem: DrivenChain, state: State, direction: int, accuracy: float) ->
 def _moved_by(
     problem: DrivenChain, state: State, begun: Begin, trigger: int
 ) -> tuple[int, float, float]:
-    """List the cells that a snap moved: how many or -1; energy released and taken by friction."""
+    """List the movers of a snap: their number or -1; energy released and taken by friction."""
     laws, pieces, sheets, spare = problem.laws, problem.pieces, problem.sheets, problem.spare
     moved, any_changed, released, friction_work = 0, False, 0.0, 0.0
     for i in range(len(state.travel)):
@@ -77,7 +77,7 @@ def _moved_by(
         any_changed = any_changed or changed
         # A cell that yields and comes back has rubbed as well.
         friction_work += laws.friction[i] * spare.number[st.RUB, i]
-        # The cell that let go belongs to the snap even where the flow brings it back to its stop.
+        # The trigger belongs to the snap even where the flow brings it back to its stop.
         if not changed and i != trigger:
             continue
         spare.whole[st.MOVER, moved], spare.whole[st.ON_PIECE, moved] = i, -1
@@ -93,7 +93,7 @@ def _moved_by(
 
 @leaf
 def note_saddle(problem: DrivenChain, state: State, leader: int) -> None:
-    """Alike cells that have crept into a saddle together: only rounding tells which leaves it."""
+    """Equal cells that have reached a saddle together: only rounding decides which one leaves."""
     for i in range(len(state.mode)):
         if i != leader and state.mode[i] != st.HELD and problem.pieces.sign[state.piece[i]] < 0:
             st.set_tie(state.tie, leader, i)
@@ -103,8 +103,8 @@ def note_saddle(problem: DrivenChain, state: State, leader: int) -> None:
 def along_line(
     problem: DrivenChain, state: State, direction: int, rubbed: Floats
 ) -> tuple[int, bool]:
-    """Move one cell or pair to where it lands; JOINED where more can move; whether by a tie."""
-    # One function: the line is changed as cells join, with all that is known of it.
+    """Move one cell or pair to its landing; JOINED where more can move; whether by a tie."""
+    # One function: the line changes as cells join, with all its values.
     laws, scale = problem.laws, problem.scale
     trigger, sense, partner, active = state.next_snap[st.TRIGGER], state.next_snap[st.SENSE], -1, 0
     mode = state.mode
@@ -122,7 +122,7 @@ def along_line(
     # One that ties with the trigger may have been due a little sooner.
     low, high = min(low, state.force[0]), max(high, state.force[0])
     if dead:
-        # Under a dead load no cell feels the others.
+        # Under a dead load the cells do not interact.
         low, high = -np.inf, np.inf
     at_forth = state.travel[forth] if forth >= 0 else 0.0
     at_back = state.travel[back] if back >= 0 else 0.0
@@ -139,17 +139,17 @@ def along_line(
     # The start is itself an equilibrium, at a fold a double one, and next to a double root
     # the sign of the pull is rounding noise: no landing is looked for this near to it.
     outcome, shift, level = land(problem, line, 1e-7, 0.0)
-    # The same with a little more pull and a little less: where it then lands elsewhere, the
-    # choice between two landings hangs on less than any real mechanism can promise.
+    # The same with a little more pull and a little less: if the landing then changes, the choice
+    # depends on less than the precision of any real mechanism.
     start = 1e-7
     while outcome == landing.LANDED and shift <= 1e-3 * size and start < 1e-3:
-        # So near to where it set out a landing may be rounding: it is one if past it something
-        # holds the cells back that a real mechanism has.
+        # This near to the start a landing may be rounding: it is real if the resistance past it is
+        # larger than the precision of a mechanism.
         if pull_at(problem, line, 2.0 * shift) < -1e-12 * scale:
             break
         start = 4.0 * max(start, shift / size)
         outcome, shift, level = land(problem, line, start, 0.0)
-    # On a line all in balance, every place up to the landing is one to rest at.
+    # On a line in balance everywhere, every place up to the landing is an equilibrium.
     tie = bool(neutral and abs(pull_at(problem, begun, 0.5 * shift)) <= st.TIE * scale)
     for bias in (1e-9 * scale, -1e-9 * scale):
         if shift > 2e-3 * size and not tie:
@@ -173,8 +173,8 @@ def along_line(
     if jumps:
         return landing.JUMPED, tie
     if outcome == landing.STOPPED and rigid:
-        # One of the two has stopped and no longer takes its part of the force: the other
-        # may now push a third one off its place, and the snap goes on.
+        # One of the two has stopped and no longer takes its part of the force: the other may now
+        # push a third one off its place, and the snap continues.
         st.settle(problem, state)
         low, high = st.held_range(problem, state)
         slip = 1e-12 * scale
@@ -202,7 +202,7 @@ def _is_neutral(problem: DrivenChain, line: SnapLine) -> bool:
 
 @leaf
 def _driven_on(line: SnapLine, direction: int, by: float) -> SnapLine:
-    """The same line with the drive further on by so little travel."""
+    """The same line with the drive moved further by a small travel."""
     forth, back, at_forth, at_back, force, softness, share, low, high = line
     if forth >= 0 and (direction > 0 or back < 0):
         at_forth += direction * by
@@ -215,7 +215,7 @@ def _driven_on(line: SnapLine, direction: int, by: float) -> SnapLine:
 def _by_flow(
     problem: DrivenChain, state: State, drive: float, rubbed: Floats, jumped: bool, accuracy: float
 ) -> tuple[bool, bool]:
-    """Let the flow bring all cells to rest, from after a jump or not; whether so, and by a tie."""
+    """Integrate the flow to rest, from after a jump or not; whether it settles, and by a tie."""
     laws, pieces, force = problem.laws, problem.pieces, state.force[0]
     travel, mode, spare, near = state.travel, state.mode, problem.spare, state.near
     start, worn = spare.number[st.START], spare.number[st.WORN]
@@ -284,10 +284,10 @@ def _leave(problem: DrivenChain, state: State, share: float) -> None:
         way[0] = 1.0
     if beta == 0.0 and count > 1:
         if abs(summed(way)) > 1e-6:
-            # Two slopes alike to the last digit have no direction of their own.
+            # Two equal slopes have no direction of their own.
             for m in range(count):
                 way[m] = 1.0 if m == mine else -1.0 / (count - 1)
-        # The stroke stays what it is, to rounding.
+        # The stroke stays constant, to rounding.
         way[mine] -= summed(way)
     step = share * smallest(laws.full) * (sense if way[mine] > 0.0 else -sense)
     step = _short_of_stops(problem, state, step, way)
@@ -309,7 +309,7 @@ def _leavers(problem: DrivenChain, state: State, needed: bool) -> int:
 
 @leaf
 def _short_of_stops(problem: DrivenChain, state: State, step: float, way: Floats) -> float:
-    """One length for all cells, short of every stop, or the stroke would not stay what it is."""
+    """One step length for all cells, short of every stop, so that the stroke stays constant."""
     ends, movers = problem.sheets.ends, problem.spare.whole[st.MOVER]
     for m in range(len(way)):
         i = movers[m]

@@ -1,4 +1,4 @@
-"""The two records that the follower hands on: what stays as it is, and where the chain is."""
+"""Records of the follower: the problem, which is constant, and the state of the chain."""
 
 from typing import NamedTuple
 
@@ -11,46 +11,46 @@ from stepwell.statics.following import log as logged, pieces as cutting
 from stepwell.statics.following.log import Pair, add_mover, add_row
 from stepwell.statics.following.pieces import Pieces
 
-# What a cell does: rests against a stop or friction; follows λ both ways; slides one way against
-# friction; has just reached the force at which it lets go.
+# Modes of a cell: rests against a stop or friction; follows λ both ways; slides one way against
+# friction; has just reached its critical force.
 HELD, FREE, SLIDES, LETS_GO = 0, 1, 2, 3
 # How a run ended, or a part of it.
 DONE, LOG_FULL, STALLED, NOT_SETTLED, RUNS_AWAY, GOES_ON, GAVE_UP = 0, 1, 2, 3, 4, 5, 6
-# What the follower knows of the next snap: the cell that sets it off and in which sense, why, and
-# whether it is due although the cells could go on.
+# Entries of the next snap: the cell that triggers it, its sense, the cause, and whether it is due
+# although the cells could move on.
 TRIGGER, SENSE, WHY, DUE = range(4)
-# Two forces closer than this share of the largest force tie.
+# Two forces closer than this fraction of the largest force tie.
 TIE = 1e-9
-# What each row of the spare room is for. Numbers: travels where a segment began; friction that λ
-# bears besides the force of a mover; travels of movers, and at the other end of a stretch; the way
-# that every cell went in a snap; travels and ways before the flow; slopes and mobilities of some
-# cells, and their direction; and from there on those of the flow.
+# Rows of the work memory. Numbers: travels where a segment began; friction that λ carries in
+# addition to the force of a mover; travels of movers, and at the other end of a stretch; the path
+# length of every cell in a snap; travels and path lengths before the flow; slopes and mobilities of
+# some cells, and their direction; then the rows of the flow.
 WAS, EXTRA, PLACE, FAR_PLACE, RUB, START, WORN, SLOPES, WEIGHTS, WAY, OF_FLOW = range(11)
-# Whole numbers: sheets where a segment began; cells that go on; movers and their pieces; modes and
-# sheets before the flow; which mover a cell is; and from there on those of the flow.
+# Whole numbers: sheets where a segment began; cells that move on; movers and their pieces; modes
+# and sheets before the flow; the mover number of a cell; then the rows of the flow.
 WAS_ON, GOES, MOVER, ON_PIECE, MODES, SHEETS, MINE, WHOLES_OF_FLOW = range(8)
 _NUMBERS, _WHOLES, _STACK = OF_FLOW + 25, WHOLES_OF_FLOW + 3, 256
 
 
 @record
 class Spare(NamedTuple):
-    """Room for what is worked out on the way, so that no event makes an array; N cells."""
+    """Work memory, so that no event makes an array; N cells."""
 
     number: Floats  # (35, N), see above
     whole: Ints  # (10, N)
-    stack: Floats  # (8, 256) stretches that wait to be looked at; row 2: what the flow knows
+    stack: Floats  # (8, 256) waiting stretches; row 2: values of the flow
     counts: Ints  # (3,) of the flow
 
 
 def spare_memory(cells: int) -> Spare:
-    """Room to follow so many cells in."""
+    """Work memory to follow N cells."""
     number, whole = np.zeros((_NUMBERS, cells)), np.zeros((_WHOLES, cells), np.int64)
     return Spare(number, whole, np.zeros((8, _STACK)), np.zeros(3, np.int64))
 
 
 @record
 class DrivenChain(NamedTuple):
-    """A chain and its actuator: what stays as it is while it is followed; N cells."""
+    """A chain and its actuator, constant while the chain is followed; N cells."""
 
     laws: Laws
     sheets: Sheets
@@ -60,29 +60,29 @@ class DrivenChain(NamedTuple):
     scale: float  # [N] largest force of any cell
     rank: Ints  # (N,) where cells tie the lowest goes first; equal ones share a drift
     mobility: Floats  # (N,) the largest of them 1
-    effort: Ints  # forces looked at, and how many may be: see kernels
+    effort: Ints  # number of force evaluations, and its limit: see kernels
     spare: Spare
 
 
 @record
 class State(NamedTuple):
-    """Where the chain is, and how it came there; N cells."""
+    """State of the chain, with the log of its path; N cells."""
 
     travel: Floats  # (N,)
     mode: Ints  # (N,) HELD, FREE, SLIDES or LETS_GO
-    sense: Ints  # (N,) in which a cell slides or lets go, else 0
+    sense: Ints  # (N,) sense in which a cell slides or leaves its place, else 0
     piece: Ints  # (N,) of a cell that is not held
     at_rest: Floats  # (N,) force of a held cell
     force: Floats  # (1,) λ
     next_snap: Ints  # (4,) TRIGGER, SENSE, WHY, DUE
     tie: Ints  # (2,) cells that tie on the present segment, or -1
     near: Floats  # (3,) of the present snap, see log.NEAR_FORCE and what follows
-    stroke: Ints  # (1,) how many strokes have begun
+    stroke: Ints  # (1,) number of strokes that have begun
     log: logged.Log
 
 
 def blank_state(travel: Floats, log: logged.Log) -> State:
-    """A state with (N,) travels of which nothing else is known yet."""
+    """A state with (N,) travels, all else unset."""
     n = len(travel)
     modes, senses, pieces = np.zeros((3, n), np.int64)
     counts, near = np.zeros(4, np.int64), np.array([np.inf, np.inf, 0.0])
@@ -91,17 +91,17 @@ def blank_state(travel: Floats, log: logged.Log) -> State:
 
 
 class Movers(NamedTuple):
-    """The m cells that move on one branch; the others take `held` + `soft` λ of the stroke."""
+    """The m cells that move on one branch; the stroke of the others is `held` + `soft` λ."""
 
     cell: Ints  # (m,)
     piece: Ints  # (m,), -1 where it is not known
-    offset: Floats  # (m,) friction that λ bears besides the force of the cell
+    offset: Floats  # (m,) friction that λ carries in addition to the force of the cell
     held: float  # [m]
     soft: float  # [m/N] of other cells that follow λ
 
 
 class Begin(NamedTuple):
-    """Where a segment begins."""
+    """Beginning of a segment."""
 
     direction: int  # of the drive
     drive: float
@@ -124,7 +124,7 @@ def drive_slack(problem: DrivenChain) -> float:
 
 @leaf
 def begin(problem: DrivenChain, state: State, direction: int) -> Begin:
-    """The beginning of a segment: where the chain is now."""
+    """The beginning of a segment at the present state."""
     travel, sheet, now = problem.spare.number[WAS], problem.spare.whole[WAS_ON], state.travel
     for i in range(len(now)):
         travel[i], sheet[i] = now[i], cutting.sheet_of(problem.sheets, i)
@@ -134,7 +134,7 @@ def begin(problem: DrivenChain, state: State, direction: int) -> Begin:
 
 @leaf
 def some_movers(spare: Spare, count: int, held: float) -> Movers:
-    """The first so many movers in the spare room."""
+    """The first `count` movers in the work memory."""
     cell, piece, offset = spare.whole[MOVER], spare.whole[ON_PIECE], spare.number[EXTRA]
     return Movers(cell[:count], piece[:count], offset[:count], held, 0.0)
 
@@ -158,7 +158,7 @@ def movers_of(problem: DrivenChain, state: State, goes: Ints) -> Movers:
 def write_row(
     state: State, kind: int, direction: int, drive: Pair, force: Pair, heat: Pair
 ) -> None:
-    """Append a segment without movers, and forget its tie; `heat` is released and rubbed energy."""
+    """Append a segment without movers, and reset its tie; `heat` is released and rubbed energy."""
     log = state.log
     add_row(log, kind, direction, drive, force)
     row = log.segments[log.used[0] - 1]
@@ -224,7 +224,7 @@ def moved(problem: DrivenChain, log: logged.Log, k: int, travel: Floats) -> Floa
 
 @leaf
 def set_near(near: Floats, force: float, stiffness: float) -> None:
-    """Note that so little force would make the snap land elsewhere, where cells are so stiff."""
+    """Note the force that would change the landing of the snap, at a stiffness of the cells."""
     near[0] = min(near[0], force)
     if stiffness > 0.0:
         near[1] = min(near[1], force / stiffness)
@@ -232,7 +232,7 @@ def set_near(near: Floats, force: float, stiffness: float) -> None:
 
 @leaf
 def set_snap(next_snap: Ints, trigger: int, sense: int, why: int) -> None:
-    """Note what would set off a snap that comes next."""
+    """Note the trigger of the next snap."""
     next_snap[TRIGGER], next_snap[SENSE], next_snap[WHY] = trigger, sense, why
 
 
@@ -244,7 +244,7 @@ def set_tie(tie: Ints, one: int, two: int) -> None:
 
 @leaf
 def force_at(problem: DrivenChain, i: int, travel: float) -> float:
-    """F of cell i [N]; at the end of a piece the one that is known there."""
+    """F of cell i [N]; at the end of a piece its stored value."""
     pieces = problem.pieces
     piece = cutting.find_piece(pieces, i, travel, 0)
     if travel == pieces.left[piece]:
@@ -283,7 +283,7 @@ def settle(problem: DrivenChain, state: State) -> None:
     free, total = 0, 0.0
     for i in range(len(mode)):
         if mode[i] == HELD:
-            # It has not moved: whatever does lets go first.
+            # It has not moved: a cell that moves leaves its place first.
             continue
         inside = ends[i, BEFORE] < state.travel[i] < ends[i, BEYOND]
         if inside and laws.friction[i] == 0.0:
@@ -295,7 +295,7 @@ def settle(problem: DrivenChain, state: State) -> None:
         else:
             hold(problem, state, i)
     if problem.alpha > 0.0 and free > 0:
-        # Behind a stiff spring λ = K (U - Σ s) is rounding: the cells tell it better.
+        # Behind a stiff spring λ = K (U - Σ s) is rounding: the forces of the cells are exact.
         state.force[0] = total / free
     elif problem.beta == 0.0:
         low, high = held_range(problem, state)
@@ -304,7 +304,7 @@ def settle(problem: DrivenChain, state: State) -> None:
 
 @leaf
 def end_piece(problem: DrivenChain, state: State, cell: int, heading: int) -> None:
-    """A cell has reached the end of its piece: it rests at a stop, jumps, or goes on."""
+    """Handle a cell at the end of its piece: it rests at a stop, jumps, or moves on."""
     ends = problem.sheets.ends
     end = ends[cell, HIGH] if heading > 0 else ends[cell, LOW]
     if state.travel[cell] == end:
@@ -321,7 +321,7 @@ def end_piece(problem: DrivenChain, state: State, cell: int, heading: int) -> No
 
 @leaf
 def jump(problem: DrivenChain, state: State, cell: int) -> bool:
-    """Let a cell whose sheet ends where it stands jump to the next one; whether it does."""
+    """Move a cell at the end of its sheet to the next sheet; returns whether there is one."""
     sheets = problem.sheets
     to = beyond(sheets, cell, state.travel[cell])
     if to < 0:
