@@ -169,7 +169,7 @@ def test_a_path_starts_in_any_state_that_can_stand_at_the_drive(stiffness, state
     past = 0.3 * (node.high - node.low) + 1e-3
     # The last phases go on for ever; all others end above.
     beyond = node.low - past if state == "11" else node.high + past
-    with refuses(ValueError, "stands from", " to "):
+    with refuses(ValueError, "stable from", " to "):
         chain.path([beyond], start=state)
 
 

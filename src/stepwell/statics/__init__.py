@@ -1,14 +1,14 @@
-"""How a chain moves with the stroke: equilibria, paths, snaps, certificates.
+"""Quasi-static motion of a chain: equilibria, paths, snaps, certificates.
 
-One word for one thing, here and in all rooms above:
+Terms, here and in all packages that import this one:
 
 - *stroke*: the displacement of the outermost block; a stroke of the actuator leads from one of its
   turning points to the next;
-- *path*: a chain's way through its equilibria while the actuator visits its turning points;
+- *path*: the equilibria of a chain while the actuator visits its turning points;
 - *segment*: a part of a path on which the same cells move; it holds, moves, or snaps;
 - *event*: a switch, where a cell arrives in another phase, or a snap;
 - *branch*: a connected family of stable equilibria, from snap to snap;
-- *passage*: what a path sees of one branch;
+- *passage*: the part of one branch on a path;
 - *section*: a part of a branch in one state;
 - *phase*: a stretch of a cell's travel that is stable under a prescribed force; a stop is one;
 - *state*: for each cell the number of its phase, or - in transit between two;

@@ -1,8 +1,8 @@
-"""Full cycles of many designs of one shape of chain, in one call: what each visits, by number.
+"""Full cycles of many designs of one shape of chain in one call: their states, as numbers.
 
-Every design is cut, followed and audited by the same kernels as `full_cycle`, so that its path
-keeps the same promises. What the kernels cannot answer, in whatever way, is left to `full_cycle`,
-whose message says why.
+Every design is cut, followed and audited by the same kernels as `full_cycle`, so its path passes
+the same checks. Designs that the kernels cannot compute are left to `full_cycle`, which raises an
+error with the reason.
 """
 
 import math
@@ -24,17 +24,17 @@ from stepwell.statics.following.state import DrivenChain, Spare, State
 from stepwell.statics.places import EPSILON, drive_weights, stand_at
 from stepwell.statics.sorted_cycle import WORTH_SORTING
 
-# Columns of what is known of a cell of a design.
+# Columns of the cells of a design.
 LEVER, SIN_LIMIT, FULL, FRICTION, MOBILITY = range(5)
 # And of a phase.
 _SHEET, _LOW, _HIGH, _FORCE_LOW, _FORCE_HIGH = range(5)
-# Columns of what is found out about a design.
+# Columns of the results of a design.
 SNAPS, TIES, PEAK, LOST, STROKE_UP, STROKE_DOWN, STEPS_UP, STEPS_DOWN = range(8)
 FOUND = 8
-# A design that needs more looks at forces than this between two turns is followed by itself.
+# Limit of force evaluations between two turns; designs above it are followed separately.
 _LOOKS = 1_000_000
-_AT_ONCE = 128  # designs that one core takes at a time
-# Nearer than this to what a cell may not be, as a share, the cell itself is asked.
+_AT_ONCE = 128  # designs in one block of a core
+# Nearer than this fraction to a limit of `Cell`, the cell itself is constructed.
 _CLEAR = 1e-3
 _LEAST_LIMIT, _MOST_LIMIT = math.sin(math.radians(0.02)), math.sin(math.radians(89.8))
 
@@ -43,8 +43,8 @@ _LEAST_LIMIT, _MOST_LIMIT = math.sin(math.radians(0.02)), math.sin(math.radians(
 class Designs(NamedTuple):
     """m designs of one shape of chain: N cells, B bands, M rows, T sheets, P phases.
 
-    What all share is the nominal chain's; rows and sheets have a leading axis of 1 where no design
-    has its own; travels of sheets and phases of lever cells follow from `cells`.
+    Common values are those of the nominal chain. Rows and sheets have a leading axis of 1 if they
+    are equal for all designs. Travels of sheets and phases of lever cells follow from `cells`.
     """
 
     laws: Laws
@@ -61,7 +61,7 @@ class Designs(NamedTuple):
 
 @record
 class _Work(NamedTuple):
-    """What one design after another is written to."""
+    """Work memory that is reused for every design."""
 
     laws: Laws
     sheets: Sheets
@@ -82,14 +82,14 @@ class _Work(NamedTuple):
 
 @record
 class Followed(NamedTuple):
-    """What m designs do in a full cycle; one whose first number is -1 has to be followed by itself.
+    """Results of full cycles of m designs; a first number -1 means: follow this one separately.
 
     Attributes:
-        visited: (m, V) the states in order, each a decimal number with a digit a cell, inner first;
-            -1 after the last one.
-        found: (m, 8) SNAPS and TIES, how many; PEAK, the extreme force [N]; LOST, energy [J];
+        visited: (m, V) the states in order, each a decimal number with one digit per cell, inner
+            first; -1 after the last one.
+        found: (m, 8) SNAPS and TIES, their numbers; PEAK, the extreme force [N]; LOST, energy [J];
             STROKE_UP, STROKE_DOWN of the first snap, loading and unloading [m], NaN without one;
-            STEPS_UP, STEPS_DOWN from state to state that snap.
+            STEPS_UP, STEPS_DOWN, numbers of steps from state to state with a snap.
     """
 
     visited: Ints
@@ -97,16 +97,17 @@ class Followed(NamedTuple):
 
 
 def nominal(chain: Chain, count: int) -> Designs | None:
-    """A number of designs that are all the chain, to be written over; None for a long one."""
+    """Designs that all equal the chain, to be overwritten; None for a long chain."""
     if len(chain) >= WORTH_SORTING:
         return None
     return _stacked([chain], [mech.packed(chain.cells)], count)
 
 
 def stacked(chains: Sequence[Chain]) -> Designs | None:
-    """Chains as designs of one shape; None where they have none in common, or are long.
+    """Chains as designs of one shape; None if their shapes differ, or for long chains.
 
-    One shape: as many cells, bands, sheets and phases, the same laws of bands and loads of cells.
+    One shape: equal numbers of cells, bands, sheets and phases, and the same laws of bands and
+    loads of cells.
     """
     if not chains or any(len(one) >= WORTH_SORTING for one in chains):
         return None
@@ -127,7 +128,7 @@ def _shape(chain: Chain, part: tuple[Laws, Sheets]) -> tuple[object, ...]:
 
 
 def _is_open_ended(chain: Chain) -> bool:
-    """Whether a full cycle goes on past all forces at which cells leave, as without stops."""
+    """Whether a full cycle goes past all critical forces, as for chains without stops."""
     rigid = math.isinf(chain.actuator_stiffness)
     stops = rigid and all(all(cell.stopped) for cell in chain.cells)
     return bool(chain.elements) and not stops
@@ -163,11 +164,12 @@ def _phase_rows(chain: Chain) -> list[tuple[float, ...]]:
 
 
 def full_cycles(designs: Designs, progress: Callable[[int, int], None] | None = None) -> Followed:
-    """What every design does in a full cycle, on all cores.
+    """Full cycles of all designs, on all cores.
 
     Args:
-        designs: of one shape of chain.
-        progress: called now and then with (done, total); what is left to another way is not done.
+        designs: designs of one shape of chain.
+        progress: called from time to time with (done, total); designs left to `full_cycle` do not
+            count as done.
     """
     m = len(designs.cells)
     out = Followed(np.full((m, 6 * designs.phases.shape[1] + 2), -1), np.full((m, FOUND), np.nan))
@@ -201,7 +203,7 @@ def _work(designs: Designs) -> _Work:
 
 @entry(4e-3, "designs.cells")
 def follow_each(designs: Designs, begin: int, end: int, work: _Work, out: Followed) -> None:
-    """Follow designs begin .. end, and write down what they do."""
+    """Follow designs begin .. end, and write their results."""
     for k in range(begin, end):
         _follow_one(designs, k, work, out.visited[k], out.found[k])
 
@@ -231,7 +233,7 @@ def _follow_one(designs: Designs, k: int, work: _Work, visited: Ints, numbers: F
 
 @leaf
 def _build(designs: Designs, k: int, work: _Work) -> bool:
-    """Write one design over the one before; False where it may not be one that can be built."""
+    """Write one design over the previous one; False if it may be invalid."""
     laws, table, phases, mobility = work.laws, work.sheets.table, work.phases, work.mobility
     own = k if len(designs.rows) > 1 else 0
     _copy(designs.rows[own], laws.rows)
@@ -268,7 +270,7 @@ def _copy(rows: Floats, out: Floats) -> None:
 
 @leaf
 def _can_be_built(laws: Laws, i: int, mobility: float) -> bool:
-    """Whether a lever cell surely is one; where in doubt the cell itself has to say so."""
+    """Whether a lever cell is certainly valid; otherwise `Cell` decides."""
     lever, limit, full = laws.lever[i], laws.sin_limit[i], laws.full[i]
     if not (0.0 < lever < np.inf and 0.0 <= laws.friction[i] < np.inf):
         return False
@@ -293,7 +295,7 @@ def _can_be_built(laws: Laws, i: int, mobility: float) -> bool:
 
 @leaf
 def _begin(designs: Designs, problem: DrivenChain, work: _Work) -> bool:
-    """Stand where a full cycle begins, and set its turns; False where it cannot be told plainly."""
+    """Set the beginning and the turns of a full cycle; False where they are uncertain."""
     # One function: chains with stops and without fill the same travels and turns.
     laws, sheets, pieces = problem.laws, problem.sheets, problem.pieces
     alpha, beta, scale, phases = problem.alpha, problem.beta, problem.scale, work.phases
@@ -343,7 +345,7 @@ def _begin(designs: Designs, problem: DrivenChain, work: _Work) -> bool:
 
 @leaf
 def _stand(problem: DrivenChain, work: _Work, drive: float) -> bool:
-    """The state at the beginning, as `starting_state` makes it; False where that might refuse."""
+    """Set the state at the beginning, as `starting_state` does; False where that might raise."""
     state, beta, full = work.state, problem.beta, mech.summed(problem.laws.full)
     if beta > 0.0 and 4.0 * EPSILON * problem.alpha * full > 0.5e-2 * problem.scale * beta:
         return False
@@ -383,7 +385,7 @@ def _read(
             snapped = int(row[logged.DIRECTION])
             way = STROKE_UP if snapped > 0 else STROKE_DOWN
             if np.isnan(numbers[way]):
-                # Cells without a row follow λ: the drive knows the sum, but under a dead load.
+                # Cells without a row follow λ: the drive gives the sum, except under a dead load.
                 (alpha, beta), numbers[way] = drive, mech.summed(travel)
                 if alpha > 0.0:
                     numbers[way] = (row[logged.DRIVE_0] - beta * row[logged.FORCE_0]) / alpha
@@ -418,7 +420,7 @@ def _first_state(designs: Designs, work: _Work) -> int:
 
 @leaf
 def _moved_on(designs: Designs, work: _Work, k: int) -> tuple[int, int]:
-    """By how much a segment changes the number of the state, and how many are in transit."""
+    """Changes of the number of the state and of the number of cells in transit by a segment."""
     log, phase, travel = work.state.log, work.phase, work.state.travel
     code, between = 0, 0
     for j in range(log.first[k], log.first[k + 1]):

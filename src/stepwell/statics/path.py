@@ -1,4 +1,4 @@
-"""A chain's way through its equilibria: samples, events, certificates."""
+"""Path of a chain through its equilibria: samples, events, certificates."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -30,22 +30,22 @@ from stepwell.statics.places import Configuration, drive_weights, problem_of
 if TYPE_CHECKING:
     import xarray
 
-# So many samples are drawn beside this thread, for Ctrl-C's sake.
+# Larger numbers of samples are computed in another thread, so that Ctrl-C works.
 _MANY = 20_000
 
-# Cells of the longest chain whose landings are checked unasked.
+# Cells of the longest chain whose landings are checked by default.
 _MOST_CHECKED = 8
 
 
 @dataclass(frozen=True, eq=False)
 class Path(base.ByValue, base.Drawn):
-    """A chain's way through its equilibria, with every event and a certificate at every point.
+    """Path of a chain through its equilibria, with all events and a certificate at every sample.
 
-    Between events the arrays hold `points` samples a branch; events are exact whatever the
-    sampling. n samples, N cells.
+    The arrays contain `points` samples per branch; events are exact for any sampling. n samples,
+    N cells.
 
     Attributes:
-        chain: what moved.
+        chain: the chain.
         turning_points: positions of the actuator [m], or forces [N] under force control.
         start, start_sheet: (N,) travels [m] and sheets of the cells' curves at the beginning.
         points: samples on each smooth branch.
@@ -88,7 +88,7 @@ class Path(base.ByValue, base.Drawn):
         return problem_of(self.chain)
 
     def with_problem(self, problem: state.DrivenChain | None) -> "Path":
-        """The same path, which need not set up its problem once more."""
+        """This path, with its problem already set up."""
         if problem is not None:
             self.__dict__["_problem"] = problem
         return self
@@ -105,7 +105,7 @@ class Path(base.ByValue, base.Drawn):
 
     @property
     def sheet(self) -> base.Ints:
-        """(n, N) the sheet of its curve on which every cell is; all 0 unless one folds back."""
+        """(n, N) sheet of every cell on its curve; all 0 unless a curve folds back."""
         return self._samples.sheet
 
     @cached_property
@@ -158,17 +158,17 @@ class Path(base.ByValue, base.Drawn):
 
     @cached_property
     def events(self) -> tuple[Event, ...]:
-        """Every switch and snap in order."""
+        """All switches and snaps in order."""
         return tuple(events_of(self.segments(), np.array(self.start), self.chain))
 
     @cached_property
     def phase_changes(self) -> tuple[list[int], list[list[tuple[int, int]]]]:
-        """(N,) phases at the start, and (cell, phase) of what changes together; -1 in transit."""
+        """(N,) phases at the start, and (cell, phase) of simultaneous changes; -1 in transit."""
         return phase_changes(self._log, self.start, self.start_sheet, self.chain.stretches)
 
     @cached_property
     def degenerate(self) -> tuple[Tie, ...]:
-        """Where two outcomes were closer than the tolerance, with advice; empty if nowhere."""
+        """Degenerate events (ties), with advice; empty if there are none."""
         ties: list[Tie] = []
         for row in self._log.segments[self._log.segments[:, logged.TIE_A] >= 0]:
             cells = tuple(dict.fromkeys((int(row[logged.TIE_A]), int(row[logged.TIE_B]))))
@@ -180,17 +180,17 @@ class Path(base.ByValue, base.Drawn):
     def landings(
         self, ratio: float = 10.0, *, bound: float = 0.05, seed: int = 0
     ) -> tuple[Landing, ...]:
-        """Whether each snap, in order, lands where it does for all mobilities within a ratio.
+        """Robustness of the landing of each snap, in order, for all mobilities within a ratio.
 
-        Where nothing proves it, the snap is computed with mobilities at the ends of the range, then
-        with random ones; `Landing.bound` is the share that still may lead elsewhere, with 95 %
+        Without a proof, the snap is computed with mobilities at the ends of the range, then with
+        random ones; `Landing.bound` is the fraction that may still lead elsewhere, with 95 %
         confidence. Snaps that follow one another at once, through saddles, count as one.
 
         Args:
-            ratio: how far apart the factors beside the given mobilities may be, 1 to 1000.
-            bound: the share of mobilities that may lead elsewhere at most where no sample did,
-                0.001 to 0.5; 0.05 takes 59 samples for each snap that is not proved.
-            seed: of those at random; the same one tries the same ones.
+            ratio: largest ratio of two factors of the given mobilities, 1 to 1000.
+            bound: largest fraction of mobilities that may lead elsewhere if no sample does, 0.001
+                to 0.5; 0.05 takes 59 samples for each snap without a proof.
+            seed: random seed; the same seed gives the same samples.
 
         Raises:
             ValueError: a ratio, a bound or a seed that is not allowed.
@@ -205,9 +205,7 @@ class Path(base.ByValue, base.Drawn):
 
     @cached_property
     def checked_landings(self) -> tuple[Landing, ...] | None:
-        """`landings` up to a ratio of 10; None of more than 8 cells if they snap, for it takes
-        long.
-        """
+        """`landings` up to a ratio of 10; None for chains of more than 8 cells with snaps."""
         snaps = any(event.kind is EventKind.SNAP for event in self.events)
         return self.landings() if len(self.chain) <= _MOST_CHECKED else None if snaps else ()
 
@@ -220,24 +218,24 @@ class Path(base.ByValue, base.Drawn):
         restitution: float = 0.0,
         history: bool = False,
     ) -> InertialLanding:
-        """Where a snap comes to rest if its blocks have masses: a second opinion on its landing.
+        """Landing of a snap with masses of the blocks, as a check of the overdamped landing.
 
         The drive stays where the snap begins. A block outside cell j moves by s_1 + … + s_j, so the
         kinetic energy is ½ Σ M_j u̇_j². A rigid actuator holds the outermost block, whose mass then
-        has no say. Volumes take inertances [kg/m⁴], angles moments of inertia [kg m²].
+        has no effect. Volumes take inertances [kg/m⁴], angles moments of inertia [kg m²].
 
         Args:
             snap: its number among the path's snaps, from 0, or the event itself.
             masses: (N,) of the block outside each cell, inner first [kg], > 0.
-            damping: (N,) viscous, on each travel [N s/m], >= 0. With 1/mobility and masses that
-                are next to nothing the landing is the path's own.
-            restitution: speed after a blow at a stop by that before, 0 to below 1.
-            history: whether travels and speeds over time are kept.
+            damping: (N,) viscous, on each travel [N s/m], >= 0. With 1/mobility and very small
+                masses the landing is that of the path.
+            restitution: coefficient of restitution at a stop, 0 to below 1.
+            history: whether the result contains travels and speeds over time.
 
         Raises:
-            ValueError: no such snap, not one mass and damper a cell, a number out of range, or
-                nothing at all that takes energy.
-            StaticsError: it does not come to rest.
+            ValueError: no such snap, not one mass and damper per cell, a number out of range, or
+                no dissipation at all.
+            StaticsError: the snap does not come to rest.
 
         Source: ours; blows by Newton's law of restitution (Moreau 1988 for several at once), forces
         between cells by Gauss's principle of least constraint, steps by extrapolation (Deuflhard
@@ -275,7 +273,7 @@ class Path(base.ByValue, base.Drawn):
 
     @cached_property
     def work(self) -> float:
-        """Work done by the actuator [J]: what was lost plus what is stored in addition."""
+        """Work of the actuator [J]: dissipated energy plus the change of stored energy."""
         _, beta = drive_weights(self.chain)
         ends = (np.array(self.start), self.start_sheet), (self.end, self.end_sheet)
         stored = [
@@ -291,7 +289,7 @@ class Path(base.ByValue, base.Drawn):
         return self.dissipated + stored[1] - stored[0] + spring
 
     def segments(self) -> Iterator[Segment]:
-        """Every segment of the path in order: holds, smooth moves, snaps."""
+        """Segments of the path in order: holds, smooth moves, snaps."""
         return segments_of(self._log, self.start, lambda: self._problem)
 
     @property
@@ -325,7 +323,7 @@ class Path(base.ByValue, base.Drawn):
 
     @cached_property
     def end_configuration(self) -> Configuration:
-        """Where the cells stand at the end: another path can start there."""
+        """Configuration of the cells at the end: another path can start there."""
         travels, sheets, movers = np.array(self.start), np.array(self.start_sheet), self._log.movers
         cells = movers[:, logged.CELL].astype(int)
         # Later rows overwrite earlier ones: NumPy assigns in order.
@@ -366,7 +364,7 @@ class Path(base.ByValue, base.Drawn):
         volume = measure is base.Measure.VOLUME
         outermost = "sum over the cells" if volume else "displacement of the outermost block"
         folds = any(len(element.laws) > 1 for element in self.chain.elements)
-        each = "on which sheet of its curve each cell is"
+        each = "sheet of each cell on its curve"
         sheet = base.Quantity("sheet", doc=each, dims=("cell",))
         drive = base.display_unit(self.chain.drive_unit)[0]
         schema = (

@@ -1,4 +1,4 @@
-"""A chain as a problem for the follower: where it stands in a state, and where a path starts."""
+"""Problems for the follower: configurations of a chain in a state, and starts of a path."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -27,11 +27,11 @@ def drive_weights(chain: Chain) -> tuple[float, float]:
 def problem_of(
     chain: Chain, cells: tuple[Laws, Sheets] | None = None, prefer: Sequence[int] | None = None
 ) -> DrivenChain:
-    """The problem that a chain sets.
+    """The problem of a chain for the follower.
 
     Args:
-        cells: its packed cells, where they are at hand.
-        prefer: cells by falling priority where two of them tie.
+        cells: its packed cells, if available.
+        prefer: cells by falling priority for ties.
 
     Raises:
         ValueError: a `prefer` that does not name every cell once.
@@ -44,8 +44,9 @@ def problem_of(
     if counts[worst] > cutting.MOST_PIECES:
         cell = int(np.searchsorted(np.unique(sheets.table[:, mech.FIRST]), worst, side="right")) - 1
         raise StaticsError(
-            f"the force of {chain.names[cell]} turns {counts[worst]} times over its travel, too "
-            f"often to follow: smooth its table, or look for a band whose ends nearly meet."
+            f"the force of {chain.names[cell]} has {counts[worst]} extrema or kinks over its "
+            f"travel, too many to follow. Smooth its table, or check for a band whose ends nearly "
+            f"meet."
         )
     scale, rank = cutting.force_scale(laws, sheets, pieces), _ranks(len(chain), prefer)
     weights, mobility = drive_weights(chain), mech.mobilities_of(chain.cells)
@@ -55,27 +56,27 @@ def problem_of(
 
 def _ranks(cells: int, prefer: Sequence[int] | None) -> Ints:
     if prefer is None:
-        # All alike: cells of constant force share the motion, else the innermost goes first.
+        # Equal ranks: cells of constant force share the motion, else the innermost moves first.
         return np.zeros(cells, np.int64)
     order = [int(i) for i in prefer]
     if sorted(order) != list(range(cells)):
         raise InputError(
-            f"prefer = {prefer!r}: must name each of the cells 0..{cells - 1} once, first the one "
-            f"that goes first."
+            f"prefer = {prefer!r}: must name each of the cells 0..{cells - 1} once, in the order "
+            f"of priority."
         )
     ranks = np.empty(cells, np.int64)
     ranks[order] = np.arange(cells)
     return ranks
 
 
-# Beyond the last force at which a cell goes on to another phase, as a share of all forces.
+# Distance of the ends of a full cycle to the last critical force, as a fraction of all forces.
 _BEYOND = 0.05
-# How far within the forces of a state it is stood in, as a share of them.
+# Distance of a configuration to the critical forces of its state, as a fraction of their range.
 _WITHIN = 1e-3
 
 
 class Configuration(NamedTuple):
-    """Where the cells of a chain stand."""
+    """Travels and sheets of the cells of a chain."""
 
     travel: tuple[float, ...]  # (N,) [m]
     sheet: tuple[int, ...]  # (N,) of their curves
@@ -102,14 +103,14 @@ def read_state(chain: Chain, name: str, state: str) -> tuple[int, ...]:
 
 
 def place_at(chain: Chain, problem: DrivenChain, state: str, drive: float) -> Configuration:
-    """Where the chain stands in a state at `drive` [m], or [N]; ValueError where it cannot."""
+    """Configuration of a chain in a state at `drive` [m], or [N]; ValueError where it has none."""
     phases = read_state(chain, "start", state)
     stretches = [own[k] for own, k in zip(chain.stretches, phases, strict=True)]
     if all(low == high for _, low, high in stretches):
         return _place(np.array([low for _, low, _ in stretches]), stretches)
     low, high = _forces(chain, problem, phases)
     if low > high:
-        # Whoever begins there is told what does not balance.
+        # The check of the start reports the imbalance.
         return _place(_at(problem, stretches, 0.5 * (low + high)), stretches)
 
     def look(force: float) -> _Look:
@@ -124,7 +125,7 @@ def place_at(chain: Chain, problem: DrivenChain, state: str, drive: float) -> Co
 
 
 class _Look(NamedTuple):
-    """Travels (N,) [m] at a force [N], and how far the drive is above the one asked for."""
+    """Travels (N,) [m] at a force [N], and the drive minus the requested one."""
 
     force: float
     travel: Floats
@@ -159,8 +160,8 @@ def drive_range(chain: Chain, problem: DrivenChain | None = None) -> tuple[float
 
 
 def full_range(chain: Chain, problem: DrivenChain) -> tuple[Configuration, tuple[float, float]]:
-    """Where a full cycle begins, and the drives between which it goes."""
-    # Stops end a rigid actuator's; others go a little beyond all forces at which a cell leaves.
+    """Beginning of a full cycle, and its range of drives."""
+    # A rigid actuator ends at stops; others go a little past all critical forces.
     laws, pieces = problem.laws, problem.pieces
     if not chain.elements or (problem.beta == 0 and all(all(c.stopped) for c in chain.cells)):
         (low, high), first = mech.ends_of(problem.sheets), [own[0] for own in chain.stretches]
@@ -188,7 +189,7 @@ def full_range(chain: Chain, problem: DrivenChain) -> tuple[Configuration, tuple
 
 
 def standing(chain: Chain, problem: DrivenChain, state: str) -> tuple[Configuration, float] | None:
-    """Where the chain stands in a state under the force nearest to none, and the drive, or None.
+    """Configuration and drive of a state at the smallest force in size, or None if unstable.
 
     Raises ValueError for a state that the chain cannot have.
     """
@@ -197,7 +198,7 @@ def standing(chain: Chain, problem: DrivenChain, state: str) -> tuple[Configurat
     if low > high:
         return None
     stretches = [own[k] for own, k in zip(chain.stretches, phases, strict=True)]
-    # Where a stretch ends, only just nothing holds the cell; a stop does.
+    # At the end of a stretch the cell is marginally stable; at a stop it is stable.
     within = 0.0 if all(a == b for _, a, b in stretches) else _WITHIN * (high - low)
     force = min(max(0.0, low + within), high - within)
     travel = _at(problem, stretches, force)
@@ -213,7 +214,7 @@ def _drive(problem: DrivenChain, travel: Floats, force: float) -> float:
 
 
 def _forces(chain: Chain, problem: DrivenChain, phases: Sequence[int]) -> tuple[float, float]:
-    """Forces between which all cells stay in these phases [N], as far as open ends go on."""
+    """Forces between which all cells stay in these phases [N], within the range of open ends."""
     own = [cell[k] for cell, k in zip(chain.phases, phases, strict=True)]
     rub = problem.laws.friction.tolist()
     low = max(phase.force_low - f for phase, f in zip(own, rub, strict=True))
@@ -238,16 +239,15 @@ def travel_in(problem: DrivenChain, cell: int, stretch: Stretch, force: float) -
 def _refuse_drive(chain: Chain, state: str, drive: float, low: float, high: float) -> None:
     unit, factor = display_unit(chain.drive_unit)
     raise InputError(
-        f"turning_points[0] = {drive * factor:.9g} {unit}: in the state {state} the chain stands "
-        f"from {low * factor:.9g} to {high * factor:.9g} {unit}; begin "
-        f"there, or pass another start."
+        f"turning_points[0] = {drive * factor:.9g} {unit}: the state {state} is stable from "
+        f"{low * factor:.9g} to {high * factor:.9g} {unit}; begin there, or pass another start."
     )
 
 
 EPSILON = float(np.finfo(float).eps)
-# A spring whose force is known to no better than this share of the cells' tells nothing.
+# Largest rounding error of the spring force, as a fraction of the forces of the cells.
 _BLUNT = 1e-2
-# A sum of compliances below this share of them is that of a fold.
+# A sum of compliances below this fraction of their sizes is that of a fold.
 _FOLD = 1e-5
 
 
@@ -257,8 +257,8 @@ def starting_configuration(
     start: str | Configuration | Sequence[float] | None,
     drive: float,
 ) -> Configuration:
-    """Where a start is: a state such as "010", a place, travels on first sheets, or none."""
-    # Raises ValueError where the chain does not have it, or does not stand there at `drive`.
+    """Configuration of a start: a state such as "010", a place, travels, or none."""
+    # Raises ValueError where the chain does not have it, or has no equilibrium there at `drive`.
     if start is None or isinstance(start, str):
         return place_at(chain, problem, chain.first_state if start is None else start, drive)
     given, sheets = start if isinstance(start, Configuration) else (start, (0,) * len(chain))
@@ -270,8 +270,8 @@ def starting_configuration(
     named = len(sheets) == len(chain)
     if not named or any(not 0 <= k < n for k, n in zip(sheets, counts, strict=True)):
         raise InputError(
-            f"start.sheet = {sheets!r}: must name one sheet a cell, counted from 0, of as many as "
-            f"its curve has: {', '.join(map(str, counts))}."
+            f"start.sheet = {sheets!r}: must contain one sheet number per cell, from 0; the curves "
+            f"have {', '.join(map(str, counts))} sheets."
         )
     table, now = problem.sheets.table, problem.sheets.now
     low, high = table[
@@ -290,7 +290,7 @@ def starting_configuration(
 
 
 def starting_state(chain: Chain, problem: DrivenChain, place: Configuration, drive: float) -> State:
-    """The state in which the chain stands at a place; ValueError where it does not, stably."""
+    """State of the chain at a place; ValueError where it is no stable equilibrium."""
     alpha, beta, scale = problem.alpha, problem.beta, problem.scale
     travels, full = np.array(place.travel), math.fsum(problem.laws.full.tolist())
     if beta > 0 and 4.0 * EPSILON * alpha * full > _BLUNT * scale * beta:
@@ -309,8 +309,8 @@ def starting_state(chain: Chain, problem: DrivenChain, place: Configuration, dri
         raise InputError(_unbalanced(chain, problem, state, force))
     if not stable:
         raise InputError(
-            f"start is an unstable equilibrium: {falling} cells between their stops push back less "
-            f"the further they go (theory page, 'Stability'); the chain would leave it by itself."
+            f"start is an unstable equilibrium: {falling} cells between their stops have negative "
+            f"stiffness (theory page, 'Stability'). Start from a stable state."
         )
     return state
 
@@ -318,13 +318,13 @@ def starting_state(chain: Chain, problem: DrivenChain, place: Configuration, dri
 def _refuse_blunt(chain: Chain, scale: float, full: float) -> None:
     if scale <= cutting.NO_FORCE:
         raise InputError(
-            "no cell has any force, so nothing tells where they stand behind a spring: tighten "
-            "a band, or prescribe the stroke (math.inf, or 'rigid')."
+            "no cell has any force, so their travels behind a spring are undefined. Tighten a "
+            "band, or prescribe the stroke (math.inf, or 'rigid')."
         )
     raise InputError(
         f"actuator_stiffness = {chain.actuator_stiffness:.6g} N/m: is too stiff for cells of "
-        f"at most {scale:.3g} N on {full:.3g} m: the last digit of its position "
-        f"would decide. Prescribe the stroke (math.inf, or 'rigid'), which does the same."
+        f"at most {scale:.3g} N on {full:.3g} m, because the rounding error of its position "
+        f"dominates. Prescribe the stroke (math.inf, or 'rigid'), which has the same result."
     )
 
 
@@ -333,8 +333,8 @@ def _refuse_blunt(chain: Chain, scale: float, full: float) -> None:
 def stand_at(
     problem: DrivenChain, state: State, sheets: Ints, drive: float
 ) -> tuple[bool, bool, int, float]:
-    """Let all cells rest, free where nothing holds them; whether they balance, and stably."""
-    # Then how many of the free ones have a falling force, and the force of the actuator.
+    """Set all cells to rest; whether they balance, and whether stably."""
+    # Also the number of free cells with a falling force, and the force of the actuator.
     laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
     alpha, beta, travel = problem.alpha, problem.beta, state.travel
     cutting.stand_all_on(laws, problem.sheets, pieces, sheets)
@@ -354,8 +354,8 @@ def stand_at(
     mean, rounding = pushes / free if free else 0.0, 0.0
     force = mean if free else min(max(0.0, low), high)
     if beta > 0.0:
-        # A drive is a double, and behind a stiff spring its last digits are a force to be seen.
-        # What it leaves open the cells tell.
+        # A drive is a double, and behind a stiff spring its last digits are a noticeable force.
+        # Within this rounding the cells decide the force.
         force = (drive - alpha * mech.summed(travel)) / beta
         rounding = 4.0 * EPSILON * (abs(drive) + alpha * reach) / beta
     slip = 1e-9 * problem.scale + rounding
@@ -384,6 +384,6 @@ def _unbalanced(chain: Chain, problem: DrivenChain, state: State, force: float) 
         )
     given = f" and the actuator gives {force * size:.4g} {of_force}" if problem.beta > 0 else ""
     return (
-        f"start is no equilibrium: {'; '.join(parts)}{given}; one force must suit all. Start from "
-        f"all cells at 0 and drive to the state that you mean."
+        f"start is no equilibrium: {'; '.join(parts)}{given}; one force must be within all ranges. "
+        f"Start from all cells at 0 and drive to the intended state."
     )

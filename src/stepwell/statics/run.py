@@ -15,20 +15,20 @@ from stepwell.statics.following.follow import follow
 from stepwell.statics.following.state import DrivenChain, State, drive_of
 from stepwell.statics.path import Path
 
-# A path that needs more is not a path but a loop.
+# Limit of segments, which only an endless loop exceeds.
 _MOST_SEGMENTS = 4_000_000
-# So many are looked at beside this thread, for Ctrl-C's sake.
+# Longer logs are audited in another thread, so that Ctrl-C works.
 _MANY_SEGMENTS = 10_000
-# Chains of up to so many cells look at so many forces at most between two turning points.
+# Largest short chain, and its limit of force evaluations between two turning points.
 _SHORT, _MOST_LOOKS = 16, 20_000_000
-# A run that looks no oftener than this, compiled or not, is over before anyone asks for it.
+# Force evaluations of a run, compiled or interpreted, that is too short for a thread.
 _UNWATCHED, _UNWATCHED_INTERPRETED = 1_000_000, 50_000
 _ASK_AFTER = 1.0  # s of the processor
 Progress = Callable[[float, float], None]
 
 
 class _MachineCodeCame(Exception):
-    """An interpreted run need not go on."""
+    """Machine code is available, so the interpreted run stops."""
 
 
 def path(
@@ -39,7 +39,7 @@ def path(
     prefer: Sequence[int] | None = None,
     progress: Progress | None = None,
 ) -> Path:
-    """Follow the local energy minimum exactly at these points. All else as for `Chain.path`."""
+    """The path of the local energy minimum through these points. All else as for `Chain.path`."""
     points = _finite_turns(turning_points)
     problem = places.problem_of(chain, prefer=prefer)
     points = _reached_turns(chain, problem, points)
@@ -51,7 +51,7 @@ def path(
 def full_cycle(
     chain: Chain, *, prefer: Sequence[int] | None = None, progress: Progress | None = None
 ) -> Path:
-    """The path of a full cycle, until all cells are at 1 and back; see `Chain.cycle`."""
+    """The path of a full cycle; see `Chain.cycle`."""
     cells = packed(chain.cells)
     laws, _ = cells
     rigid = math.isinf(chain.actuator_stiffness)
@@ -77,9 +77,9 @@ def _follow_from(
     start: State,
     progress: Progress | None,
 ) -> Path:
-    """Run the follower from a place and its state, giving it a longer log where it needs one."""
+    """Run the follower from a place and its state, with a longer log where needed."""
     room = 64 + 16 * len(chain) * len(turning)
-    # Up to so many cells a run answers or gives up in seconds; longer ones may take what they need.
+    # A short chain ends or reaches the step limit in seconds; longer chains have no limit.
     most = _MOST_LOOKS if len(chain) <= _SHORT else UNLIMITED
     sheets = np.array(place.sheet)
     aside = len(chain) * len(turning) > 3 * _SHORT or progress is not None
@@ -126,7 +126,7 @@ def _follow_from(
 
 
 def _involved(state: State) -> list[int]:
-    """The cells that moved in the last two segments, and the one that sets off the next snap."""
+    """The cells that moved in the last two segments, and the trigger of the next snap."""
     log, trigger = state.log, int(state.next_snap[st.TRIGGER])
     begin, end = log.first[[max(int(log.used[0]) - 2, 0), int(log.used[0])]].tolist()
     moved = log.movers[begin:end, logged.CELL].astype(int).tolist()
@@ -140,7 +140,7 @@ def _watched(
     queues: rising.Rising,
     progress: Progress | None,
 ) -> int:
-    """Run beside this thread, which hears Ctrl-C and goes over to machine code once it is there."""
+    """Run in another thread; this one handles Ctrl-C and changes to machine code if available."""
     way = np.abs(np.diff(turning))
     done = np.concatenate([[0.0], np.cumsum(way)])
     interpreted, begun = follow.interpreted, process_time()
@@ -181,8 +181,8 @@ def _finite_turns(turning_points: Sequence[float]) -> Floats:
     points = np.asarray(turning_points, float)
     if points.ndim != 1 or len(points) < 1 or not np.all(np.isfinite(points)):
         raise InputError(
-            f"turning_points = {turning_points!r}: must be one or more finite numbers, where the "
-            f"actuator starts and where it turns."
+            f"turning_points = {turning_points!r}: must be one or more finite numbers, the start "
+            f"and the turning points of the actuator."
         )
     return points
 
