@@ -291,7 +291,7 @@ def test_what_makes_no_sense_is_refused_with_a_sentence(change, complaint):
 
 
 def test_what_nothing_brings_to_rest_is_refused():
-    with pytest.raises(ValueError, match="nothing takes energy"):
+    with pytest.raises(ValueError, match="no dissipation"):
         under_force(trilinear()).inertial_landing(0, [0.01], [0.0])
 
 

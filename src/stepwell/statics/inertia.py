@@ -1,4 +1,4 @@
-"""Blocks with masses on taut bands: their rates, their energy, and one step of their motion."""
+"""Dynamics of blocks with masses: accelerations, kinetic energy, impacts, and one time step."""
 
 from typing import NamedTuple
 
@@ -9,13 +9,13 @@ from stepwell.kernels import kernel
 from stepwell.mechanism import law, pick_rows
 from stepwell.statics.following.state import DrivenChain
 
-# So near to the solution, as a share of the largest number in it.
+# Convergence tolerance, as a fraction of the largest number in the solution.
 _CLOSE = 1e-15
 
 
 @kernel
 def taut(low: Floats, high: Floats, extra: Floats, loose: Floats, end: float, out: Floats) -> None:
-    """Forces across cells, (N,) within their bounds, that pull the blocks as little as can be."""
+    """Forces across cells, (N,) within their bounds, with the least constraint on the blocks."""
     # The force x_i accelerates the block inside cell i by +x_i/M and that outside by -x_i/M; Σ M ü²
     # is least (Gauss's principle), so a cell accelerates only at its bounds: a taut string through
     # them over the masses laid end to end. Impulses and jumps of speed obey the same. `extra` is
@@ -24,7 +24,7 @@ def taut(low: Floats, high: Floats, extra: Floats, loose: Floats, end: float, ou
     n = len(low)
     for i in range(n):
         out[i] = min(max(out[i], low[i]), high[i])
-    # Sweeps from cell to cell: a run of n cells at rest needs of the order of n² of them.
+    # Sweeps from cell to cell: a run of n cells at rest needs about n² sweeps.
     for _ in range(100 + 40 * n * n):
         change, size = 0.0, abs(end)
         for i in range(n):
@@ -64,8 +64,8 @@ def kinetic(mass: Floats, loose: Floats, speed: Floats) -> float:
 
 @kernel
 def blow(low: Floats, high: Floats, bounce: Floats, loose: Floats, speed: Floats) -> None:
-    """Speeds (N,) after cells hit stops where bounds are infinite, in place, by their `bounce`."""
-    # Source: Newton's law of restitution; for several blows at once Moreau 1988.
+    """Speeds (N,) after impacts at stops (infinite bounds), in place, by their `bounce`."""
+    # Source: Newton's law of restitution; for simultaneous impacts Moreau 1988.
     impulse, jump = np.zeros(len(speed)), np.empty(len(speed))
     taut(low, high, (1.0 + bounce) * speed, loose, 0.0, impulse)
     rates(impulse, loose, 0.0, jump)
@@ -74,12 +74,12 @@ def blow(low: Floats, high: Floats, bounce: Floats, loose: Floats, speed: Floats
         speed[i] = -bounce[i] * speed[i] if held else speed[i] + jump[i]
 
 
-# A step is done once in 1, 2, … so many parts.
+# Columns of the extrapolation: a step is computed in 1, 2, … COLUMNS parts.
 COLUMNS = 5
 
 
 class FreeCells(NamedTuple):
-    """The k cells that move between two contacts, with the blocks that each takes along."""
+    """The k cells that move between two contacts, with the blocks that move with each."""
 
     cells: Ints  # (k,)
     mass: Floats  # (k,) [kg] of all blocks from each cell outwards to the next that moves
@@ -90,7 +90,7 @@ class FreeCells(NamedTuple):
     slope: Floats  # (k,) κ there [N/m]
     level: float  # λ there [N]
     stiff: float  # of the actuator [N/m]; 0 under a dead load
-    free: int  # how many groups of blocks move: k, or k - 1 where the outermost is held
+    free: int  # number of moving groups of blocks: k, or k - 1 where the outermost is held
     rows: Ints  # (k, slots) of each law, the same all through a step: there the law is smooth
     spare: Ints  # (slots,) memory for other rows
 
@@ -143,7 +143,7 @@ def solve(leg: FreeCells, h: float, mass: float, pull: Floats) -> bool:
 
 @kernel
 def _march(problem: DrivenChain, leg: FreeCells, h: float, parts: int, out: Floats) -> bool:
-    """The step in so many equal parts; (2k + 1,) way, pace and energy damped at its end."""
+    """The step in `parts` equal parts; (2k + 1,) way, pace and energy damped at its end."""
     k, free = len(leg.cells), leg.free
     way, now, part = np.zeros(k), leg.pace.copy(), h / parts
     force, pull, damped = np.empty(k), np.empty(k), 0.0
@@ -151,7 +151,7 @@ def _march(problem: DrivenChain, leg: FreeCells, h: float, parts: int, out: Floa
         end = tensions(problem, leg, way, now, force) - part * leg.stiff * now[-1]
         fast = 0.0
         for m in range(k):
-            # As it will be when the part ends, as far as the present speeds tell.
+            # Linear prediction for the end of the part, from the present speeds.
             force[m] += part * leg.slope[m] * (now[m] - fast)
             fast = now[m]
         for m in range(free):
@@ -172,8 +172,8 @@ def _march(problem: DrivenChain, leg: FreeCells, h: float, parts: int, out: Floa
 @kernel
 def stride(problem: DrivenChain, leg: FreeCells, h: float, out: Floats, error: Floats) -> bool:
     """A step of length h [s], extrapolated to order COLUMNS; False where it is too long."""
-    # `out` (2k + 1,) are ways, speeds and damped energy, `error` what the last column added.
-    # Source: Deuflhard 1985; an L-stable method also takes blocks without mass to speak of.
+    # `out` (2k + 1,) are ways, speeds and damped energy, `error` the change by the last column.
+    # Source: Deuflhard 1985; an L-stable method also handles blocks of negligible mass.
     table = np.empty((COLUMNS, len(out)))
     for j in range(COLUMNS):
         if not _march(problem, leg, h, j + 1, table[j]):

@@ -1,4 +1,4 @@
-"""Where a snap lands if its blocks have masses: a second opinion on the overdamped landing."""
+"""Landing of a snap with masses of the blocks, as a check of the overdamped landing."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.landing_robustness import Place, same_place, state_of
 from stepwell.statics.landings.start import Snap
 
-# The push on the leader that sets it off, as a share of the largest force.
+# Perturbation force on the leader, as a fraction of the largest force.
 _PUSH = 1e-7
 # Tolerances of a step, until two agree on landing, peak speed and the balance of energy.
 _TOLERANCES = 1e-6, 1e-7, 1e-8, 1e-9, 1e-10
 _SPEEDS_AGREE, _ENERGIES_AGREE = 1e-2, 1e-5
-# Friction may leave landings that are one so far apart, as a share of the full travel.
+# Largest distance of equal landings with friction, as a fraction of the full travel.
 _NEAR = 1e-3
-# So many steps at a time, and so many in all.
+# Steps per call, and in total.
 _ROWS, _MOST_STEPS = 1000, 300_000
 
-# Units of mass and damping, by what travel and force are.
+# Units of mass and damping, by measure.
 _UNITS = {
     Measure.TRAVEL: ("kg", "N s/m"),
     Measure.VOLUME: ("kg/m⁴", "Pa s/m³"),
@@ -52,26 +52,26 @@ class History(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InertialLanding(ByValue):
-    """Where a snap comes to rest with given masses and dampers; N cells.
+    """Landing of a snap with given masses and dampers; N cells.
 
     Attributes:
         event: the snap; where it passes through saddles, the first of those that follow at once.
         masses: (N,) of the block outside each cell [kg].
         damping: (N,) on the travels [N s/m].
-        restitution: of a blow at a stop.
-        travel, sheet: (N,) where it comes to rest [m], on sheets of the cells' curves.
+        restitution: coefficient of restitution at a stop.
+        travel, sheet: (N,) travels at rest [m], and sheets of the cells' curves.
         state: the phases there, - in transit.
-        time: until less than 1e-10 of the energy is left to lose [s]. Near a fold it hangs on
-            how gently the snap is set off, as the square root or less.
-        peak_speed: the fastest that any block is [m/s], to a hundredth of it.
-        freed: energy that the cells and the actuator give [J].
-        damped, rubbed, struck, jumped: what dampers, friction, blows at stops and jumps to other
-            sheets take of it [J].
-        agrees: whether it is where the overdamped snap of the path lands.
-        tie: whether a stronger push or a finer step lands elsewhere: then the landing hangs on less
-            than any real mechanism can promise.
-        steps: of the integration.
-        history: travels and speeds over time, where asked for.
+        time: until less than 1e-10 of the energy remains to be dissipated [s]. Near a fold it
+            depends on the size of the perturbation, as the square root or less.
+        peak_speed: largest speed of any block [m/s], to one percent.
+        freed: energy released by the cells and the actuator [J].
+        damped, rubbed, struck, jumped: energy dissipated by dampers, friction, impacts at stops and
+            jumps to other sheets [J].
+        agrees: whether it equals the overdamped landing of the path.
+        tie: whether a larger perturbation or a finer step changes the landing: then it depends on
+            less than the precision of any real mechanism.
+        steps: number of steps of the integration.
+        history: travels and speeds over time, if requested.
     """
 
     event: Event
@@ -95,15 +95,15 @@ class InertialLanding(ByValue):
 
     @property
     def imbalance(self) -> float:
-        """Certificate: energy that was freed and that nothing took [J]: 1e-5 of it or less."""
+        """Certificate: error of the energy balance [J], at most 1e-5 of the released energy."""
         return self.freed - self.damped - self.rubbed - self.struck - self.jumped
 
     def __str__(self):
-        where = "where it does without masses" if self.agrees else "elsewhere than without masses"
-        tie = "; a little more push and it lands elsewhere" if self.tie else ""
+        where = "as without masses" if self.agrees else "unlike without masses"
+        tie = "; a slightly larger perturbation changes the landing" if self.tie else ""
         return (
             f"lands in {self.state} after {amount(self.time, 's')}, {where}{tie}: of "
-            f"{amount(self.freed, 'J')} dampers take {amount(self.damped, 'J')}, blows "
+            f"{amount(self.freed, 'J')} dampers dissipate {amount(self.damped, 'J')}, impacts "
             f"{amount(self.struck, 'J')}, friction {amount(self.rubbed, 'J')}."
         )
 
@@ -133,7 +133,7 @@ Inertia = tuple[Sequence[float], Sequence[float], float]
 def inertial_landing(
     chain: Chain, problem: DrivenChain, snap: Snap, event: Event, inertia: Inertia, *, history: bool
 ) -> InertialLanding:
-    """Where a snap of a chain lands with masses, as for `Path.inertial_landing`."""
+    """Landing of a snap with masses, as for `Path.inertial_landing`."""
     body = _body(chain, problem, snap, inertia)
 
     def go(tolerance: float, push: float) -> _Integration:
@@ -155,9 +155,9 @@ def inertial_landing(
     else:
         if not tie:
             raise outcome.StaticsError(
-                f"the snap at {event.drive:.6g} does not come out right with masses: energies are "
-                f"{amount(fine.imbalance, 'J')} apart. Its masses or dampers are too far apart "
-                f"for double precision: look for one that was meant in another unit."
+                f"the energy balance of the snap at {event.drive:.6g} with masses has an error of "
+                f"{amount(fine.imbalance, 'J')}. Likely cause: masses or dampers of too different "
+                f"sizes for double precision. Check their units."
             )
     tie = tie or not alike(fine, go(tolerance, 10.0 * _PUSH))
     book, rows, n = fine.motion.book, fine.history, len(chain)
@@ -186,7 +186,7 @@ def inertial_landing(
 
 
 def _same(chain: Chain, problem: DrivenChain, snap: Snap, here: Place, there: Place) -> bool:
-    """Whether two landings are one; friction may leave them a little apart, or just off a stop."""
+    """Whether two landings are one; with friction they may differ slightly, or miss a stop."""
     near = np.array_equal(here[1], there[1]) and np.any(problem.laws.friction > 0.0)
     if near and np.all(np.abs(here[0] - there[0]) <= _NEAR * problem.laws.full):
         return True
@@ -205,20 +205,20 @@ def _body(chain: Chain, problem: DrivenChain, snap: Snap, inertia: Inertia) -> i
     restitution = check.not_negative("restitution", restitution, "1")
     if restitution >= 1.0:
         raise InputError(
-            f"restitution = {restitution:g}: must be below 1: a blow that takes no energy never "
-            f"ends. 0 is a stop that takes all."
+            f"restitution = {restitution:g}: must be below 1, because impacts without dissipation "
+            f"never end. 0 is a fully inelastic stop."
         )
     folds = any(len(element.laws) > 1 for element in chain.elements)
     stops = any(any(cell.stopped) for cell in chain.cells)
     if not (any(damper) or any(cell.friction for cell in chain.cells) or stops or folds):
         raise InputError(
-            f"damping = {damping!r}: nothing takes energy, no damper, no friction and no stop, so "
-            f"the snap would never come to rest: give at least one cell damping [{damping_unit}]."
+            f"damping = {damping!r}: there is no dissipation (no damper, no friction and no stop), "
+            f"so the snap never comes to rest. Give at least one cell damping [{damping_unit}]."
         )
     heavy = np.array(mass)
     loose = 1.0 / heavy
     if problem.beta == 0.0:
-        # A rigid actuator holds the outermost block: its mass has no say, in tolerances either.
+        # A rigid actuator holds the outermost block: its mass has no effect, in tolerances either.
         loose[-1], heavy[-1] = 0.0, np.min(heavy[:-1], initial=np.inf)
     start = snap.start
     args = start.travel.copy(), start.force, start.leader
@@ -251,7 +251,7 @@ def _integrate(
         )
     sheet, travel = tuple(sheets_of(problem.sheets).tolist()), motion.travel
     ends = zip(chain.cells, start.travel, start.sheet.tolist(), travel, sheet, strict=True)
-    # What each cell, the actuator and the push on the leader give.
+    # Energy released by each cell, the actuator and the perturbation force.
     freed: list[float] = []
     for cell, s, on, there, to in ends:
         freed += float(cell.energy_at(s, on)), -float(cell.energy_at(there, to))

@@ -1,4 +1,4 @@
-"""The inertial motion of a chain at a fixed drive, from contact to contact until it rests."""
+"""Time integration of the inertial motion of a chain at a fixed drive, from contact to contact."""
 
 from typing import NamedTuple
 
@@ -12,29 +12,29 @@ from stepwell.statics.following.pieces import stand_on
 from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.inertia import FreeCells
 
-# How an integration ended, or that there is more of it.
+# Status of an integration: not finished, at rest, or failed.
 GOES_ON, RESTS, STUCK = 0, 1, 2
 
-# What is kept of the motion beside travels and speeds.
+# Quantities of the motion in addition to travels and speeds.
 (TIME, STEP, PEAK, DAMPED, RUBBED, STRUCK, JUMPED) = range(7)
 
-# Two forces closer than this share of the largest one are equal.
+# Two forces closer than this fraction of the largest one are equal.
 _SLIP = 1e-12
-# A contact is met past its place by about this share of travel, speed or force.
+# A contact is located past its place by about this fraction of travel, speed or force.
 _PAST = 5e-13
-# A law is left by so much, in tolerances of the largest force, past a kink of it.
+# Deviation of a law past a kink, in tolerances of the largest force, that ends a step.
 _BENT = 1e-2
-# Less energy than this share of largest force times travel is none: a stop keeps what it leaves
-# with no more, and a blow with no more does not rebound.
+# Energies below this fraction of largest force times travel are zero: such an impact does not
+# rebound, and a cell with less energy stays at its stop.
 _NONE = 1e-9
-# A block is between two steps at most so much faster than at either.
+# Largest speed of a block within a step, over that at its ends.
 _OVER = 1.02
-# The motion is over where so small a share of what was lost is still to be lost.
+# The motion ends where the remaining energy is this fraction of the dissipated energy.
 _SPENT = 1e-10
 
 
 class Inertias(NamedTuple):
-    """Masses, dampers and where the motion begins; N cells."""
+    """Masses, dampers and the beginning of the motion; N cells."""
 
     mass: Floats  # (N,) of the block outside each cell [kg]
     loose: Floats  # (N,) 1/mass, 0 for a block that is held
@@ -44,11 +44,11 @@ class Inertias(NamedTuple):
     force: float  # λ there [N]
     leader: int  # the cell that sets it off
     push: float  # on the leader all along [N]
-    tolerance: float  # of a step, as a share of travel and of speed
+    tolerance: float  # of a step, as a fraction of travel and of speed
 
 
 class MotionState(NamedTuple):
-    """Where the cells are and how they move; N cells."""
+    """State of the motion; N cells."""
 
     travel: Floats  # (N,) [m]
     speed: Floats  # (N,) [m/s]
@@ -71,7 +71,7 @@ def ends_at(problem: DrivenChain, cell: int) -> tuple[float, float]:
 
 @kernel
 def _stops(problem: DrivenChain, cell: int, travel: float) -> int:
-    """-1 or +1 where a cell stands at a stop, 0 where it does not."""
+    """-1 or +1 where a cell is at a stop, 0 where it is not."""
     low, high = ends_at(problem, cell)
     row = problem.sheets.table[problem.sheets.now[cell]]
     if travel <= low and row[mech.BELOW] < 0.0:
@@ -97,7 +97,7 @@ def _lambda(problem: DrivenChain, body: Inertias, travel: Floats) -> float:
 def _bounds(
     problem: DrivenChain, body: Inertias, motion: MotionState, i: int, rows: Ints
 ) -> tuple[float, float]:
-    """Forces across a cell at rest between which it stays so [N]."""
+    """Forces across a cell at rest between which it stays at rest [N]."""
     force, rub = _force(problem, body, i, motion.travel[i], rows), problem.laws.friction[i]
     stop = _stops(problem, i, motion.travel[i])
     return (-np.inf if stop < 0 else force - rub), (np.inf if stop > 0 else force + rub)
@@ -105,7 +105,7 @@ def _bounds(
 
 @kernel
 def set_off(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Ints) -> None:
-    """Find which cells move from here on, after cells that leave their sheets."""
+    """Determine the moving cells, after cells at the end of their sheets have jumped."""
     # One function: bounds, forces and gains of a pass are in arrays made once.
     n, speed, friction = len(motion.travel), motion.speed, problem.laws.friction
     low, high, force, gain = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
@@ -137,7 +137,7 @@ def set_off(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Int
 
 @kernel
 def _jump(problem: DrivenChain, motion: MotionState, i: int, heading: int, rows: Ints) -> bool:
-    """Let a cell that is driven past the end of its sheet jump to the next; whether it does."""
+    """Move a cell that is driven past the end of its sheet to the next; whether it jumps."""
     laws, sheets = problem.laws, problem.sheets
     low, high = ends_at(problem, i)
     if not (motion.travel[i] >= high if heading > 0 else motion.travel[i] <= low):
@@ -172,7 +172,7 @@ def _strike(problem: DrivenChain, body: Inertias, motion: MotionState) -> None:
     inertia.blow(low, high, bounce, body.loose, speed)
     for i in range(n):
         if low[i] < high[i] and abs(speed[i]) <= little:
-            # Or stops would rattle for ever, on what rounding feeds them.
+            # Otherwise rounding errors would make stops rattle forever.
             low[i], high[i], bounce[i], keeps = -np.inf, np.inf, 0.0, True
     if keeps:
         speed[:] = was
@@ -213,9 +213,9 @@ def _leg(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Ints) 
 def _broken(
     problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells, out: Floats
 ) -> float:
-    """How far the place that a step leads to is past what it takes for granted, or 0 or less."""
-    # A cell past its end, in travels; past a kink of its law; turning against friction, of the
-    # fastest speed; held and no longer able to be, of the largest force.
+    """Largest violation of the assumptions of a step at its end; 0 or less if there is none."""
+    # A cell past its end, over its travel; past a kink of its law; turning against friction, over
+    # the largest speed; held although its force is out of bounds, over the largest force.
     k, worst, before, fast = len(leg.cells), -1.0, 0.0, 0.0
     force = np.empty(k)
     for m in range(k):
@@ -258,7 +258,7 @@ def _parabola(first: float, last: float, mean: float) -> tuple[float, float]:
 
 @kernel
 def _grazes(problem: DrivenChain, leg: FreeCells, h: float, out: Floats) -> float:
-    """The share of a step after which a cell turns beyond its end; 1 where none does."""
+    """The fraction of a step after which a cell turns beyond its end; 1 where none does."""
     k, share = len(leg.cells), 1.0
     before, fast, faster = 0.0, 0.0, 0.0
     for m in range(k):
@@ -285,7 +285,7 @@ def _grazes(problem: DrivenChain, leg: FreeCells, h: float, out: Floats) -> floa
 
 @kernel
 def _peak(pace: Floats, h: float, out: Floats) -> float:
-    """The fastest that any block is within a step [m/s]."""
+    """Largest speed of any block within a step [m/s]."""
     k, peak = len(pace), 0.0
     for m in range(k):
         first, last = pace[m], out[k + m]
@@ -303,7 +303,7 @@ def _peak(pace: Floats, h: float, out: Floats) -> float:
 def _misses(
     problem: DrivenChain, body: Inertias, book: Floats, leg: FreeCells, out: Floats, error: Floats
 ) -> float:
-    """The error of a step, by its tolerance: of travels, speeds and what the dampers take."""
+    """The error of a step over its tolerance: of travels, speeds and damped energy."""
     k, worst = len(leg.cells), 0.0
     # Speeds far below those that the largest force can make are rounding.
     scale, length = problem.scale, np.min(problem.laws.full)
@@ -349,7 +349,7 @@ def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
     past = _broken(problem, body, motion, leg, out)
     ended = past > 0.0
     if ended:
-        # Where it changes, and just past it: the root over h, by false position (Illinois).
+        # The first change, and just past it: the root over h, by false position (Illinois).
         low, high, at_high, side = 0.0, h, past - _PAST, 0
         out[:k], out[k : 2 * k] = 0.0, leg.pace
         at_low = min(_broken(problem, body, motion, leg, out), 0.0) - _PAST
@@ -391,7 +391,7 @@ def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
 
 @kernel
 def _arrive(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells) -> None:
-    """Cells that turn against friction rest, those at an end strike or jump; then who moves on."""
+    """Stop cells that turn against friction, compute impacts and jumps, and find moving cells."""
     for i in leg.cells:
         if motion.sense[i] != 0 and motion.sense[i] * motion.speed[i] <= 0.0:
             motion.speed[i] = 0.0
@@ -407,7 +407,7 @@ def _arrive(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Free
 
 @kernel
 def _settle(problem: DrivenChain, leg: FreeCells, way: Floats) -> bool:
-    """Newton to the equilibrium of the moving cells near by; whether there is a stable one."""
+    """Newton to a near equilibrium of the moving cells; whether there is a stable one."""
     k = len(leg.cells)
     force, pull, still, place = np.empty(k), np.zeros(k), np.zeros(k), leg.begin.copy()
     way[:] = 0.0
@@ -437,7 +437,7 @@ def _settle(problem: DrivenChain, leg: FreeCells, way: Floats) -> bool:
 
 @kernel
 def _rests(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells) -> bool:
-    """Bring to rest what has nothing left to lose, to the last trifle; whether it is so."""
+    """Set the cells to rest if the remaining energy is negligible; whether it is."""
     book, k = motion.book, len(leg.cells)
     lost, left = _lost(book), inertia.kinetic(body.mass, body.loose, motion.speed)
     if leg.free == 0:
@@ -456,7 +456,7 @@ def _rests(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeC
         trifle += mech.stored(problem.laws, i, leg.spare, at) + leg.offset[m] * (at - to)
         mech.pick_rows(problem.laws, i, to, leg.spare)
         trifle -= mech.stored(problem.laws, i, leg.spare, to)
-    # What the actuator does on the way there.
+    # Work of the actuator up to there.
     trifle += way[-1] * (leg.level - 0.5 * leg.stiff * way[-1]) if leg.free == k else 0.0
     if trifle > _SPENT * lost:
         inertia.look(problem, leg)
@@ -477,14 +477,14 @@ def _rests(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeC
 
 @entry()
 def integrate(problem: DrivenChain, body: Inertias, motion: MotionState, history: Floats) -> int:
-    """Let the chain move on; GOES_ON, RESTS or STUCK."""
-    # `history` (rows, 1 + 2N) takes time, travels and speeds after each step, or stays NaN.
+    """Integrate the motion of the chain; returns GOES_ON, RESTS or STUCK."""
+    # `history` (rows, 1 + 2N) gets time, travels and speeds after each step; the rest stays NaN.
     n, slots = len(motion.travel), 1
     for i in range(n):
         slots = max(slots, problem.laws.band_first[i + 1] - problem.laws.band_first[i] + 1)
     rows = np.full(slots, -1, np.int64)
     if motion.book[TIME] == 0.0:
-        # The drive has brought a leader to the end of its sheet, whatever friction holds others.
+        # The drive has brought the leader to the end of its sheet, even if friction holds others.
         _jump(problem, motion, body.leader, 1 if body.push > 0.0 else -1, rows)
         set_off(problem, body, motion, rows)
     for row in range(len(history)):

@@ -1,4 +1,4 @@
-"""The full cycle of many concave cells, by sorting: N log N where the follower needs N².
+"""The full cycle of many concave cells, by sorting: N log N, where the follower needs N².
 
 Used only where every step of the proof (theory page, "Sorting") has been checked for the chain
 at hand; anything else goes to the follower.
@@ -14,13 +14,13 @@ from stepwell.mechanism import Laws
 from stepwell.statics.following import log as logged
 from stepwell.statics.following.log import add_mover, add_row
 
-# Below this many cells the follower is as quick, and its log is the one that was proved first.
+# With fewer cells the follower is as fast, and its log is the reference.
 WORTH_SORTING = 16
 
 
 @leaf
 def _keeps_ahead(leader: Simple, other: Simple, full: float, reach: float) -> bool:
-    """Whether the leader, giving travel back up to `reach`, always pulls harder: proved."""
+    """Proof that the leader, giving travel back up to `reach`, always has the larger force."""
     # On [a, b] its pull at a is above the other's at b, or their difference, whose second
     # derivative is bounded, cannot sag to zero.
     bend = concave.most_bend(leader) + concave.most_bend(other)
@@ -74,7 +74,7 @@ def load_sorted(
             continue
         if f1 > second_force:
             second, second_force = j, f1
-        # j weakens to the force at which the strongest full cell lets go: a snap.
+        # The force of j falls to the largest critical force of the full cells: a snap.
         leader = concave.of_row(table[top])
         at = concave.travel_at(cell, top_force, f0, f1)
         lack = full - at
@@ -99,7 +99,7 @@ def load_sorted(
         snap = log.segments[log.used[0] - 1]
         snap[logged.CAUSE], snap[logged.LEADER], snap[logged.HEADING] = logged.RELEASE, top, -1
         lost, gained = concave.energy_at(cell, full), concave.energy_at(leader, full)
-        # The next snap: a held cell whose force falls runs away beside the leader, which does too.
+        # The next snap: a held cell of falling force moves together with the leader.
         near, travel = np.inf, np.inf
         if done + 1 < n:
             f0_next, slope = concave.force_at(concave.of_row(table[order[done + 1]]), 0.0)[:2]
@@ -135,7 +135,7 @@ def sorted_cycle(laws: Laws) -> tuple[logged.Log, float] | None:
     if not load_sorted(table, loading, full[0], begin, scale, log):
         return None
     segments, movers = int(log.used[0]), int(log.used[1])
-    # Unloading is loading seen in a mirror: s → S - s and F → -F turn d_y round.
+    # Unloading is the mirror image of loading: s → S - s and F → -F change the sign of d_y.
     arrival = -float(log.segments[segments - 1, logged.FORCE_1])
     if not load_sorted(mirrored, unloading, full[0], arrival, scale, log):
         return None

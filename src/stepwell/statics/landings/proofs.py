@@ -1,4 +1,4 @@
-"""Proofs that a snap lands in one place: by freedom, by energy, by enclosing all its ways."""
+"""Proofs that a snap has one landing: by one degree of freedom, by energy, by enclosure."""
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from stepwell.statics.landings.reachable_box import (
 from stepwell.statics.landings.rests import places_of_rest
 from stepwell.statics.landings.start import Start, empty_state, stand_before
 
-# Landings this share of the travel apart are one.
+# Landings closer than this fraction of the travel are one.
 _ALIKE = 1e-9
 
 
@@ -34,11 +34,11 @@ def goes_one_way(problem: DrivenChain, start: Start, landing: Floats, ratio: flo
 def _goes_one_way(
     problem: DrivenChain, start: Start, state: State, landing: Floats, ratio: float
 ) -> bool:
-    """The same, with memory for a state and for mobilities."""
-    # Under a force no cell feels another one. Else only λ decides whether another cell joins: a
-    # spring's, or between what one of the pair pulls and the other resists, nearer to the more
-    # mobile one's. So it is enough to look at the leader `ratio` times faster and slower: in
-    # between λ is in between.
+    """`goes_one_way`, with memory for a state and for mobilities."""
+    # Under a force the cells do not interact. Else only λ decides whether another cell joins: that
+    # of a spring, or one between the pull of one cell of the pair and the resistance of the other,
+    # nearer to that of the more mobile one. So two cases are enough, a leader `ratio` times faster
+    # and slower: λ of all other cases is in between.
     if problem.alpha == 0.0:
         return True
     given, full = problem.mobility[start.leader], problem.laws.full
@@ -55,12 +55,12 @@ def _goes_one_way(
     return True
 
 
-# A landing is the same within this share of the travels.
+# Landings within this fraction of the travels are the same.
 SAME = 1e-6
-# A place known no better than this may store more than its middle does.
+# A place known with a larger error may store more energy than its middle.
 _KNOWN = 1e-7
 _MOST_PLACES = 64
-# So many cells may move: of more, a grid would be too coarse to tell anything.
+# Largest number of moving cells; with more a grid would be too coarse for a proof.
 MOST_MOVING = 10
 # Boxes of the grids, one after the other.
 _COARSE, _FINE = 1500, 6000
@@ -83,7 +83,7 @@ def lands_only_at(
             same = same and low[i] >= landing[i] - near and high[i] <= landing[i] + near
             known = known and high[i] - low[i] <= _KNOWN * laws.full[i]
         here = here or same
-        # Where there is more energy than at the start the chain does not come.
+        # The chain cannot reach a place with more energy than the start.
         if same or (known and energy_of(problem, start, 0.5 * (low + high)) > more):
             continue
         places[others] = places[c]
@@ -102,7 +102,7 @@ def lands_only_at(
 
 @entry(0.3, "problem.mobility")
 def energy_holds(problem: DrivenChain, start: Start, landing: Floats) -> bool:
-    """Whether it is proved that energy suffices for no other place of rest than the landing."""
+    """Proof that the energy suffices for no other stable equilibrium than the landing."""
     # Then the snap lands there for all mobilities, and with any masses and dampers.
     if np.max(problem.laws.friction) > 0.0 or len(landing) > MOST_MOVING:
         return False
@@ -118,10 +118,10 @@ def energy_holds(problem: DrivenChain, start: Start, landing: Floats) -> bool:
 
 @entry(0.3, "problem.mobility")
 def enclosed(problem: DrivenChain, start: Start, landing: Floats, ratio: float) -> bool:
-    """Whether it is proved that factors max x / min x <= ratio of mobilities lead to a landing."""
+    """Proof that all factors of mobilities with max x / min x <= ratio lead to a landing."""
     laws = problem.laws
     if problem.alpha == 0.0:
-        # Under a force no cell feels another one: nothing is to be enclosed.
+        # Under a force the cells do not interact: nothing is to be enclosed.
         return False
     stand_all_on(laws, problem.sheets, problem.pieces, start.sheet)
     box = narrowed_box(problem, start, full_box(problem, start))

@@ -1,8 +1,8 @@
-"""Where the chain can come from the start of a snap: boxes that it can enter, on a grid.
+"""Grid of boxes that a chain can enter from the start of a snap.
 
 A box is entered from its neighbour only through a face at which some point, some mobilities
-within the ratio and the energy that there is allow it. Forces are bounded by their monotone pieces,
-so nothing is stepped over (theory page, "Landings and mobility").
+within the ratio and the available energy allow it. Forces are bounded by their monotone pieces, so
+no step size is involved (theory page, "Landings and mobility").
 """
 
 from typing import NamedTuple
@@ -16,13 +16,13 @@ from stepwell.statics.landings import reachable_box
 from stepwell.statics.landings.reachable_box import ReachableBox
 from stepwell.statics.landings.start import Start
 
-# What lies next to the start decides which of two cells is ahead: nodes stand this share of the
-# widest box apart there, and from there on ever further.
+# The region next to the start decides which of two cells is ahead: the distance of nodes there is
+# this fraction of the widest side, and it grows away from the start.
 _NEAREST = 1e-5
 
 
 class Grid(NamedTuple):
-    """A grid over the travels of D cells, M nodes; under a stroke one more has what they leave."""
+    """A grid over the travels of D cells, M nodes; under a stroke one more cell has the rest."""
 
     cell: Ints  # (D,)
     cuts: Ints  # (D,) intervals
@@ -33,13 +33,13 @@ class Grid(NamedTuple):
     energy: Floats  # (M,) see energy_at
     least: Floats  # (M,) F in between
     most: Floats  # (M,)
-    last: int  # the cell that has what the others leave, or -1
-    free: float  # what moves has in all, under a stroke; else the drive less what rests
+    last: int  # the cell that has the rest of the stroke, or -1
+    free: float  # travel of all moving cells, under a stroke; else the drive less the resting cells
 
 
 @kernel
 def _nodes(low: float, high: float, far: float, out: Floats) -> int:
-    """Fill in nodes from `low` to `high`, nearest to each other at 0, at most `far`; how many."""
+    """Fill nodes from `low` to `high`, densest at 0, at most `far` apart; returns their number."""
     used, growth = 0, 8.0 * far
     for toward, end in ((-1, low), (1, high)):
         way = 0.0
@@ -74,7 +74,7 @@ def grid_of(problem: DrivenChain, box: ReachableBox, start: Start, most: int) ->
         boxes = 1.0
         for d in range(dims):
             i = int(cell[d])
-            # In shares of the widest box.
+            # As fractions of the widest side.
             low = (box.low[i] - start.travel[i]) / widest
             high = (box.high[i] - start.travel[i]) / widest
             count[d] = _nodes(low, high, 1.0 / fine, nodes[d]) - 1
@@ -106,7 +106,7 @@ def grid_of(problem: DrivenChain, box: ReachableBox, start: Start, most: int) ->
 
 @kernel
 def boxes_of(grid: Grid) -> int:
-    """How many boxes a grid has."""
+    """Number of boxes of a grid."""
     return int(np.prod(grid.cuts))
 
 
@@ -138,7 +138,7 @@ def _enough_energy(
             reachable_box.energy_at(problem, start, grid.last, a),
             reachable_box.energy_at(problem, start, grid.last, b),
         )
-        # Σ s is what there is to have.
+        # Σ s is given.
         total = tilt * (grid.free - a - low) + reachable_box.least_energy(
             energy, b - a, force, tilt
         )
@@ -176,7 +176,7 @@ def _can_leave(
         pressed = box.stops[cell, int(up)] and at[d] == (grid.cuts[d] - 1 if up else 0)
         total += _weighed(gap - slip, pressed, problem.mobility[cell], ratio)
     if grid.last < 0:
-        # The largest λ is where all others have gone least.
+        # λ is largest where all others have moved least.
         level = problem.alpha / problem.beta * (grid.free - (low if up else high))
         return level > own - slip if up else level < own + slip
     cell = grid.last
@@ -190,7 +190,7 @@ def _can_leave(
 
 @kernel
 def _weighed(gap: float, pressed: bool, mobility: float, ratio: float) -> float:
-    """The least that a cell adds; nothing where a stop can hold it."""
+    """The least contribution of a cell; zero where a stop can hold it."""
     if gap > 0.0:
         return 0.0 if pressed else mobility * gap
     return ratio * mobility * gap
@@ -232,7 +232,7 @@ def _mark(
 
 @kernel
 def _exists(problem: DrivenChain, box: ReachableBox, grid: Grid, at: Ints) -> bool:
-    """Whether a box holds points at which the last cell has what the others leave."""
+    """Whether a box contains points at which the last cell has the rest of the stroke."""
     if grid.last < 0:
         return True
     low, high = 0.0, 0.0
@@ -252,7 +252,7 @@ _SEEN, _ELSEWHERE, _CLOSED = 1, 2, 3
 def keeps_off(
     problem: DrivenChain, box: ReachableBox, start: Start, grid: Grid, others: Floats, ratio: float
 ) -> bool:
-    """Whether no way leads to (C, 2, N) places for mobilities within a ratio; inf: by energy."""
+    """Whether no flow leads to (C, 2, N) places for mobilities within a ratio; inf: by energy."""
     # One function: boxes wait in one list, and marks are in one array.
     dims, boxes = len(grid.cell), boxes_of(grid)
     seen, begun = np.zeros(boxes, np.int64), np.zeros(boxes, np.int64)

@@ -1,4 +1,4 @@
-"""How far the cells can go in a snap: by the forces on them, and by the energy that there is."""
+"""Bounds of the travels in a snap: by the forces on the cells, and by the available energy."""
 
 from typing import NamedTuple
 
@@ -11,15 +11,14 @@ from stepwell.statics.following.pieces import find_piece, invert
 from stepwell.statics.following.state import DrivenChain, force_at
 from stepwell.statics.landings.start import Start
 
-# Forces are told apart from here on, as a share of the largest, and travels, as a share of theirs:
-# far above what rounding does to them and far below what a mechanism can.
+# Tolerances of forces, as a fraction of the largest, and of travels, of the full ones: far above rounding and far below the precision of a mechanism.
 CLOSE_FORCE, CLOSE = 1e-10, 1e-12
-# Rounds after which cells that still spread are given all of their travel.
+# Rounds after which cells with growing bounds get their full travel.
 _ROUNDS = 64
 
 
 class ReachableBox(NamedTuple):
-    """Travels between which every cell stays in the snap; N cells."""
+    """Bounds of the travels of every cell in the snap; N cells."""
 
     low: Floats  # (N,)
     high: Floats  # (N,)
@@ -43,7 +42,7 @@ def forces_within(problem: DrivenChain, i: int, low: float, high: float) -> tupl
 
 @kernel
 def _pushed(problem: DrivenChain, i: int, travel: float, level: float, up: bool) -> float:
-    """The travel from which a force cannot bring cell i any further on its way up, or down."""
+    """The farthest travel, up or down, to which a force can bring cell i."""
     pieces, toward = problem.pieces, 1 if up else -1
     if toward * (level - force_at(problem, i, travel)) <= 0.0:
         return travel
@@ -81,7 +80,7 @@ def full_box(problem: DrivenChain, start: Start) -> ReachableBox:
 
 @kernel
 def leads_on(problem: DrivenChain, box: ReachableBox) -> bool:
-    """Whether some cell can come to where its curve folds back, and jump."""
+    """Whether some cell can reach a fold of its curve, and jump."""
     ends = problem.sheets.ends
     for i in range(len(box.low)):
         if box.high[i] > box.low[i] and (
@@ -94,9 +93,9 @@ def leads_on(problem: DrivenChain, box: ReachableBox) -> bool:
 
 @kernel
 def narrowed_box(problem: DrivenChain, start: Start, within: ReachableBox) -> ReachableBox:
-    """The box of overdamped flow, for all mobilities, within one that it is known not to leave."""
-    # λ stays between the forces of the moving cells, friction added, and a cell short of where it
-    # holds the largest λ: the smallest box that is closed under both is never left.
+    """Box that overdamped flow never leaves, for all mobilities, within a box known before."""
+    # λ stays between the forces of the moving cells, friction added, and a cell stays short of the
+    # travel at which it resists the largest λ: the smallest box closed under both is never left.
     laws, alpha, beta = problem.laws, problem.alpha, problem.beta
     n, slip = len(start.travel), CLOSE_FORCE * problem.scale
     box = ReachableBox(
@@ -125,7 +124,7 @@ def narrowed_box(problem: DrivenChain, start: Start, within: ReachableBox) -> Re
         if new_least >= least and new_most <= most:
             break
         if turn > 16:
-            # What spreads by ever smaller steps is given a little more than it asks for.
+            # Bounds that converge slowly are extended a little further.
             new_least -= 0.1 * (least - new_least)
             new_most += 0.1 * (new_most - most)
         least, most = new_least, new_most
@@ -145,7 +144,7 @@ _STEPS = 64
 
 @kernel
 def energy_at(problem: DrivenChain, start: Start, i: int, travel: float) -> float:
-    """What cell i has stored since the start, less λ of the start times the way [J]."""
+    """Energy that cell i has stored since the start, less λ of the start times its way [J]."""
     pieces, begun = problem.pieces, start.travel[i]
     picked = pieces.picked
     here = stored(problem.laws, i, picked[find_piece(pieces, i, travel, 0)], travel)
@@ -155,7 +154,7 @@ def energy_at(problem: DrivenChain, start: Start, i: int, travel: float) -> floa
 
 @kernel
 def energy_of(problem: DrivenChain, start: Start, travel: Floats) -> float:
-    """What the chain and its actuator have stored at `travel` (N,) since the start [J]."""
+    """Energy that the chain and its actuator have stored at `travel` (N,) since the start [J]."""
     total, way = 0.0, 0.0
     for i in range(len(travel)):
         total += energy_at(problem, start, i, travel[i])
@@ -175,7 +174,7 @@ def energy_slack(problem: DrivenChain) -> float:
 def least_energy(
     energy: tuple[float, float], width: float, force: tuple[float, float], tilt: float
 ) -> float:
-    """A bound from below of energy between two travels, less `tilt` times the way to there."""
+    """Lower bound of the energy between two travels, less `tilt` times the way."""
     one, two = energy[0], energy[1] - tilt * width
     falls, rises = force[0] - tilt, force[1] - tilt
     if falls >= 0.0:
@@ -188,7 +187,7 @@ def least_energy(
 
 @kernel
 def _cheapest(one: Floats, two: Floats) -> Floats:
-    """For every sum of two places the least sum of their energies."""
+    """Least sums of two energies, for every sum of their places."""
     out = np.full(len(one) + len(two) - 1, np.inf)
     for j in range(len(one)):
         for k in range(len(two)):
@@ -198,8 +197,8 @@ def _cheapest(one: Floats, two: Floats) -> Floats:
 
 @kernel
 def narrow(problem: DrivenChain, start: Start, box: ReachableBox) -> None:
-    """Take off a box what the chain cannot come to without more energy than at the start."""
-    # Each cell is given the cheapest that all others can do at that drive, in steps that add up.
+    """Remove from a box all travels that need more energy than there is at the start."""
+    # Each cell is combined with the least energy of all others at that drive, in equal steps.
     # One function: each cell needs the energies of all others, made once.
     moving = np.flatnonzero(box.high > box.low)
     m, level = len(moving), start.force
@@ -233,7 +232,7 @@ def narrow(problem: DrivenChain, start: Start, box: ReachableBox) -> None:
         reached = np.zeros(count[k], np.bool_)
         for j in range(count[k]):
             for o in range(len(others)):
-                # All together have gone between this and m steps more.
+                # The sum of all ways is between this and m steps more.
                 gone = first[k] + j + begin + o
                 total = energies[k, j] + others[o]
                 if rigid:

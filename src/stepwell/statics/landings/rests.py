@@ -1,8 +1,8 @@
-"""Every place at which a chain could come to rest, stably, within a box.
+"""All stable equilibria of a chain within a box.
 
 At rest all cells share one λ, so a place is a choice of one branch for each cell and a root of one
 scalar equation. A branch is a stretch of travel on which the force does not fall, or does not rise;
-a place with two falling cells is none (theory page, "Stability").
+a place with two falling cells is unstable (theory page, "Stability").
 """
 
 from typing import NamedTuple
@@ -18,12 +18,12 @@ from stepwell.statics.following.state import DrivenChain, force_at
 from stepwell.statics.landings.reachable_box import CLOSE, CLOSE_FORCE, ReachableBox
 from stepwell.statics.landings.start import Start
 
-# So many choices of branches are looked at, and so many intervals of λ: more are declined.
+# Limits of the choices of branches, and of the intervals of λ; with more there is no proof.
 _MOST_CHOICES, _MOST_INTERVALS = 5_000, 1_000
-# A place whose travels are known to this share of them is known.
+# Relative precision of the travels of a known place.
 _KNOWN = 1e-8
-# What is nearer to the start than this share of the travels is the start, at rounding of which
-# the place of rest that is lost may still stand.
+# Places nearer to the start than this fraction of the travels are the start, next to which the
+# equilibrium that is lost may still exist by rounding.
 NEAR_START = 1e-5
 
 
@@ -44,7 +44,7 @@ class Stretches(NamedTuple):
 def _add(
     out: Stretches, r: int, sign: int, pieces: tuple[int, int], travel: Pair, force: Pair
 ) -> int:
-    """Write branch r; how many there are then."""
+    """Write branch r; returns the number of branches."""
     out.sign[r], out.first[r], out.last[r] = sign, pieces[0], pieces[1]
     out.low[r], out.high[r], out.least[r], out.most[r] = travel[0], travel[1], force[0], force[1]
     return r + 1
@@ -131,12 +131,12 @@ def _compliance(
 
 
 class RestSearch(NamedTuple):
-    """What is looked through, and what has been found."""
+    """State of the search for equilibria, and its results."""
 
     branches: Stretches
     choice: Ints  # (N,) a branch of every cell
     rest_box: Floats  # (2, N) travels between which it rests under some interval of λ
-    places: Floats  # (C, 2, N) the same of every place found
+    places: Floats  # (C, 2, N) the same for every place
     counts: Ints  # (2,) places, intervals of λ
 
 
@@ -184,7 +184,7 @@ def _stability(problem: DrivenChain, box: ReachableBox, search: RestSearch) -> P
 
 @kernel
 def _noted(problem: DrivenChain, search: RestSearch) -> bool:
-    """Whether the box is the place that was noted last: λ may be free there."""
+    """Whether the box is the last place that was noted: λ may be free there."""
     last, rest_box = search.counts[0] - 1, search.rest_box
     if last < 0:
         return False
@@ -198,7 +198,7 @@ def _noted(problem: DrivenChain, search: RestSearch) -> bool:
 
 @kernel
 def _note(problem: DrivenChain, start: Start, search: RestSearch) -> bool:
-    """Whether the box is known well enough to be noted, which it then is, or is the start."""
+    """Note the box if it is precise enough; returns whether it is, or is the start."""
     laws, rest_box, counts = problem.laws, search.rest_box, search.counts
     here, known = True, True
     for i in range(len(start.travel)):
@@ -225,7 +225,7 @@ def _excess(problem: DrivenChain, start: Start, search: RestSearch, force: float
 def _one_place(
     problem: DrivenChain, start: Start, search: RestSearch, a: float, b: float, way: int
 ) -> bool:
-    """Note the place between two λ where `way` U only grows; False where there are too many."""
+    """Note the place between two λ where `way` U is monotone; False where there are too many."""
     counts, slip = search.counts, _slip(problem)
     below, above = _excess(problem, start, search, a), _excess(problem, start, search, b)
     if way < 0:
@@ -241,7 +241,7 @@ def _one_place(
         if b - a <= 1e-2 * CLOSE_FORCE * problem.scale or not a < force < b:
             break
         if step % 3 != 2 and two > one:
-            # Not too near to an end, so that both ends close in.
+            # Not too near to an end, so that both ends converge.
             share = min(max(-one / (two - one), 0.0), 1.0)
             force = a + min(max(share, 1e-4), 1.0 - 1e-4) * (b - a)
         here = _excess(problem, start, search, force)
@@ -288,7 +288,7 @@ def _places(
             continue
         least, most = _stability(problem, box, search)
         if least > 0.0:
-            # Wherever in it the chain were in equilibrium, it would leave it.
+            # Every equilibrium in it is unstable.
             continue
         if most < 0.0:
             if not _one_place(problem, start, search, a, b, -1):
@@ -302,14 +302,14 @@ def _places(
 
 @kernel
 def places_of_rest(problem: DrivenChain, box: ReachableBox, start: Start, places: Floats) -> int:
-    """Fill boxes (C, 2, N) that hold all stable places of rest but the start; how many, or -1."""
+    """Fill boxes (C, 2, N) with all stable equilibria but the start; their number, or -1."""
     branches, n = _branches(problem, box), len(box.low)
     search = RestSearch(
         branches, np.full(n, -1, np.int64), np.empty((2, n)), places, np.zeros(2, np.int64)
     )
     slip = CLOSE_FORCE * problem.scale
-    # For the cells chosen so far: the λ at which they rest, their travels, how many fall; and
-    # what the others can add.
+    # For the cells chosen so far: their range of λ, their travels, the number of falling ones; and
+    # the range of travels of the others.
     least, most, below, above = np.empty(n + 1), np.empty(n + 1), np.zeros(n + 1), np.zeros(n + 1)
     falls, rest_low, rest_high = np.zeros(n + 1, np.int64), np.zeros(n + 1), np.zeros(n + 1)
     least[0], most[0] = box.force[0], box.force[1]

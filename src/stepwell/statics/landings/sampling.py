@@ -1,4 +1,4 @@
-"""Where a snap lands with other mobilities: the engine's own snap, again and again."""
+"""Landings of a snap with sampled mobilities, each computed by the engine."""
 
 from typing import NamedTuple
 
@@ -12,16 +12,16 @@ from stepwell.statics.following.snap import FINE, snap
 from stepwell.statics.following.state import GOES, GOES_ON, SENSE, TRIGGER, DrivenChain, State
 from stepwell.statics.landings.start import Start, empty_state, stand_before
 
-# A snap that leads from saddle to saddle more often than this comes to no end.
+# Largest number of saddles in one snap.
 _SADDLES = 20
-# Of mobilities at the ends of their range this many are tried at most.
+# Largest number of samples with mobilities at the ends of their range.
 _MOST_CORNERS = 32
-# So many numbers are worth a look at Ctrl-C.
+# Larger work runs in another thread, so that Ctrl-C works.
 _MANY = 2000
 
 
 class Landings(NamedTuple):
-    """Where a snap lands with other mobilities; n samples, N cells."""
+    """Landings of a snap with other mobilities; n samples, N cells."""
 
     travel: Floats  # (n, N) [m]
     sheet: Ints  # (n, N)
@@ -31,7 +31,7 @@ class Landings(NamedTuple):
 def land_all(
     problem: DrivenChain, start: Start, factors: Floats, accuracy: float = FINE
 ) -> Landings:
-    """Where a snap lands with its mobilities times each row of (n, N) factors."""
+    """Landings of a snap with its mobilities times each row of (n, N) factors."""
     count, n = factors.shape
     sheet, settled = np.zeros((count, n), np.int64), np.zeros(count, np.int64)
     landings = Landings(np.empty((count, n)), sheet, settled)
@@ -68,7 +68,7 @@ def _land_all(
 
 @kernel
 def _land(problem: DrivenChain, state: State, direction: int, accuracy: float) -> bool:
-    """Snap, and snap on while the chain stands in a saddle; whether it comes to rest."""
+    """Compute a snap, and further ones while the chain is at a saddle; whether it settles."""
     goes = problem.spare.whole[GOES]
     for _ in range(_SADDLES):
         state.log.used[:] = 0
@@ -83,8 +83,8 @@ def _land(problem: DrivenChain, state: State, direction: int, accuracy: float) -
 
 def corners_of(cells: Ints, count: int, ratio: float, seed: int) -> Floats:
     """(n, N) factors of the mobilities at the ends of their range: 1 or `ratio` for each cell."""
-    # All 2^N - 2 for up to five cells. Else each of `cells` fast alone and slow alone, which is
-    # what mostly decides, and as many at random as make 32.
+    # All 2^N - 2 for up to five cells. Else each of `cells` fast alone and slow alone, the most
+    # important samples, and random ones up to a total of 32.
     if 2**count <= _MOST_CORNERS:
         numbers = range(1, 2**count - 1)
         every = np.array([[bool(n >> k & 1) for k in range(count)] for n in numbers], bool)

@@ -1,4 +1,4 @@
-"""Where a chain stands just before each snap of a path, read off its log."""
+"""State of a chain just before each snap of a path, from its log."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -14,22 +14,22 @@ from stepwell.statics.following.state import DrivenChain, State, blank_state, ho
 
 
 class Start(NamedTuple):
-    """Where a chain of N cells stands just before a snap, and what sets it off."""
+    """State of a chain of N cells just before a snap, and its trigger."""
 
     travel: Floats  # (N,) [m]
     sheet: Ints  # (N,) by number in the cell
     force: float  # λ [N]
-    drive: float  # U, which stays as it is
-    leader: int  # the cell that sets it off
-    heading: int  # the sense in which that one moves
+    drive: float  # U, which is constant
+    leader: int  # the cell that triggers it
+    heading: int  # the sense in which the leader moves
     direction: int  # of the drive
     cause: int  # as in the log
-    sense: Ints  # (N,) in which a cell slides against friction or lets go of its place, else 0
-    piece: Ints  # (N,) on which a cell moved last, -1 where that does not tell
+    sense: Ints  # (N,) sense in which a cell slides against friction or is released, else 0
+    piece: Ints  # (N,) last piece of a moving cell, else -1
 
 
 class Snap(NamedTuple):
-    """A snap of a path: from where, and where it landed, with those that leave a saddle at once."""
+    """A snap of a path: start and landing, with further snaps that leave a saddle at once."""
 
     start: Start
     travel: Floats  # (N,) after it [m]
@@ -38,7 +38,7 @@ class Snap(NamedTuple):
 
 
 def snaps_of(problem: DrivenChain, log: logged.Log, travel: Floats, sheet: Ints) -> Iterator[Snap]:
-    """Every snap of a path in order, which begins at (N,) travels and sheets."""
+    """Snaps of a path in order, which begins at (N,) travels and sheets."""
     now, on, (count, _) = travel.copy(), sheet.copy(), log.used.tolist()
     pending: Snap | None = None
     for k in range(count):
@@ -60,7 +60,7 @@ def snaps_of(problem: DrivenChain, log: logged.Log, travel: Floats, sheet: Ints)
 
 
 def _goes_on(problem: DrivenChain, row: Floats, travel: Floats) -> bool:
-    """Whether a snap that follows another one leaves a saddle: nothing came between."""
+    """Whether a snap follows another one at once because it leaves a saddle."""
     leader = int(row[logged.LEADER])
     return int(row[logged.CAUSE]) == logged.FOLD and _inside(problem, leader, travel[leader])
 
@@ -95,7 +95,7 @@ def empty_state(cells: int) -> State:
 
 @kernel
 def stand_before(problem: DrivenChain, start: Start, state: State) -> None:
-    """Let the chain stand as it does just before a snap."""
+    """Set the chain to its state just before a snap."""
     laws, pieces, ends = problem.laws, problem.pieces, problem.sheets.ends
     stand_all_on(laws, problem.sheets, pieces, start.sheet)
     state.travel[:] = start.travel
