@@ -1,7 +1,7 @@
-"""Where a snap lands when three cells or more move: overdamped flow, integrated.
+"""Landing of a snap in which three cells or more move: integration of the overdamped flow.
 
-Only the cells that move are integrated. All others are one window of the common force λ: while λ
-stays within it they keep still, and the first whose side of it λ passes joins the flow.
+Only the moving cells are integrated. All others are one window of the common force λ: while λ stays
+within it they are at rest, and the cell whose limit λ passes first joins the flow.
 """
 
 from typing import NamedTuple
@@ -29,13 +29,13 @@ _B1, _B2 = 2.255570073418735 * _GAMMA, 0.2870493262186792 * _GAMMA
 _B3, _B4 = 0.4353179431840180 * _GAMMA, 1.093502252409163 * _GAMMA
 _E1, _E2 = -0.2815431932141155 * _GAMMA, -0.07276199124934920 * _GAMMA
 _E3, _E4 = -0.1082196201495311 * _GAMMA, -1.093502252409163 * _GAMMA
-# An event ends a step. It is met by retaking the step this many times at most, until the time by
-# which the step ends early or late moves no cell by more than this part of the accuracy.
+# An event ends a step. The step is repeated this number of times at most, until the error of its
+# end time moves no cell by more than this fraction of the accuracy.
 _TRIES, _LATE = 40, 1e-2
-# So near to where it set out, as a share of the travel, no other landing is looked for.
+# Distance to the start, as a fraction of the travel, below which no other landing is searched.
 _NEAR_START = 1e-3
-# What is known of a cell in the flow: where it is, F and κ there, its friction, mobility and full
-# travel, between which travels it is on its sheet and between which it can go ...
+# Rows of a cell in the flow: its travel, F and κ there, its friction, mobility and full travel, the
+# ends of its sheet and the limits of its travel ...
 _TRAVEL, _FORCE, _SLOPE, _FRICTION, _MOBILITY, _FULL, _LEAST, _MOST, _BEFORE, _BEYOND = range(10)
 # ... ds/dt, room for the stages of a step, what it goes in it, the error of that; travel, F, κ and
 # ds/dt after the step; and the error of its travel so far ...
@@ -46,19 +46,19 @@ _PIVOT = 24
 # ... and, whole numbers, which cell it is, the piece of the last evaluation, and in which sense it
 # moves within a step, 0 where it stays.
 _CELL, _PIECE, _SENSE = range(3)
-# What is known of the cells that keep still: the λ between which they do, and the sum of travels.
+# Values of the cells at rest: the λ between which they rest, and the sum of travels.
 _LOWEST, _HIGHEST, _STILL = range(3)
 
 
 class Flow(NamedTuple):
-    """Where the flow is; N cells of the chain, m of them in the flow."""
+    """State of the flow; N cells of the chain, m of them in the flow."""
 
     drive: float
     cell: Floats  # (25, N) see above, the first m columns
     where: Ints  # (3, N) likewise
     used: Ints  # (1,) m
     still: Floats  # (3,) _LOWEST, _HIGHEST, _STILL
-    first: Ints  # (2,) the cells that let go at the highest and at the lowest, or -1
+    first: Ints  # (2,) the cells released at the highest and at the lowest λ, or -1
 
 
 @leaf
@@ -109,7 +109,7 @@ def _law_at(problem: DrivenChain, at: Flow, j: int, travel: float) -> tuple[floa
 
 @leaf
 def _close(problem: DrivenChain, state: State, at: Flow) -> None:
-    """See within which λ the cells that are not in the flow keep still."""
+    """Set the window of λ within which the cells that are not in the flow rest."""
     friction, ends = problem.laws.friction, problem.sheets.ends
     travel, mode, at_rest = state.travel, state.mode, state.at_rest
     low, high, falls, rises, still = -np.inf, np.inf, -1, -1, 0.0
@@ -127,7 +127,7 @@ def _close(problem: DrivenChain, state: State, at: Flow) -> None:
 
 @leaf
 def _drives(cell: Floats, j: int, shared: float) -> float:
-    """What drives a cell at λ [N]: stops and Coulomb friction may hold it."""
+    """Driving force of a cell at λ [N]; zero if stops or Coulomb friction hold it."""
     force, friction = cell[_FORCE, j], cell[_FRICTION, j]
     if shared > force + friction and cell[_TRAVEL, j] < cell[_BEYOND, j]:
         return float(shared - force - friction)
@@ -138,7 +138,7 @@ def _drives(cell: Floats, j: int, shared: float) -> float:
 
 @leaf
 def _balance(cell: Floats, m: int, shared: float) -> float:
-    """The λ at which the rates add up to zero: a fixed stroke. Exact, piece by linear piece."""
+    """The λ at which the sum of the rates is zero (fixed stroke); exact, piecewise linear."""
     low, high = -np.inf, np.inf
     for _ in range(200):
         total, moving = 0.0, 0.0
@@ -166,12 +166,12 @@ def _balance(cell: Floats, m: int, shared: float) -> float:
 
 @leaf
 def _stroke(cell: Floats, m: int, travel: int, still: float) -> float:
-    """Σ s where the cells in the flow have the travels of that row."""
+    """Σ s with the travels of one row for the cells in the flow."""
     total = 0.0
     for j in range(m):
         total += cell[travel, j]
-    # Long chains: the many that keep still come last, or each of the others would be rounded as
-    # all of them are.
+    # Long chains: the sum of the resting cells is added last, or its rounding would affect each of
+    # the others.
     return total + still
 
 
@@ -188,7 +188,7 @@ def _rates(cell: Floats, m: int, shared: float) -> float:
 
 @leaf
 def _piece_near(pieces: Pieces, piece: int, travel: float) -> int:
-    """The piece of the same cell that holds a travel between its ends, from one not far off."""
+    """The piece of the same cell that contains a travel, from a near piece."""
     while travel > pieces.right[piece]:
         piece += 1
     while travel < pieces.left[piece]:
@@ -321,7 +321,7 @@ def _longest_step(
             falling = max(falling, -cell[_MOBILITY, j] * cell[_SLOPE, j])
     if wanted * _GAMMA * falling <= 0.7:
         return wanted
-    # What grows the least eigenvalue tells, and next to a fold that is almost nothing.
+    # The least eigenvalue decides growth, and next to a fold it is almost zero.
     weights, slopes = cell[_X1, :moving], cell[_X2, :moving]
     k = 0
     for j in range(m):
@@ -352,7 +352,7 @@ def _stiffest(cell: Floats, m: int, least: float) -> float:
 
 @leaf
 def _worst(cell: Floats, m: int) -> float:
-    """The largest error of a step as a share of the full travel."""
+    """The largest error of a step as a fraction of the full travel."""
     worst = 0.0
     for j in range(m):
         worst = max(worst, abs(cell[_ERROR, j]) / cell[_FULL, j])
@@ -393,7 +393,7 @@ def _change_of_force(problem: DrivenChain, at: Flow, rate: int, slope: int) -> f
 
 @leaf
 def _first_root(begins: float, slope_0: float, ends: float, slope_1: float) -> float:
-    """Where in 0..1 the cubic with these ends and slopes first falls below zero; 2 if nowhere."""
+    """First zero in 0..1 of the cubic with these ends and slopes; 2 if there is none."""
     steep = 6.0 * max(abs(begins), abs(ends))
     if abs(slope_0) > steep or abs(slope_1) > steep:
         slope_0 = slope_1 = ends - begins
@@ -429,7 +429,7 @@ def _first_root(begins: float, slope_0: float, ends: float, slope_1: float) -> f
 @leaf
 def _meets_stop(cell: Floats, where: Ints, m: int, h: float) -> tuple[int, float, float]:
     """The cell first at an end of its sheet about when the last step ends, or -1; how long ago."""
-    # Negative where soon after; and by what share of travel going back along the rates is off.
+    # Negative if soon after; and the error of going back along the rates as a fraction of travel.
     first, ago, bend = -1, -0.01 * h, 0.0
     for j in range(m):
         rate = cell[_NEXT_RATE, j]
@@ -437,7 +437,7 @@ def _meets_stop(cell: Floats, where: Ints, m: int, h: float) -> tuple[int, float
             continue
         end = cell[_MOST, j] if rate > 0.0 else cell[_LEAST, j]
         since = (cell[_TRIAL, j] - end) / rate
-        # A cell that leaves its stop is not about to be there.
+        # A cell that leaves its stop does not arrive there.
         if since > ago and (since >= 0.0 or cell[_TRAVEL, j] != end):
             first, ago = j, since
     if first >= 0:
@@ -451,7 +451,7 @@ def _meets_stop(cell: Floats, where: Ints, m: int, h: float) -> tuple[int, float
 def _passed(
     problem: DrivenChain, at: Flow, h: float, levels: tuple[float, float], late: float, most: float
 ) -> tuple[float, int]:
-    """How long the last step should be to end with its first event, or h; the cell, or -1."""
+    """Length of the last step that ends with its first event, or h; the cell, or -1."""
     # Events are ends of sheets, cells that start and cells that halt. A step may end after one
     # where that is at most `late` of a travel and no force above `most`; `levels` are λ at its
     # begin and end.
@@ -482,7 +482,7 @@ def _passed(
     for mark in range(2 * m + 2):
         j, sign = mark // 2 - 1, 1.0 if mark % 2 == 0 else -1.0
         if j < 0:
-            # The window of the cells that keep still.
+            # The window of the cells at rest.
             limit = at.still[_HIGHEST] if sign > 0.0 else at.still[_LOWEST]
             called = at.first[mark]
             if called < 0:
@@ -508,7 +508,7 @@ def _passed(
         root = _first_root(max(begins, 0.0), slope_0, ends, slope_1)
         if root >= min(stop, 1.0):
             continue
-        # Where λ only dips past a limit within the step, how deep tells how much was missed.
+        # If λ only dips past a limit within the step, the depth bounds the error.
         deep = max(-ends, 0.25 * (1.0 - root) * min(max(begins, 0.0), abs(slope_0)))
         after = (1.0 - root) * h
         if 0.5 * mobility * deep * after > late * full or deep > most:
@@ -523,7 +523,7 @@ def _passed(
 @leaf
 def _carry_error(problem: DrivenChain, at: Flow, h: float, stopped: int) -> float:
     """Take the error of the travels through a linearised step, adding its own; the largest [m]."""
-    # What only means earlier or later on the same way is none: it is taken out along the rates.
+    # A shift in time along the same way is no error: it is removed along the rates.
     alpha, beta, cell, where, m = problem.alpha, problem.beta, at.cell, at.where, at.used[0]
     total, moving, frozen, follows = 0.0, 0.0, 0.0, 0.0
     for j in range(m):
@@ -561,7 +561,7 @@ def _carry_error(problem: DrivenChain, at: Flow, h: float, stopped: int) -> floa
 
 @leaf
 def _has_left(state: State, at: Flow) -> bool:
-    """Whether the flow has left the place that was lost, where everything is slow."""
+    """Whether the flow has left the lost equilibrium, where all rates are small."""
     for j in range(at.used[0]):
         way = at.cell[_TRAVEL, j] - state.travel[at.where[_CELL, j]]
         if abs(way) > _NEAR_START * at.cell[_FULL, j]:
@@ -571,7 +571,7 @@ def _has_left(state: State, at: Flow) -> bool:
 
 @leaf
 def _barrier(problem: DrivenChain, at: Flow) -> float:
-    """The most that resists the last step going straight on [N]; inf where that ends at a stop."""
+    """Largest resistance to a straight continuation of the last step [N]; inf at a stop."""
     pieces, cell, where, m = problem.pieces, at.cell, at.where, at.used[0]
     size, total, weight, room = 0.0, 0.0, 0.0, np.inf
     for j in range(m):
@@ -609,11 +609,11 @@ def _barrier(problem: DrivenChain, at: Flow) -> float:
 
 @leaf
 def _polish(problem: DrivenChain, at: Flow, shared: float) -> tuple[bool, float]:
-    """Newton from a slow point of the flow to the rest that it creeps towards, in `_TRIAL`."""
+    """Newton from a slow point of the flow to the equilibrium that it approaches, in `_TRIAL`."""
     # One function: an iteration works on eight rows of the flow, taken out once.
     laws, pieces, alpha, beta = problem.laws, problem.pieces, problem.alpha, problem.beta
     picked, cell, where, m = pieces.picked, at.cell, at.where, at.used[0]
-    # Which cells can move, what friction adds to their force, their miss of λ and their κ.
+    # The movable cells, the friction in addition to their force, their error of λ and their κ.
     active, offset, miss, slopes = cell[_X1], cell[_X2], cell[_X3], cell[_X4]
     out, travel, full = cell[_TRIAL], cell[_TRAVEL], cell[_FULL]
     for j in range(m):
@@ -652,7 +652,7 @@ def _polish(problem: DrivenChain, at: Flow, shared: float) -> tuple[bool, float]
         if flat >= 0:
             if alpha == 0.0:
                 return False, shared
-            # Cells of constant force take what is left, by mobility.
+            # Cells of constant force take the rest, by mobility.
             rest = (-beta * change / alpha - total) / flats
             for j in range(m):
                 if active[j] != 0.0 and slopes[j] == 0.0:
@@ -664,7 +664,7 @@ def _polish(problem: DrivenChain, at: Flow, shared: float) -> tuple[bool, float]
             inside = cell[_LEAST, j] <= out[j] <= cell[_MOST, j]
             if not inside or abs(out[j] - travel[j]) > 1e-3 * full[j]:
                 return False, shared
-        # Where it contracts no more it has arrived, but for rounding, or goes astray.
+        # Without further contraction it has converged, to rounding, or diverges.
         if step < 1e-15 or (step >= last and step < 1e-12):
             break
         if step >= last:
@@ -688,7 +688,7 @@ def _polish(problem: DrivenChain, at: Flow, shared: float) -> tuple[bool, float]
 
 @leaf
 def _set_senses(at: Flow, shared: float) -> None:
-    """In which sense every cell moves from where it is; without friction, inside, it can."""
+    """Sense in which every cell moves; without friction, between its stops, it is free."""
     cell, where = at.cell, at.where
     for j in range(at.used[0]):
         where[_SENSE, j] = np.sign(_drives(cell, j, shared))
@@ -701,7 +701,7 @@ def _set_senses(at: Flow, shared: float) -> None:
 def flow(
     problem: DrivenChain, state: State, drive: float, shared: float, accuracy: float, rubbed: Floats
 ) -> tuple[bool, float, bool]:
-    """Follow the flow to rest, travels in place: whether it settled, λ, and whether by a tie."""
+    """Integrate the flow to rest, travels in place: whether it settled, λ, and whether by a tie."""
     # A linearly implicit pair of orders 4 and 3, for one slow direction among many fast ones; each
     # event ends a step. The last stretch is Newton's, so the integration only decides which
     # equilibrium it is. `rubbed` (N,) gathers the way of every cell.
@@ -739,7 +739,7 @@ def flow(
         if folds and _jumps(problem, at):
             continue
         longest, looks = 1e6 / (stiffest * slowest), largest < 1e-2 * scale and step % 2 == 0
-        # Before it has left, rest would be the place that was lost.
+        # Before it has left, rest would be the lost equilibrium.
         left = left or (looks and _has_left(state, at))
         gone = left or wanted >= longest or peak > 1e3 * nothing
         # Nothing moves but for rounding: this is rest, whether or not Newton can say so (two cells
@@ -756,7 +756,7 @@ def flow(
             break
         _set_senses(at, shared)
         if largest > before and slows:
-            # It was slowest here: with so much less it would have come to rest.
+            # The minimum of the driving force: with this much less it would have come to rest.
             left = left or _has_left(state, at)
             if before < 0.5 * peak and left:
                 st.set_near(state.near, before, steepest)
@@ -824,7 +824,7 @@ def flow(
         barrier = _barrier(problem, at)
         st.set_near(state.near, barrier, steepest)
         close = close or barrier <= max(2.0 * steepest * off, st.TIE * scale)
-    # Steps are linearised, so twice the sum is what may be relied on.
+    # Steps are linearised, so twice the sum is the bound.
     state.near[2] = max(state.near[2], 2.0 * off)
     for j in range(used[0]):
         state.travel[where[_CELL, j]] = cell[_TRAVEL, j]
@@ -833,7 +833,7 @@ def flow(
 
 @leaf
 def _jumps(problem: DrivenChain, at: Flow) -> bool:
-    """Let cells that are pushed past the end of their sheets jump to the next; whether any does."""
+    """Move cells that are pushed past the end of their sheets to the next; whether any jumps."""
     sheets, cell, some = problem.sheets, at.cell, False
     for j in range(at.used[0]):
         i, rate, travel = at.where[_CELL, j], cell[_RATE, j], cell[_TRAVEL, j]

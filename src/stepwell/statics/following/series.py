@@ -93,14 +93,14 @@ def _end_segment(
 
 @leaf
 def _leave_branch(problem: DrivenChain, state: State, rising: Rising, i: int, toward: int) -> None:
-    """Take a cell off its branch at the end that λ going `toward` leads to; its row is due."""
+    """Remove a cell from its branch at its end for λ going `toward`; its row is due."""
     pieces, log, segment = problem.pieces, state.log, rising.segment
     force, piece = segment.begin[1], state.piece[i]
     end = float(pieces.right[piece] if toward > 0 else pieces.left[piece])
     if state.force[0] != force:
         _name(rising, i, risings.travel_at_force(problem, state, i, force))
     elif segment.counts[1] >= 0 and segment.named[i] == 0:
-        # Nothing has moved since the row before, which did not name it.
+        # No cell has moved since the row before, which did not name it.
         before = log.segments[segment.counts[1], logged.FORCE_0]
         was = risings.travel_at_force(problem, state, i, before)
         add_mover(log, i, piece, 0.0, was, end)
@@ -112,7 +112,7 @@ def _leave_branch(problem: DrivenChain, state: State, rising: Rising, i: int, to
 def _stop_here(
     problem: DrivenChain, state: State, rising: Rising, direction: int, drive: float, closes: bool
 ) -> None:
-    """Bring every cell to where it is now, and name in the row written last all that it did not."""
+    """Update the travels of all cells, and add the missing cells to the last row."""
     pieces, force, segment = problem.pieces, state.force[0], rising.segment
     kind = logged.MOVE if rising.counts[1] > 0 or segment.counts[0] > 0 else logged.HOLD
     _end_segment(problem, state, rising, kind, direction, drive)
@@ -134,7 +134,7 @@ def _stop_here(
 
 @leaf
 def _name_all(problem: DrivenChain, state: State, rising: Rising) -> None:
-    """Name in the row written last all cells that it did not, where they are now."""
+    """Add the missing cells to the last row, with their present travels."""
     log, segment, row = state.log, rising.segment, rising.segment.counts[1]
     for m in range(log.first[row], log.first[row + 1]):
         mover = log.movers[m]
@@ -153,7 +153,7 @@ def _name_all(problem: DrivenChain, state: State, rising: Rising) -> None:
 
 @leaf
 def _next_cell(problem: DrivenChain, state: State, rising: Rising, q: int, toward: int) -> int:
-    """The cell to which something happens first; a tie is noted where it decides which falls."""
+    """The cell of the first event; a tie is noted if it decides the falling cell."""
     queues, within = rising.queues, st.TIE * problem.scale
     if not risings.ties(queues, q, within):
         return int(queues.heap[q, 0])

@@ -11,7 +11,8 @@ from stepwell.statics.following.pieces import find_piece, invert
 from stepwell.statics.following.state import DrivenChain, force_at
 from stepwell.statics.landings.start import Start
 
-# Tolerances of forces, as a fraction of the largest, and of travels, of the full ones: far above rounding and far below the precision of a mechanism.
+# Tolerances of forces, as a fraction of the largest, and of travels, of the full ones: far above
+# rounding and far below the precision of a mechanism.
 CLOSE_FORCE, CLOSE = 1e-10, 1e-12
 # Rounds after which cells with growing bounds get their full travel.
 _ROUNDS = 64
