@@ -29,7 +29,7 @@ from stepwell.sequences.exchange import (
 from stepwell.sequences.fields import from_switching_fields, preisach, switching_fields
 from stepwell.sequences.mesostates import Routes, atlas
 from stepwell.sequences.nodes import TransitionKind
-from stepwell.sequences.planning import _by_fields, _task
+from stepwell.sequences.planning import _plan_by_relays, _task
 from stepwell.sequences.transition_graph import TransitionGraph, _assembled, graph
 
 WAYS = [(to_json, from_json), (to_graphml, from_graphml), (to_dot, from_dot)]
@@ -425,9 +425,9 @@ def test_the_plan_of_relays_is_as_short_as_a_search_under_a_force(name):
             searched = chain.program(to, start=start)
         except Unreachable:
             with refuses(Unreachable, "smaller", "up", "down"):
-                _by_fields(task)
+                _plan_by_relays(task)
             continue
-        planned = _by_fields(task)
+        planned = _plan_by_relays(task)
         assert planned is not None and planned.method is ProgramMethod.RELAYS
         assert planned.strokes == searched.strokes and planned.arrives == to
 
@@ -436,7 +436,7 @@ def test_where_a_phase_is_passed_by_relays_do_not_plan():
     chain = replace(chain_of(SKIPS, LATE), actuator_stiffness=0.0)
     fields = relays(chain)
     assert fields is not None and fields.skips
-    assert _by_fields(_task(chain, "00", "11")) is None
+    assert _plan_by_relays(_task(chain, "00", "11")) is None
     # Phase 1 is held on the way down only.
     assert chain.program("10").strokes == 2
 

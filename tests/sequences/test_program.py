@@ -18,7 +18,7 @@ from stepwell.sequences import Unreachable, graph
 from stepwell.sequences.branches import Branches, reach
 from stepwell.sequences.cycles import sequence_of
 from stepwell.sequences.passages import order_kept
-from stepwell.sequences.planning import _by_fields, _task
+from stepwell.sequences.planning import _plan_by_relays, _task
 from stepwell.statics import EventKind, StaticsError
 
 
@@ -178,7 +178,7 @@ def test_the_plan_from_sorted_fields_is_as_short_as_a_search_of_all_branches(see
     fields = ordered(chain, leaders=True)
     ideals = [s for s in states(cells) if is_ideal(s, fields.up, fields.down)]
     start, to = random.choice(ideals, 2)
-    planned = _by_fields(_task(chain, str(start), str(to)))
+    planned = _plan_by_relays(_task(chain, str(start), str(to)))
     searched = chain.program(str(to), start=str(start))
     assert planned is not None and planned.shortest
     assert planned.strokes == searched.strokes
@@ -334,7 +334,7 @@ def test_where_another_than_the_leader_is_left_a_program_can_be_shorter_than_tha
     assert (program.strokes, len(plan.states)) == (2, 3)
     assert program.shortest
     # So what is planned from the fields is not called the shortest.
-    planned = _by_fields(_task(chain, "000", "011"))
+    planned = _plan_by_relays(_task(chain, "000", "011"))
     assert planned is not None and planned.strokes == 3 and not planned.shortest
 
 

@@ -362,32 +362,32 @@ def fewest_strokes(fields: Relays, start: str, target: str) -> RelayPlan:
     """
     if start == target:
         return RelayPlan(())
-    before, wanted = fields.raised(start), fields.raised(target)
-    plans = [_backward(fields, before, wanted, last) for last in (+1, -1)]
+    begin, goal = fields.raised(start), fields.raised(target)
+    plans = [_backward(fields, begin, goal, last) for last in (+1, -1)]
     if ways := [plan for plan in plans if plan is not None]:
         return RelayPlan(min(ways, key=len))
-    pairs = product(np.flatnonzero(~wanted).tolist(), np.flatnonzero(wanted).tolist())
+    pairs = product(np.flatnonzero(~goal).tolist(), np.flatnonzero(goal).tolist())
     blocked = [pair for pair in pairs if fields.precedes(*pair)]
     # Pairs with a relay that differs from the start explain the failure best.
-    blocked.sort(key=lambda pair: all(before[k] == wanted[k] for k in pair))
+    blocked.sort(key=lambda pair: all(begin[k] == goal[k] for k in pair))
     return RelayPlan((), blocked[0])
 
 
-def _backward(fields: Relays, before: Bools, wanted: Bools, last: int) -> tuple[str, ...] | None:
-    care = np.ones(len(wanted), bool)
+def _backward(fields: Relays, before: Bools, target: Bools, last: int) -> tuple[str, ...] | None:
+    relevant = np.ones(len(target), bool)
     limits: list[tuple[int, float]] = []
     direction, idle = last, 0
-    while np.any(care & (before != wanted)):
+    while np.any(relevant & (before != target)):
         if direction > 0:
-            limit = float(np.min(fields.up[care & ~wanted], initial=np.inf))
-            pleased = care & (fields.up < limit)
+            limit = float(np.min(fields.up[relevant & ~target], initial=np.inf))
+            satisfied = relevant & (fields.up < limit)
         else:
-            limit = float(np.max(fields.down[care & wanted], initial=-np.inf))
-            pleased = care & (fields.down > limit)
-        idle = 0 if np.any(pleased) else idle + 1
+            limit = float(np.max(fields.down[relevant & target], initial=-np.inf))
+            satisfied = relevant & (fields.down > limit)
+        idle = 0 if np.any(satisfied) else idle + 1
         if idle > 0 and (limits or idle > 1):
             return None
-        care &= ~pleased
+        relevant &= ~satisfied
         limits.append((direction, limit))
         direction = -direction
     state = before.copy()

@@ -42,7 +42,7 @@ def in_discs(radius: float, numbers: Floats, out: Floats) -> None:
 
 
 @kernel
-def _made(draw: Floats, cells: Floats, spread: Floats, i: int) -> tuple[Simple, float]:
+def _sampled_cell(draw: Floats, cells: Floats, spread: Floats, i: int) -> tuple[Simple, float]:
     """Cell i of one sample, and its friction [N]; the columns are those of `Draws`."""
     n = len(cells)
     dx, dy = cells[i, 0], cells[i, 1]
@@ -65,7 +65,7 @@ def _made(draw: Floats, cells: Floats, spread: Floats, i: int) -> tuple[Simple, 
 def _as_made(draws: Floats, cells: Floats, spread: Floats, out: Floats) -> None:
     for sample in range(len(draws)):
         for i in range(len(cells)):
-            made, _ = _made(draws[sample], cells, spread, i)
+            made, _ = _sampled_cell(draws[sample], cells, spread, i)
             out[sample, i, 0], out[sample, i, 1] = made.dx, made.dy
             out[sample, i, 2], out[sample, i, 3] = made.stiffness, made.rest
             out[sample, i, 4], out[sample, i, 5] = made.lever, made.sin_limit
@@ -84,7 +84,9 @@ def as_made(draws: Floats, numbers: Floats, spread: Floats) -> Floats:
 
 
 @kernel
-def _keeps(made: list[Simple], friction: Floats, full: Floats, key: Floats, order: Ints) -> bool:
+def _stays_off_stops(
+    made: list[Simple], friction: Floats, full: Floats, key: Floats, order: Ints
+) -> bool:
     """Proof that no cell that gives travel back in a snap reaches its other stop.
 
     While cell j loads, the cells at 1 give back at most the travel that j still needs when they
@@ -160,8 +162,8 @@ def judged(
     Cells of falling force load in rising F0 + f and unload in falling F1 - f, f their friction:
     while one of them moves, the actuator's force stays below the critical force of the next, and
     the moving cells lack less than one full travel in sum, so none returns to its other stop. That
-    needs equal travels, or `_keeps` under a rigid actuator. A prescribed force needs neither,
-    because the cells do not interact.
+    needs equal travels, or `_stays_off_stops` under a rigid actuator. A prescribed force needs
+    neither, because the cells do not interact.
 
     Draws and spread are as for `as_made`, cells (N, 7) end with their friction, and `target` has
     (2, N) cells in order; `wrong` and `narrowest` of `out` are added to.
@@ -175,7 +177,7 @@ def judged(
         proved = True
         scale, longest, least = 0.0, 0.0, np.inf
         for i in range(n):
-            made[i], friction[i] = _made(draws[sample], cells, spread, i)
+            made[i], friction[i] = _sampled_cell(draws[sample], cells, spread, i)
             proved = proved and certify(made[i], 0.0)
             force_0, force_1 = end_forces(made[i])
             key[0, i], key[1, i] = force_0 + friction[i], friction[i] - force_1
@@ -187,7 +189,7 @@ def judged(
         out.does[sample], right = _code(order, target)
         out.gap[sample], where, tie = _gaps(key, target, order, TIED * scale)
         if proved and drive != FORCE and not same_travel(longest, least):
-            proved = drive == RIGID and _keeps(made, friction, full, key, order)
+            proved = drive == RIGID and _stays_off_stops(made, friction, full, key, order)
         if not proved:
             out.verdict[sample] = ASK
             continue
@@ -230,11 +232,11 @@ class DrawJudge:
         counts: list[Ints] = []
 
         def judge(begin: int, end: int) -> None:
-            counted = np.zeros((2, 2, n - 1), np.int64)
+            counts_here = np.zeros((2, 2, n - 1), np.int64)
             here = slice(begin, end)
-            out = Judged(verdict[here], does[here], gap[here], *counted)
+            out = Judged(verdict[here], does[here], gap[here], *counts_here)
             judged(draws[here], self.cells, self.spread, self.target, self.drive, out)
-            counts.append(counted)
+            counts.append(counts_here)
 
         in_blocks(judge, m, judged.block(max(1, _BLOCK // n), draws))
         wrong, narrowest = sum(counts, np.zeros((2, 2, n - 1), np.int64))

@@ -109,11 +109,11 @@ class SortedChain:
         # Ranks rise with F0 and fall with F1.
         orders = orders or (self.loading, self.unloading)
         for order, force, side in zip(orders, self.forces, (-1, +1), strict=True):
-            place, own, up = order.index(cell), float(force[cell]), -side
+            place, own_force, up = order.index(cell), float(force[cell]), -side
             if place > 0:
-                neighbours.append(Neighbour(side, own, float(force[order[place - 1]]), -up))
+                neighbours.append(Neighbour(side, own_force, float(force[order[place - 1]]), -up))
             if place + 1 < len(order):
-                neighbours.append(Neighbour(side, own, float(force[order[place + 1]]), up))
+                neighbours.append(Neighbour(side, own_force, float(force[order[place + 1]]), up))
         return neighbours
 
     def smallest_gap(self) -> float:

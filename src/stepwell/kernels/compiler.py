@@ -43,7 +43,7 @@ def begin(function: FunctionType, kinds: bytes) -> bool:
 
 
 @atexit.register
-def _let_go() -> None:
+def _detach_compilers() -> None:
     """Detach running compilers, so that Python does not warn about them."""
     for process in _working:
         process.returncode = process.poll() or 0
@@ -62,7 +62,9 @@ def compile_elsewhere(function: FunctionType, kinds: bytes) -> bool:
         try:
             process.wait(1.0)
         except subprocess.TimeoutExpired:
-            store.say(f"compiling {function.__name__.strip('_')}, once; kept in {store.folder()}")
+            store.print_notice(
+                f"compiling {function.__name__.strip('_')}, once; kept in {store.folder()}"
+            )
             while True:
                 with suppress(subprocess.TimeoutExpired):
                     process.wait(0.1)

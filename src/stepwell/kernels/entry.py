@@ -36,7 +36,7 @@ _interpreted_for = 0.0
 AUTO, INTERPRETED, COMPILED = "auto", "interpreted", "compiled"
 
 
-def _wanted() -> str:
+def _requested_mode() -> str:
     named = os.environ.get("STEPWELL_KERNELS", AUTO)
     if named not in (AUTO, INTERPRETED, COMPILED):
         raise SettingError(
@@ -64,7 +64,7 @@ class Entry(Generic[P, R]):
         global _interpreted_for
         if self._machine is not None:
             return self._machine(*args, **kwargs)
-        if self._pays(*args):
+        if self._worth_compiling(*args):
             return self.compiled()(*args, **kwargs)
         begun = thread_time()
         try:
@@ -96,7 +96,7 @@ class Entry(Generic[P, R]):
         All items for machine code; a fortieth for interpreted code, which takes turns and has to
         react to Ctrl-C.
         """
-        if self._machine is None and self._pays(*args):
+        if self._machine is None and self._worth_compiling(*args):
             self.compiled()
         return size if self._machine is not None else max(1, size // 40)
 
@@ -119,8 +119,8 @@ class Entry(Generic[P, R]):
         kinds = pickle.dumps(tuple(_example(value) for value in args))
         self._tries -= _compiler.begin(self._kernel, kinds)
 
-    def _pays(self, *args: Any) -> bool:
-        wanted = _wanted()
+    def _worth_compiling(self, *args: Any) -> bool:
+        wanted = _requested_mode()
         if wanted != AUTO:
             return wanted == COMPILED
         price = self._seconds

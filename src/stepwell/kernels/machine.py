@@ -41,7 +41,7 @@ def _dispatcher(function: FunctionType) -> Any:
         options["_nrt"] = function not in LEAVES
         dispatcher: Any = numba.njit(**options)(bound)
         if hasattr(dispatcher, "_cache"):  # not where Numba itself is switched off
-            dispatcher._cache = _Kept(function)
+            dispatcher._cache = _CodeCache(function)
         _MADE[function] = dispatcher
     return _MADE[function]
 
@@ -59,7 +59,7 @@ def _machine_form(function: FunctionType, value: Any) -> Any:
     return value if inner is None else _dispatcher(inner)
 
 
-class _Kept:
+class _CodeCache:
     """Cache of compiled code with the interface that Numba expects."""
 
     cache_path = None
@@ -83,7 +83,9 @@ class _Kept:
             return CompileResult._rebuild(target_context, *pickle.loads(payload))
         except Exception as error:
             # Undamaged, but unreadable by this version of Numba.
-            store.say(f"the compiled kernel {name} cannot be used ({error}); it is made again.")
+            store.print_notice(
+                f"the compiled kernel {name} cannot be used ({error}); it is made again."
+            )
             return None
 
     def save_overload(self, sig: Any, data: Any) -> None:

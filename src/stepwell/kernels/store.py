@@ -21,7 +21,7 @@ _DIGEST = 32
 _KEPT = 12
 
 
-def say(line: str) -> None:
+def print_notice(line: str) -> None:
     """Print one line to standard error."""
     with suppress(OSError, ValueError, AttributeError):
         sys.stderr.write(f"stepwell: {line}\n")
@@ -46,7 +46,7 @@ def folder() -> Path | None:
     """
     if _GIVEN:
         return _GIVEN[0]
-    wanted = _wanted()
+    wanted = _intended_folder()
     try:
         if not os.environ.get("NUMBA_CACHE_DIR") and not wanted.is_absolute():
             raise OSError("there is no home folder")
@@ -59,10 +59,14 @@ def folder() -> Path | None:
     try:
         private = Path(tempfile.mkdtemp(prefix="stepwell-"))
     except OSError:
-        say(f"{wanted} cannot be written ({reason}): no compiled kernels are kept; {advice}")
+        print_notice(
+            f"{wanted} cannot be written ({reason}): no compiled kernels are kept; {advice}"
+        )
         return None
     atexit.register(shutil.rmtree, private, ignore_errors=True)
-    say(f"{wanted} cannot be written ({reason}): compiled kernels are kept for this run; {advice}")
+    print_notice(
+        f"{wanted} cannot be written ({reason}): compiled kernels are kept for this run; {advice}"
+    )
     return private
 
 
@@ -80,13 +84,13 @@ class Kept(NamedTuple):
 
 def kept() -> Kept:
     """The present contents of the store."""
-    place = _GIVEN[0] if _GIVEN else _wanted()
+    place = _GIVEN[0] if _GIVEN else _intended_folder()
     files = [*place.glob("*.kernel")] if place.is_dir() else []
     names = {file.name.partition("-")[0] for file in files}
     return Kept(place, folder() == place, len(names), sum(file.stat().st_size for file in files))
 
 
-def _wanted() -> Path:
+def _intended_folder() -> Path:
     named = os.environ.get("NUMBA_CACHE_DIR")
     return Path(named) / "stepwell" if named else platformdirs.user_cache_path("stepwell")
 
@@ -113,7 +117,7 @@ def read(name: str) -> bytes | None:
         return payload
     with suppress(OSError):
         path.unlink()
-    say(f"the compiled kernel {path} is damaged; it is made again.")
+    print_notice(f"the compiled kernel {path} is damaged; it is made again.")
     return None
 
 
@@ -127,11 +131,11 @@ def write(name: str, payload: bytes) -> None:
         write_atomic(place / f"{name}.kernel", data)
         _forget_old(place, name.split("-")[0])
     except OSError as error:
-        say(f"compiled kernels cannot be kept in {place} ({error.strerror or error}).")
+        print_notice(f"compiled kernels cannot be kept in {place} ({error.strerror or error}).")
 
 
 def _forget_old(place: Path, kernel: str) -> None:
-    kept = sorted(place.glob(f"{kernel}-*.kernel"), key=lambda path: path.stat().st_mtime)
-    for path in kept[:-_KEPT]:
+    versions = sorted(place.glob(f"{kernel}-*.kernel"), key=lambda path: path.stat().st_mtime)
+    for path in versions[:-_KEPT]:
         with suppress(OSError):
             path.unlink()

@@ -296,11 +296,11 @@ class Element(ByValue, Drawn):
 
         Past an open end it continues straight; past a stop or the end of the sheet ValueError.
         """
-        return cubics.value(*self._asked(travel, sheet))
+        return cubics.value(*self._checked_place(travel, sheet))
 
     def energy_at(self, travel: ArrayLike, sheet: int = 0) -> Floats:
         """Energy [J] at travels as of `force_at`, counted from where the curve begins."""
-        return cubics.integral(*self._asked(travel, sheet))
+        return cubics.integral(*self._checked_place(travel, sheet))
 
     def goes_on(self, sheet: Sheet) -> tuple[bool, bool]:
         """Whether one of its sheets continues straight past its low and past its high end."""
@@ -314,7 +314,7 @@ class Element(ByValue, Drawn):
         """The same element with another name."""
         return replace(self, name=name)
 
-    def _asked(self, travel: ArrayLike, sheet: int) -> tuple[Floats, Floats]:
+    def _checked_place(self, travel: ArrayLike, sheet: int) -> tuple[Floats, Floats]:
         if not 0 <= sheet < len(self.laws):
             raise InputError(
                 f"sheet = {sheet}: the curve has {len(self.laws)}, numbered from 0 on."

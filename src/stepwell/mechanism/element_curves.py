@@ -247,12 +247,12 @@ def _sum(curves: list[Floats], low: float, high: float) -> Floats:
     joints = np.unique(np.concatenate([curve[:, 0] for curve in curves]))
     near = 1e-9 * (high - low)
     inside = joints[(joints > low + near) & (joints < high - near)]
-    kept = [low]
+    starts = [low]
     for joint in inside.tolist():
-        if joint - kept[-1] > near:
-            kept.append(joint)
-    rows = np.zeros((len(kept), 6))
-    rows[:, 0] = kept
+        if joint - starts[-1] > near:
+            starts.append(joint)
+    rows = np.zeros((len(starts), 6))
+    rows[:, 0] = starts
     middles = 0.5 * (rows[:, 0] + np.append(rows[1:, 0], high))
     for curve in curves:
         at = np.clip(np.searchsorted(curve[:, 0], middles, side="right") - 1, 0, len(curve) - 1)

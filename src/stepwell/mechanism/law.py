@@ -311,8 +311,8 @@ def packed(cells: Sequence[Cell | Element]) -> tuple[Laws, Sheets]:
 
 def _of_bands(levers: Sequence[Cell]) -> tuple[list[int], list[Band], Floats, list[Floats]]:
     """Counts of bands of cells, all bands, their q - p, k and ℓ0 (bands, 4), and their laws."""
-    held = [(cell.band,) if isinstance(cell.band, Band) else cell.band for cell in levers]
-    bands = list(flatten.from_iterable(held))
+    per_cell = [(cell.band,) if isinstance(cell.band, Band) else cell.band for cell in levers]
+    bands = list(flatten.from_iterable(per_cell))
     band = np.empty((len(bands), 4))
     band[:, :2] = _rows_of(2, [b.q for b in bands]) - _rows_of(2, [b.p for b in bands])
     band[:, 2], band[:, 3] = [b.stiffness for b in bands], [b.rest_length for b in bands]
@@ -320,7 +320,7 @@ def _of_bands(levers: Sequence[Cell]) -> tuple[list[int], list[Band], Floats, li
     laws_of = [b.law for b in bands]
     known = dict(zip(map(id, laws_of), laws_of, strict=True))
     pieces = {name: law.pieces() for name, law in known.items()}
-    return list(map(len, held)), bands, band, list(map(pieces.__getitem__, map(id, laws_of)))
+    return list(map(len, per_cell)), bands, band, list(map(pieces.__getitem__, map(id, laws_of)))
 
 
 def _extend(table: Floats, rows: Floats, starts: Ints, full: Floats, reach: float) -> None:

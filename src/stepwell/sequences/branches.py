@@ -156,7 +156,7 @@ class Branches:
     def at(self, place: statics.Configuration, drive: float) -> int:
         """Number of the branch that contains a configuration at a drive."""
         state = state_of(self._stretches, place)
-        known = self._known(state, drive)
+        known = self._known_branch(state, drive)
         if known is not None:
             return known
         up, after_up = self._passage(place, drive, +1)
@@ -166,7 +166,7 @@ class Branches:
         # Both runs begin with the section that the chain stands on.
         middle = back[-1].until(first.drive[1], first.force[1], first.place[1])
         branch = Branch((*back[:-1], middle, *up.sections[1:]), place, drive)
-        number = self._same(branch)
+        number = self._equal_branch(branch)
         if number is None:
             number = len(self._branches)
             self._branches.append(branch)
@@ -230,7 +230,7 @@ class Branches:
                     waiting.append(way.branch)
         return seen
 
-    def _known(self, state: str, drive: float) -> int | None:
+    def _known_branch(self, state: str, drive: float) -> int | None:
         """The known branch that contains this place, if state and drive decide it.
 
         A vertex exists at all forces of an interval, so there is one of each state. The exception:
@@ -249,7 +249,7 @@ class Branches:
                     return number
         return None
 
-    def _same(self, branch: Branch) -> int | None:
+    def _equal_branch(self, branch: Branch) -> int | None:
         states = [section.state for section in branch.sections]
         for number in self._where.get(states[0], ()):
             other = self._branches[number]
@@ -273,10 +273,10 @@ class Branches:
         key = self._key(place, drive, direction)
         if key not in self._passages:
             run = statics.path(self.chain, [drive, self.range[direction > 0]], start=place)
-            self._keep(run, direction)
+            self._store_passages(run, direction)
         return self._passages[key]
 
-    def _keep(self, run: statics.Path, direction: int) -> None:
+    def _store_passages(self, run: statics.Path, direction: int) -> None:
         """Store every passage of a run: the later ones begin where a snap ended."""
         self.ties |= dict.fromkeys(run.degenerate)
         passages = passages_of(run)
@@ -311,9 +311,9 @@ def windows(
         end = max(point, limits[1]) if rises else min(point, limits[0])
         whole = statics.path(chain, [before, end], start=begin)
         snaps = [event.drive for event in whole.events if event.kind is statics.EventKind.SNAP]
-        done = [drive for drive in snaps if (drive <= point) == rises or drive == point]
-        ahead = [drive for drive in snaps if drive not in done]
-        last = done[-1] if done else before
+        passed = [drive for drive in snaps if (drive <= point) == rises or drive == point]
+        ahead = [drive for drive in snaps if drive not in passed]
+        last = passed[-1] if passed else before
         next_ = ahead[0] if ahead else whole.turning_points[-1]
         intervals.append((min(last, next_), max(last, next_)))
         begin = statics.path(chain, [before, point], start=begin).end_configuration

@@ -330,7 +330,7 @@ def cycles_of(
             number[i] = UNSOLVED
             continue
         number[i] = sequences.setdefault(result.sequence, len(sequences))
-        numbers[i] = _found(result)
+        numbers[i] = _cycle_numbers(result)
     return Cycles(tuple(sequences), number, numbers)
 
 
@@ -358,7 +358,7 @@ def _built(build: Callable[[int], Chain], i: int) -> Chain | None:
         return None
 
 
-def _found(result: Cycle) -> Floats:
+def _cycle_numbers(result: Cycle) -> Floats:
     numbers = np.full(batch.FOUND, np.nan)
     numbers[batch.SNAPS], numbers[batch.TIES] = len(result.snaps), len(result.degenerate)
     numbers[batch.PEAK], numbers[batch.LOST] = result.peak_force, result.dissipated

@@ -47,7 +47,7 @@ class _ByBranches:
             return None
         if not passages.order_kept(self.chain, fields).only_ideals:
             return None
-        return _counted(concave.ideals, concave.levels(fields.windows, fields.slip))
+        return _count_or_none(concave.ideals, concave.levels(fields.windows, fields.slip))
 
     def node(self, label: str) -> Node:
         number, k = self._find(label)
@@ -83,7 +83,7 @@ class _ByBranches:
         return self._labels[section]
 
 
-def _counted(count: Callable[[Any], int], levels: Any) -> int | None:
+def _count_or_none(count: Callable[[Any], int], levels: Any) -> int | None:
     known = concave.switches(levels)
     return None if known is None else count(known)
 
@@ -121,11 +121,11 @@ class _ByFields:
 
     @cached_property
     def reached(self) -> int | None:
-        return _counted(concave.ideals, self._levels)
+        return _count_or_none(concave.ideals, self._levels)
 
     @cached_property
     def sub_loops(self) -> int | None:
-        return _counted(concave.sub_loops, self._levels)
+        return _count_or_none(concave.sub_loops, self._levels)
 
     def node(self, label: str) -> Node:
         phases = self._phases(label)

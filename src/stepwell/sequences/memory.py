@@ -246,7 +246,11 @@ def return_point_memory(atlas: BranchAtlas, routes: Routes) -> ReturnPointMemory
     """Exact check of all possible turns, by branches."""
     for direction in (+1, -1):
         branches = atlas.mesostates.toward(direction)
-        lapses = [x for x in _lapses(branches, routes) if not _alike(atlas, branches, x, direction)]
+        lapses = [
+            x
+            for x in _lapses(branches, routes)
+            if not _meet_in_vertex(atlas, branches, x, direction)
+        ]
         if lapses:
             return ReturnPointMemory(_simplest(atlas, routes, branches, lapses, direction))
     return ReturnPointMemory(None)
@@ -280,7 +284,9 @@ def _lapses(branches: Mesostates, routes: Routes) -> list[_Lapse]:
             lapses.append(_Lapse(int(left[rows[k]]), int(first[rows[k]]), turned, drive, end))
 
 
-def _alike(atlas: BranchAtlas, branches: Mesostates, lapse: _Lapse, direction: int) -> bool:
+def _meet_in_vertex(
+    atlas: BranchAtlas, branches: Mesostates, lapse: _Lapse, direction: int
+) -> bool:
     """Whether two branches meet in one vertex there, after which a tie separates them."""
     at, ends = direction * _turning(branches, lapse), (lapse.first, lapse.later)
     first, later = (atlas.graph.node(atlas.label_at(number, at)).state for number in ends)
@@ -404,7 +410,7 @@ class _Order:
         """(M, M) whether flip i is on the way from one of these vertices while flip j waits."""
         pairs = np.zeros((len(self.cell),) * 2, bool)
         for begin in range(0, len(vertices), _BLOCK):
-            flips, waits = self._of(vertices[begin : begin + _BLOCK])
+            flips, waits = self._flips_and_waits(vertices[begin : begin + _BLOCK])
             pairs |= flips.T.astype(np.float32) @ waits.astype(np.float32) > 0
         return pairs
 
@@ -412,12 +418,12 @@ class _Order:
         """The first of these vertices from which flip i is on the way while flip j waits."""
         for begin in range(0, len(vertices), _BLOCK):
             part = vertices[begin : begin + _BLOCK]
-            flips, waits = self._of(part)
+            flips, waits = self._flips_and_waits(part)
             if np.any(does := flips[:, i] & waits[:, j]):
                 return int(part[np.argmax(does)])
         raise AssertionError("before() returned True, so there is one")
 
-    def _of(self, vertices: Ints) -> tuple[Bools, Bools]:
+    def _flips_and_waits(self, vertices: Ints) -> tuple[Bools, Bools]:
         """(V, M) for each flip, whether it is on the way, and whether it waits."""
         leads, nodes = self.graph.target[int(self.direction > 0)], self.graph.nodes
         is_vertex = np.zeros(len(nodes) + 1, bool)

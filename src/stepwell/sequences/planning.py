@@ -41,7 +41,7 @@ class _Task:
         return Program(*asked, turns, *ends, how, shortest, self.place, self.robust)
 
 
-def _by_trying(task: _Task) -> Program:
+def _search_with_friction(task: _Task) -> Program:
     """First program with friction, in the order of the number of turns."""
     branches, chain = task.branches, task.branches.chain
     least, slip = _SAME * chain.full_stroke, _SAME * (branches.range[1] - branches.range[0])
@@ -150,13 +150,13 @@ def _planned(
 ) -> Program:
     task = _task(chain, start, target, progress)
     rubbed = any(cell.friction > 0 for cell in chain.cells)
-    search = _by_trying if rubbed else _by_branches
-    program = _by_fields(task) if not rubbed and len(chain) > _LOOKED_AT else None
+    search = _search_with_friction if rubbed else _search_branches
+    program = _plan_by_relays(task) if not rubbed and len(chain) > _LOOKED_AT else None
     program = replace(program or search(task), robust=robust)
     if program.hangs is None:
         return program
     task = replace(task, robust=robust)
-    turned = None if rubbed else _by_fields(task)
+    turned = None if rubbed else _plan_by_relays(task)
     if turned is not None:
         return replace(turned, shortest=program.shortest and turned.strokes == program.strokes)
     try:
@@ -208,7 +208,7 @@ def _unstable(chain: Chain, state: str) -> str:
     )
 
 
-def _by_fields(task: _Task) -> Program | None:
+def _plan_by_relays(task: _Task) -> Program | None:
     """Program planned by relays, aimed by one run per stroke; None if it does not apply or fails.
 
     Under a prescribed stroke a `robust` program turns past vertices only: vertices do not depend on
@@ -233,10 +233,10 @@ def _by_fields(task: _Task) -> Program | None:
     if plan.blocked is not None:
         if not order.only_ideals:
             return None
-        why = _why_blocked(chain, fields, plan.blocked)
+        why = _blocking_text(chain, fields, plan.blocked)
         text = f"no program leads from {task.start} to {task.target}: {why}"
         raise Unreachable(text, proved=True)
-    aimed = _aimed(task, plan.states)
+    aimed = _aimed_turns(task, plan.states)
     if aimed is None:
         return None
     method = ProgramMethod.RELAYS if chain.elements else ProgramMethod.FIELDS
@@ -244,7 +244,7 @@ def _by_fields(task: _Task) -> Program | None:
     return task.solved(*aimed, method, order.leaders_win)
 
 
-def _why_blocked(chain: Chain, fields: Relays, blocked: tuple[int, int]) -> str:
+def _blocking_text(chain: Chain, fields: Relays, blocked: tuple[int, int]) -> str:
     i, j = (chain.names[fields.cell[m]] for m in blocked)
     k, m = (fields.step[m] + 1 for m in blocked)
     smaller, beyond = "the smaller F0 and the smaller F1", ""
@@ -252,13 +252,13 @@ def _why_blocked(chain: Chain, fields: Relays, blocked: tuple[int, int]) -> str:
         smaller = f"the smaller {chain.measure.force} up and the smaller one down"
         beyond = " or beyond"
     return (
-        f"{i} has {smaller} of the two, so it {_goes_first(chain, fields, blocked)}. Where {j} is "
-        f"at {m}{beyond}, {i} is at {k}{beyond}, unless they were set by hand (theory "
+        f"{i} has {smaller} of the two, so it "
+        f"{_relay_order_text(chain, fields, blocked)}. Where {j} is at {m}{beyond}, {i} is at {k}{beyond}, unless they were set by hand (theory "
         f"page, 'Stroke programs')."
     )
 
 
-def _aimed(
+def _aimed_turns(
     task: _Task, states: tuple[str, ...]
 ) -> tuple[tuple[Turn, ...], tuple[float, float]] | None:
     """Windows for turning at each of these states in turn; None where one is not on the way.
@@ -303,7 +303,7 @@ class _Reached:
         return len(self.turns), -min((turn.slack for turn in self.turns), default=math.inf)
 
 
-def _by_branches(task: _Task) -> Program:
+def _search_branches(task: _Task) -> Program:
     branches, start, target = task.branches, task.start, task.target
     first = branches.at(task.place, task.drive)
     if start == target:
@@ -328,7 +328,7 @@ def _by_branches(task: _Task) -> Program:
         seen.add(key)
         looked.add(reached.branch)
         notify(task.progress, len(looked), len(branches))
-        end = _end(branches, reached, target)
+        end = _end_interval(branches, reached, target)
         if end is not None:
             return task.solved(reached.turns, end, ProgramMethod.BRANCHES, not branches.ties)
         if len(looked) > _MOST_BRANCHES:
@@ -338,7 +338,7 @@ def _by_branches(task: _Task) -> Program:
                 proved=False,
             )
         if reached.can_turn:
-            push(_turned(branches, reached))
+            push(_turned_back(branches, reached))
         end_of = reached.branch, reached.direction
         exit_, ratio = branches.exit(*end_of), task.robust
         if exit_ is not None and (ratio is None or branches.landing(*end_of, ratio).holds):
@@ -347,12 +347,12 @@ def _by_branches(task: _Task) -> Program:
     raise Unreachable(
         f"no program leads from {start} to {target}: every branch that can be reached from {start} "
         f"({len(looked)} of them) was followed to both ends, and they hold {', '.join(states)} "
-        f"only. {_reason(branches, target)}".strip(),
+        f"only. {_field_order_text(branches, target)}".strip(),
         proved=not branches.ties,
     )
 
 
-def _turned(branches: Branches, reached: _Reached) -> _Reached:
+def _turned_back(branches: Branches, reached: _Reached) -> _Reached:
     """State of a search after turning back on its branch."""
     branch = branches[reached.branch]
     rises = reached.direction > 0
@@ -362,7 +362,7 @@ def _turned(branches: Branches, reached: _Reached) -> _Reached:
     return _Reached(reached.branch, -reached.direction, turn.drive, turns, can_turn=False)
 
 
-def _end(branches: Branches, reached: _Reached, target: str) -> tuple[float, float] | None:
+def _end_interval(branches: Branches, reached: _Reached, target: str) -> tuple[float, float] | None:
     """Drives at which a search may end in the target state, if it lies ahead on its branch."""
     for section in branches[reached.branch].sections:
         if section.state == target:
@@ -374,7 +374,7 @@ def _end(branches: Branches, reached: _Reached, target: str) -> tuple[float, flo
     return None
 
 
-def _reason(branches: Branches, target: str) -> str:
+def _field_order_text(branches: Branches, target: str) -> str:
     """Order of fields that excludes a state, if there is one; or the tie that prevents a proof."""
     tie = next(iter(branches.ties), None)
     if tie is not None:
@@ -388,10 +388,10 @@ def _reason(branches: Branches, target: str) -> str:
     blocked = fewest_strokes(fields, chain.first_state, target).blocked
     if blocked is None:
         return ""
-    return f"{chain.names[fields.cell[blocked[0]]]} {_goes_first(chain, fields, blocked)}."
+    return f"{chain.names[fields.cell[blocked[0]]]} {_relay_order_text(chain, fields, blocked)}."
 
 
-def _goes_first(chain: Chain, fields: Relays, blocked: tuple[int, int]) -> str:
+def _relay_order_text(chain: Chain, fields: Relays, blocked: tuple[int, int]) -> str:
     """Description of the moves of the first of two relays before and after the other."""
     (k, m), second = (fields.step[i] for i in blocked), chain.names[fields.cell[blocked[1]]]
     other = second if k == m else f"{second} goes to {m + 1}"

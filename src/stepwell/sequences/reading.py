@@ -133,24 +133,24 @@ def read_memory(graph: TransitionGraph) -> MemoryReading:
     All are exact, except that the search for accumulators is partial for too many extremes and
     branches (`reading.counting.exhaustive`).
     """
-    drawn = atlas(graph)
-    routes = Routes(drawn.mesostates, drawn.bottom)
-    pairs = memory.loop_pairs(drawn, np.flatnonzero(routes.reached))
+    branch_atlas = atlas(graph)
+    routes = Routes(branch_atlas.mesostates, branch_atlas.bottom)
+    pairs = memory.loop_pairs(branch_atlas, np.flatnonzero(routes.reached))
     listable = len(pairs) <= MOST_LOOPS
     vertices = graph.nodes.vertices
-    reached = routes.reached[drawn.branch_of[vertices]]
-    turns = memory.return_point_memory(drawn, routes)
+    reached = routes.reached[branch_atlas.branch_of[vertices]]
+    turns = memory.return_point_memory(branch_atlas, routes)
     groups = memory.groups_of(graph)
-    by_hand = graph.is_whole and len(drawn.mesostates) <= MOST_BY_HAND
+    by_hand = graph.is_whole and len(branch_atlas.mesostates) <= MOST_BY_HAND
     # A graph with return-point memory can only count from states set by hand.
     counted = Counting((), True)
     if by_hand or not turns.holds:
-        counted = counting(drawn, routes, by_hand=by_hand)
+        counted = counting(branch_atlas, routes, by_hand=by_hand)
     return MemoryReading(
         graph,
-        len(drawn.mesostates),
-        memory.main_loop(drawn),
-        tuple(memory.loop_of(drawn, *pair) for pair in pairs.tolist()) if listable else None,
+        len(branch_atlas.mesostates),
+        memory.main_loop(branch_atlas),
+        tuple(memory.loop_of(branch_atlas, *pair) for pair in pairs.tolist()) if listable else None,
         len(pairs),
         memory.gardens(graph, groups) if graph.is_whole else None,
         tuple(graph.nodes.labels(vertices[~reached])),

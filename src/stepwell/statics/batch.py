@@ -174,14 +174,14 @@ def full_cycles(designs: Designs, progress: Callable[[int, int], None] | None = 
     m = len(designs.cells)
     out = Followed(np.full((m, 6 * designs.phases.shape[1] + 2), -1), np.full((m, FOUND), np.nan))
 
-    def some(begin: int, end: int) -> None:
+    def follow_block(begin: int, end: int) -> None:
         follow_each(designs, begin, end, _work(designs), out)
 
-    def tell(tried: int, total: int) -> None:
+    def report(tried: int, total: int) -> None:
         notify(progress, int(np.count_nonzero(out.visited[:tried, 0] >= 0)), total)
 
     if m:
-        in_blocks(some, m, follow_each.block(_AT_ONCE, designs), tell)
+        in_blocks(follow_block, m, follow_each.block(_AT_ONCE, designs), report)
     return out
 
 
@@ -189,12 +189,12 @@ def _work(designs: Designs) -> _Work:
     laws = Laws._make(array.copy() for array in designs.laws)
     sheets = Sheets._make(array.copy() for array in designs.sheets)
     n, phases = len(laws.lever), designs.phases.shape[1]
-    room = 64 + 16 * n * 3
+    capacity = 64 + 16 * n * 3
     cutting = (
         cuts.memory_for_pieces(laws, sheets, 64 + 16 * n + 4 * len(laws.rows)),
         cuts.cutting_space(laws),
     )
-    state = st.blank_state(np.zeros(n), logged.empty_log(room, 4 * room))
+    state = st.blank_state(np.zeros(n), logged.empty_log(capacity, 4 * capacity))
     sheet, rank, phase = np.zeros((3, n), np.int64)
     own = np.zeros(n), sheet, np.ones(n), rank, phase, np.zeros((phases, 5)), np.zeros(3)
     follows = st.spare_memory(n), no_rising(n), state
@@ -219,7 +219,7 @@ def _follow_one(designs: Designs, k: int, work: _Work, visited: Ints, numbers: F
     alpha, beta = designs.drives[k, 0], designs.drives[k, 1]
     rank, mobility, spare = work.rank, work.mobility, work.spare
     problem = DrivenChain(laws, sheets, pieces, alpha, beta, scale, rank, mobility, effort, spare)
-    if not _begin(designs, problem, work):
+    if not _set_cycle(designs, problem, work):
         return
     state, turning = work.state, work.turning
     effort[0], effort[MOST] = 0, _LOOKS
@@ -228,7 +228,7 @@ def _follow_one(designs: Designs, k: int, work: _Work, visited: Ints, numbers: F
     effort[0], effort[MOST] = 0, _LOOKS
     _, promise, _ = audit(problem, state.log, work.begin, work.sheet)
     if promise == KEPT:
-        _read(designs, work, (problem.alpha, problem.beta), visited, numbers)
+        _write_results(designs, work, (problem.alpha, problem.beta), visited, numbers)
 
 
 @leaf
@@ -294,7 +294,7 @@ def _can_be_built(laws: Laws, i: int, mobility: float) -> bool:
 
 
 @leaf
-def _begin(designs: Designs, problem: DrivenChain, work: _Work) -> bool:
+def _set_cycle(designs: Designs, problem: DrivenChain, work: _Work) -> bool:
     """Set the beginning and the turns of a full cycle; False where they are uncertain."""
     # One function: chains with stops and without fill the same travels and turns.
     laws, sheets, pieces = problem.laws, problem.sheets, problem.pieces
@@ -340,11 +340,11 @@ def _begin(designs: Designs, problem: DrivenChain, work: _Work) -> bool:
             high = alpha * high + beta * (most + rub + margin)
     turning = work.turning
     turning[0], turning[1], turning[2] = low, high, low
-    return _stand(problem, work, low)
+    return _set_start_state(problem, work, low)
 
 
 @leaf
-def _stand(problem: DrivenChain, work: _Work, drive: float) -> bool:
+def _set_start_state(problem: DrivenChain, work: _Work, drive: float) -> bool:
     """Set the state at the beginning, as `starting_state` does; False where that might raise."""
     state, beta, full = work.state, problem.beta, mech.summed(problem.laws.full)
     if beta > 0.0 and 4.0 * EPSILON * problem.alpha * full > 0.5e-2 * problem.scale * beta:
@@ -367,7 +367,7 @@ def _phase_at(designs: Designs, phases: Floats, cell: int, sheet: int, travel: f
 
 
 @leaf
-def _read(
+def _write_results(
     designs: Designs, work: _Work, drive: tuple[float, float], visited: Ints, numbers: Floats
 ) -> None:
     log, travel = work.state.log, work.state.travel

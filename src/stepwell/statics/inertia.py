@@ -14,7 +14,9 @@ _CLOSE = 1e-15
 
 
 @kernel
-def taut(low: Floats, high: Floats, extra: Floats, loose: Floats, end: float, out: Floats) -> None:
+def least_constraint(
+    low: Floats, high: Floats, extra: Floats, loose: Floats, end: float, out: Floats
+) -> None:
     """Forces across cells, (N,) within their bounds, with the least constraint on the blocks."""
     # The force x_i accelerates the block inside cell i by +x_i/M and that outside by -x_i/M; Σ M ü²
     # is least (Gauss's principle), so a cell accelerates only at its bounds: a taut string through
@@ -63,11 +65,11 @@ def kinetic(mass: Floats, loose: Floats, speed: Floats) -> float:
 
 
 @kernel
-def blow(low: Floats, high: Floats, bounce: Floats, loose: Floats, speed: Floats) -> None:
+def apply_impacts(low: Floats, high: Floats, bounce: Floats, loose: Floats, speed: Floats) -> None:
     """Speeds (N,) after impacts at stops (infinite bounds), in place, by their `bounce`."""
     # Source: Newton's law of restitution; for simultaneous impacts Moreau 1988.
     impulse, jump = np.zeros(len(speed)), np.empty(len(speed))
-    taut(low, high, (1.0 + bounce) * speed, loose, 0.0, impulse)
+    least_constraint(low, high, (1.0 + bounce) * speed, loose, 0.0, impulse)
     rates(impulse, loose, 0.0, jump)
     for i in range(len(speed)):
         held = low[i] < impulse[i] < high[i] and low[i] < high[i]
@@ -96,7 +98,7 @@ class FreeCells(NamedTuple):
 
 
 @kernel
-def look(problem: DrivenChain, leg: FreeCells) -> None:
+def update_slopes(problem: DrivenChain, leg: FreeCells) -> None:
     """Rows and slopes of the cells where the step begins."""
     for m in range(len(leg.cells)):
         pick_rows(problem.laws, leg.cells[m], leg.begin[m], leg.rows[m])
@@ -142,7 +144,7 @@ def solve(leg: FreeCells, h: float, mass: float, pull: Floats) -> bool:
 
 
 @kernel
-def _march(problem: DrivenChain, leg: FreeCells, h: float, parts: int, out: Floats) -> bool:
+def _substeps(problem: DrivenChain, leg: FreeCells, h: float, parts: int, out: Floats) -> bool:
     """The step in `parts` equal parts; (2k + 1,) way, pace and energy damped at its end."""
     k, free = len(leg.cells), leg.free
     way, now, part = np.zeros(k), leg.pace.copy(), h / parts
@@ -170,13 +172,15 @@ def _march(problem: DrivenChain, leg: FreeCells, h: float, parts: int, out: Floa
 
 
 @kernel
-def stride(problem: DrivenChain, leg: FreeCells, h: float, out: Floats, error: Floats) -> bool:
+def extrapolated_step(
+    problem: DrivenChain, leg: FreeCells, h: float, out: Floats, error: Floats
+) -> bool:
     """A step of length h [s], extrapolated to order COLUMNS; False where it is too long."""
     # `out` (2k + 1,) are ways, speeds and damped energy, `error` the change by the last column.
     # Source: Deuflhard 1985; an L-stable method also handles blocks of negligible mass.
     table = np.empty((COLUMNS, len(out)))
     for j in range(COLUMNS):
-        if not _march(problem, leg, h, j + 1, table[j]):
+        if not _substeps(problem, leg, h, j + 1, table[j]):
             return False
         # Aitken and Neville, from the newest row back: table[i] becomes T_{j, j - i}.
         for i in range(j - 1, -1, -1):

@@ -161,7 +161,7 @@ def inertial_landing(
             )
     tie = tie or not alike(fine, go(tolerance, 10.0 * _PUSH))
     book, rows, n = fine.motion.book, fine.history, len(chain)
-    kept = np.vstack([[0.0, *snap.start.travel, *np.zeros(n)], rows])
+    samples = np.vstack([[0.0, *snap.start.travel, *np.zeros(n)], rows])
     travel, sheet = landed = fine.motion.travel, np.array(fine.sheet)
     return InertialLanding(
         event,
@@ -181,7 +181,7 @@ def inertial_landing(
         _same(chain, problem, snap, landed, (snap.travel, snap.sheet)),
         tie,
         len(rows),
-        History(kept[:, 0], kept[:, 1 : n + 1], kept[:, n + 1 :]) if history else None,
+        History(samples[:, 0], samples[:, 1 : n + 1], samples[:, n + 1 :]) if history else None,
     )
 
 

@@ -120,7 +120,7 @@ def set_off(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Int
                 value += body.damping[i] * speed[i]
                 low[i] = high[i] = value + np.sign(speed[i]) * friction[i]
             force[i] = min(max(0.0, low[i]), high[i])
-        inertia.taut(low, high, np.zeros(n), body.loose, end, force)
+        inertia.least_constraint(low, high, np.zeros(n), body.loose, end, force)
         inertia.rates(force, body.loose, end, gain)
         jumps = False
         for i in range(n):
@@ -154,7 +154,7 @@ def _jump(problem: DrivenChain, motion: MotionState, i: int, heading: int, rows:
 
 
 @kernel
-def _strike(problem: DrivenChain, body: Inertias, motion: MotionState) -> None:
+def _apply_impacts(problem: DrivenChain, body: Inertias, motion: MotionState) -> None:
     n, speed = len(motion.travel), motion.speed
     low, high, bounce, strikes = np.zeros(n), np.zeros(n), np.zeros(n), False
     energy = _NONE * problem.scale * np.min(problem.laws.full)
@@ -169,19 +169,19 @@ def _strike(problem: DrivenChain, body: Inertias, motion: MotionState) -> None:
     if not strikes:
         return
     before, was, keeps = inertia.kinetic(body.mass, body.loose, speed), speed.copy(), False
-    inertia.blow(low, high, bounce, body.loose, speed)
+    inertia.apply_impacts(low, high, bounce, body.loose, speed)
     for i in range(n):
         if low[i] < high[i] and abs(speed[i]) <= little:
             # Otherwise rounding errors would make stops rattle forever.
             low[i], high[i], bounce[i], keeps = -np.inf, np.inf, 0.0, True
     if keeps:
         speed[:] = was
-        inertia.blow(low, high, bounce, body.loose, speed)
+        inertia.apply_impacts(low, high, bounce, body.loose, speed)
     motion.book[STRUCK] += before - inertia.kinetic(body.mass, body.loose, speed)
 
 
 @kernel
-def _leg(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Ints) -> FreeCells:
+def _free_cells(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Ints) -> FreeCells:
     cells = np.flatnonzero(motion.moving)
     k, total = len(cells), 0.0
     mass, offset, pace = np.zeros(k), np.empty(k), np.empty(k)
@@ -205,12 +205,12 @@ def _leg(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Ints) 
     leg = FreeCells(
         cells, mass, damping, offset, begin, pace, slope, level, stiff, free, picked, rows
     )
-    inertia.look(problem, leg)
+    inertia.update_slopes(problem, leg)
     return leg
 
 
 @kernel
-def _broken(
+def _violation(
     problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells, out: Floats
 ) -> float:
     """Largest violation of the assumptions of a step at its end; 0 or less if there is none."""
@@ -257,7 +257,7 @@ def _parabola(first: float, last: float, mean: float) -> tuple[float, float]:
 
 
 @kernel
-def _grazes(problem: DrivenChain, leg: FreeCells, h: float, out: Floats) -> float:
+def _turning_fraction(problem: DrivenChain, leg: FreeCells, h: float, out: Floats) -> float:
     """The fraction of a step after which a cell turns beyond its end; 1 where none does."""
     k, share = len(leg.cells), 1.0
     before, fast, faster = 0.0, 0.0, 0.0
@@ -300,7 +300,7 @@ def _peak(pace: Floats, h: float, out: Floats) -> float:
 
 
 @kernel
-def _misses(
+def _relative_error(
     problem: DrivenChain, body: Inertias, book: Floats, leg: FreeCells, out: Floats, error: Floats
 ) -> float:
     """The error of a step over its tolerance: of travels, speeds and damped energy."""
@@ -311,7 +311,7 @@ def _misses(
     fastest = max(1e-2 * book[PEAK], 1e-4 * scale / drag)
     for m in range(k):
         fastest = max(fastest, abs(leg.pace[m]), abs(out[k + m]))
-    lost = _lost(book) + out[2 * k]
+    lost = _dissipated(book) + out[2 * k]
     if lost > 1e-12 * scale * length:
         worst = error[2 * k] / lost
     for m in range(k):
@@ -322,7 +322,7 @@ def _misses(
 
 
 @kernel
-def _lost(book: Floats) -> float:
+def _dissipated(book: Floats) -> float:
     return book[DAMPED] + book[RUBBED] + book[STRUCK] + book[JUMPED]
 
 
@@ -334,10 +334,10 @@ def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
     out, error = np.empty(2 * k + 1), np.empty(2 * k + 1)
     h, wanted = book[STEP], book[STEP]
     while True:
-        fine = inertia.stride(problem, leg, h, out, error)
-        worst = _misses(problem, body, book, leg, out, error) if fine else np.inf
+        fine = inertia.extrapolated_step(problem, leg, h, out, error)
+        worst = _relative_error(problem, body, book, leg, out, error) if fine else np.inf
         if worst <= 1.0:
-            graze = _grazes(problem, leg, h, out)
+            graze = _turning_fraction(problem, leg, h, out)
             if graze == 1.0:
                 wanted = h * min(4.0, max(0.2, 0.9 * (worst + 1e-9) ** (-1.0 / inertia.COLUMNS)))
                 break
@@ -346,21 +346,21 @@ def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
             h *= max(0.1, 0.9 * worst ** (-1.0 / inertia.COLUMNS)) if np.isfinite(worst) else 0.1
         if not h > 1e-15 * (book[TIME] + book[STEP]):
             return STUCK
-    past = _broken(problem, body, motion, leg, out)
+    past = _violation(problem, body, motion, leg, out)
     ended = past > 0.0
     if ended:
         # The first change, and just past it: the root over h, by false position (Illinois).
         low, high, at_high, side = 0.0, h, past - _PAST, 0
         out[:k], out[k : 2 * k] = 0.0, leg.pace
-        at_low = min(_broken(problem, body, motion, leg, out), 0.0) - _PAST
+        at_low = min(_violation(problem, body, motion, leg, out), 0.0) - _PAST
         for turn in range(100):
             share = at_low / (at_low - at_high) if turn % 4 != 3 else 0.5
             middle = low + share * (high - low)
             if not low < middle < high:
                 break
-            if not inertia.stride(problem, leg, middle, out, error):
+            if not inertia.extrapolated_step(problem, leg, middle, out, error):
                 return STUCK
-            past = _broken(problem, body, motion, leg, out)
+            past = _violation(problem, body, motion, leg, out)
             if past > _PAST:
                 at_low *= 0.5 if side > 0 else 1.0
                 high, at_high, side = middle, past - _PAST, 1
@@ -371,7 +371,7 @@ def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
                 high = middle
                 break
         h = high
-        if not inertia.stride(problem, leg, h, out, error):
+        if not inertia.extrapolated_step(problem, leg, h, out, error):
             return STUCK
     book[TIME] += h
     book[DAMPED] += out[2 * k]
@@ -385,12 +385,14 @@ def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
         before, fast = out[m], out[k + m]
         book[RUBBED] += problem.laws.friction[i] * motion.sense[i] * way
     if ended:
-        _arrive(problem, body, motion, leg)
+        _handle_contacts(problem, body, motion, leg)
     return GOES_ON
 
 
 @kernel
-def _arrive(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells) -> None:
+def _handle_contacts(
+    problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells
+) -> None:
     """Stop cells that turn against friction, compute impacts and jumps, and find moving cells."""
     for i in leg.cells:
         if motion.sense[i] != 0 and motion.sense[i] * motion.speed[i] <= 0.0:
@@ -401,7 +403,7 @@ def _arrive(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Free
             motion.travel[i] = high
         elif motion.travel[i] <= low + slip and motion.speed[i] <= 0.0:
             motion.travel[i] = low
-    _strike(problem, body, motion)
+    _apply_impacts(problem, body, motion)
     set_off(problem, body, motion, leg.spare)
 
 
@@ -436,17 +438,19 @@ def _settle(problem: DrivenChain, leg: FreeCells, way: Floats) -> bool:
 
 
 @kernel
-def _rests(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells) -> bool:
+def _settle_if_spent(
+    problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells
+) -> bool:
     """Set the cells to rest if the remaining energy is negligible; whether it is."""
     book, k = motion.book, len(leg.cells)
-    lost, left = _lost(book), inertia.kinetic(body.mass, body.loose, motion.speed)
+    lost, left = _dissipated(book), inertia.kinetic(body.mass, body.loose, motion.speed)
     if leg.free == 0:
         return True
     if left > _SPENT * lost or lost <= 0.0:
         return False
     way, begin = np.empty(k), leg.begin.copy()
     if not _settle(problem, leg, way):
-        inertia.look(problem, leg)
+        inertia.update_slopes(problem, leg)
         return False
     before, trifle = 0.0, left
     for m in range(k):
@@ -459,7 +463,7 @@ def _rests(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeC
     # Work of the actuator up to there.
     trifle += way[-1] * (leg.level - 0.5 * leg.stiff * way[-1]) if leg.free == k else 0.0
     if trifle > _SPENT * lost:
-        inertia.look(problem, leg)
+        inertia.update_slopes(problem, leg)
         return False
     exact = np.empty(k)
     for m in range(k):
@@ -488,8 +492,8 @@ def integrate(problem: DrivenChain, body: Inertias, motion: MotionState, history
         _jump(problem, motion, body.leader, 1 if body.push > 0.0 else -1, rows)
         set_off(problem, body, motion, rows)
     for row in range(len(history)):
-        leg = _leg(problem, body, motion, rows)
-        if _rests(problem, body, motion, leg):
+        leg = _free_cells(problem, body, motion, rows)
+        if _settle_if_spent(problem, body, motion, leg):
             return RESTS
         if _advance(problem, body, motion, leg) == STUCK:
             return STUCK

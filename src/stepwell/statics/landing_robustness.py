@@ -213,7 +213,7 @@ def _sampled(
     hits = [[int(np.sum(part == k)) for part in parts] for k in range(len(places))]
     extreme, random = hits[0]
     for k in range(1, len(places)):
-        again = _least_apart(chain, problem, snap, tried[np.argmax(at == k)], places[k])
+        again = _most_equal_factors(chain, problem, snap, tried[np.argmax(at == k)], places[k])
         if again is not None:
             extreme, random = extreme + hits[k][0], random + hits[k][1]
             confirmed.append((hits[k][1], *again))
@@ -225,7 +225,7 @@ def _sampled(
     return extreme, random, tuple(elsewhere)
 
 
-def _least_apart(
+def _most_equal_factors(
     chain: Chain, problem: DrivenChain, snap: Snap, factors: Floats, place: Place
 ) -> tuple[Floats, Place] | None:
     """Most equal factors that lead to a place, the least 1, and the place that they lead to."""

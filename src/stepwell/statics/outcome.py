@@ -47,12 +47,12 @@ def refuse_failure(
     )
     stroke = f"{measure.stroke} {math.fsum(travels) * factor:.6g} {unit}"
     place = f"{stroke}, {force * by:.4g} {pull} ({inside})"
-    alike = _with_alike(chain, involved)
-    cells, advice = _listed(chain, alike), _setting_apart(chain, alike[1:] or alike)
+    alike = _with_equal_cells(chain, involved)
+    cells, advice = _listed(chain, alike), _advice_to_separate(chain, alike[1:] or alike)
     raise StaticsError(_FAILURES[status].format(place=place, cells=cells, advice=advice))
 
 
-def _with_alike(chain: Chain, involved: Sequence[int]) -> list[int]:
+def _with_equal_cells(chain: Chain, involved: Sequence[int]) -> list[int]:
     ends = [
         np.array([force for phase in own for force in (phase.force_low, phase.force_high)])
         for own in chain.phases
@@ -71,10 +71,10 @@ def _listed(chain: Chain, cells: Sequence[int], most: int = 4) -> str:
     return join_first([chain.names[i] for i in cells], most)
 
 
-def _setting_apart(chain: Chain, cells: Sequence[int]) -> str:
+def _advice_to_separate(chain: Chain, cells: Sequence[int]) -> str:
     """Advice that makes cells differ from each other and from one more like them."""
     if len(cells) == 1:
-        return f"{_nudge(chain, cells[0])}, or give it {_friction(chain, cells[0])}."
+        return f"{_advice_to_change(chain, cells[0])}, or give it {_friction(chain, cells[0])}."
     elements = [i for i in cells if isinstance(chain.cells[i], Element)]
     levers = [i for i in cells if i not in elements]
     ways = [
@@ -116,7 +116,7 @@ def advice_on_tie(
     if len(cells) == 1:
         return (
             f"Two landings of the snap of {names[0]} at {where} are closer than the tolerance, so "
-            f"friction will decide. {_nudge(chain, cells[0])} and run again."
+            f"friction will decide. {_advice_to_change(chain, cells[0])} and run again."
         )
     other = chain.cells[cells[1]]
     if drifts:
@@ -148,7 +148,7 @@ def _drive(chain: Chain, drive: float) -> str:
     return f"drive {drive * factor:.6g} {unit}"
 
 
-def _nudge(chain: Chain, index: int) -> str:
+def _advice_to_change(chain: Chain, index: int) -> str:
     if isinstance(chain.cells[index], Element):
         return f"Scale the forces of {chain.names[index]} by a percent or more"
     return f"Move an anchor of {chain.names[index]} by 0.1 mm or more"

@@ -107,21 +107,21 @@ def place_at(chain: Chain, problem: DrivenChain, state: str, drive: float) -> Co
     phases = read_state(chain, "start", state)
     stretches = [own[k] for own, k in zip(chain.stretches, phases, strict=True)]
     if all(low == high for _, low, high in stretches):
-        return _place(np.array([low for _, low, _ in stretches]), stretches)
-    low, high = _forces(chain, problem, phases)
+        return _configuration(np.array([low for _, low, _ in stretches]), stretches)
+    low, high = _force_range(chain, problem, phases)
     if low > high:
         # The check of the start reports the imbalance.
-        return _place(_at(problem, stretches, 0.5 * (low + high)), stretches)
+        return _configuration(_travels_at_force(problem, stretches, 0.5 * (low + high)), stretches)
 
     def look(force: float) -> _Look:
-        travel = _at(problem, stretches, force)
+        travel = _travels_at_force(problem, stretches, force)
         return _Look(force, travel, _drive(problem, travel, force) - drive)
 
     first, last = look(low), look(high)
     slip = problem.alpha * 1e-9 * chain.full_stroke + problem.beta * 1e-9 * problem.scale
     if first.gap > slip or last.gap < -slip:
         _refuse_drive(chain, state, drive, drive + first.gap, drive + last.gap)
-    return _place(_closed(look, first, last, 1e-3 * slip), stretches)
+    return _configuration(_travels_at_drive(look, first, last, 1e-3 * slip), stretches)
 
 
 class _Look(NamedTuple):
@@ -132,7 +132,9 @@ class _Look(NamedTuple):
     gap: float
 
 
-def _closed(look: Callable[[float], _Look], low: _Look, high: _Look, slip: float) -> Floats:
+def _travels_at_drive(
+    look: Callable[[float], _Look], low: _Look, high: _Look, slip: float
+) -> Floats:
     """Travels (N,) [m] between two forces at which the gap is zero, to `slip`."""
     for step in range(200):
         if high.gap - low.gap <= slip or not low.force < high.force:
@@ -165,7 +167,7 @@ def full_range(chain: Chain, problem: DrivenChain) -> tuple[Configuration, tuple
     laws, pieces = problem.laws, problem.pieces
     if not chain.elements or (problem.beta == 0 and all(all(c.stopped) for c in chain.cells)):
         (low, high), first = mech.ends_of(problem.sheets), [own[0] for own in chain.stretches]
-        begin = _place(np.array([cell.low for cell in chain.cells]), first)
+        begin = _configuration(np.array([cell.low for cell in chain.cells]), first)
         if problem.beta == 0:
             return begin, (low, high)
         # A force below which no cell leaves 0, and one above which none leaves 1.
@@ -183,9 +185,9 @@ def full_range(chain: Chain, problem: DrivenChain) -> tuple[Configuration, tuple
     most = max(0.0, float(np.max(forces)) + more)
     stretches = [cell.stretches for cell in chain.cells]
     first, last = [own[0] for own in stretches], [own[-1] for own in stretches]
-    begin, end = _at(problem, first, least), _at(problem, last, most)
+    begin, end = _travels_at_force(problem, first, least), _travels_at_force(problem, last, most)
     ends = _drive(problem, begin, least), _drive(problem, end, most)
-    return _place(begin, first), ends
+    return _configuration(begin, first), ends
 
 
 def standing(chain: Chain, problem: DrivenChain, state: str) -> tuple[Configuration, float] | None:
@@ -194,18 +196,18 @@ def standing(chain: Chain, problem: DrivenChain, state: str) -> tuple[Configurat
     Raises ValueError for a state that the chain cannot have.
     """
     phases = read_state(chain, "state", state)
-    low, high = _forces(chain, problem, phases)
+    low, high = _force_range(chain, problem, phases)
     if low > high:
         return None
     stretches = [own[k] for own, k in zip(chain.stretches, phases, strict=True)]
     # At the end of a stretch the cell is marginally stable; at a stop it is stable.
     within = 0.0 if all(a == b for _, a, b in stretches) else _WITHIN * (high - low)
     force = min(max(0.0, low + within), high - within)
-    travel = _at(problem, stretches, force)
-    return _place(travel, stretches), _drive(problem, travel, force)
+    travel = _travels_at_force(problem, stretches, force)
+    return _configuration(travel, stretches), _drive(problem, travel, force)
 
 
-def _place(travel: Floats, stretches: Sequence[Stretch]) -> Configuration:
+def _configuration(travel: Floats, stretches: Sequence[Stretch]) -> Configuration:
     return Configuration(tuple(travel.tolist()), tuple([one[0] for one in stretches]))
 
 
@@ -213,7 +215,7 @@ def _drive(problem: DrivenChain, travel: Floats, force: float) -> float:
     return problem.alpha * math.fsum(travel.tolist()) + problem.beta * force
 
 
-def _forces(chain: Chain, problem: DrivenChain, phases: Sequence[int]) -> tuple[float, float]:
+def _force_range(chain: Chain, problem: DrivenChain, phases: Sequence[int]) -> tuple[float, float]:
     """Forces between which all cells stay in these phases [N], within the range of open ends."""
     own = [cell[k] for cell, k in zip(chain.phases, phases, strict=True)]
     rub = problem.laws.friction.tolist()
@@ -224,7 +226,7 @@ def _forces(chain: Chain, problem: DrivenChain, phases: Sequence[int]) -> tuple[
     return max(low, -reach), min(high, reach)
 
 
-def _at(problem: DrivenChain, stretches: Sequence[Stretch], force: float) -> Floats:
+def _travels_at_force(problem: DrivenChain, stretches: Sequence[Stretch], force: float) -> Floats:
     """(N,) travels in these phases at a force [m]; at an end of the phase past its forces."""
     travels = np.empty(len(stretches))
     cutting.travels_between(*problem[:3], np.array(stretches, float), force, travels)

@@ -78,14 +78,14 @@ def _follow_from(
     progress: Progress | None,
 ) -> Path:
     """Run the follower from a place and its state, with a longer log where needed."""
-    room = 64 + 16 * len(chain) * len(turning)
+    capacity = 64 + 16 * len(chain) * len(turning)
     # A short chain ends or reaches the step limit in seconds; longer chains have no limit.
     most = _MOST_LOOKS if len(chain) <= _SHORT else UNLIMITED
     sheets = np.array(place.sheet)
     aside = len(chain) * len(turning) > 3 * _SHORT or progress is not None
 
     def fresh() -> State:
-        log = logged.empty_log(room, 4 * room)
+        log = logged.empty_log(capacity, 4 * capacity)
         return State._make([*(values.copy() for values in start[:-1]), log])
 
     def again() -> State:

@@ -118,7 +118,7 @@ def join_flat(problem: DrivenChain, state: State, direction: int) -> bool:
     pieces, mode, tie_force, joined = problem.pieces, state.mode, st.TIE * problem.scale, False
     for i in range(len(mode)):
         held = mode[i] == st.HELD
-        if held and _until_letting_go(problem, state, i, direction) > tie_force:
+        if held and _until_release(problem, state, i, direction) > tie_force:
             continue
         piece = find_piece(pieces, i, state.travel[i], direction)
         if pieces.sign[piece] != 0 or (not held and piece == state.piece[i]):
@@ -190,7 +190,7 @@ def drift(problem: DrivenChain, state: State, movers: Movers, direction: int, ta
 
 
 @leaf
-def _until_letting_go(problem: DrivenChain, state: State, i: int, toward: int) -> float:
+def _until_release(problem: DrivenChain, state: State, i: int, toward: int) -> float:
     """Distance of λ to the release of held cell i; inf where it is never released."""
     travel, ends = state.travel[i], problem.sheets.ends
     free = travel < ends[i, BEYOND] if toward > 0 else travel > ends[i, BEFORE]
@@ -199,20 +199,20 @@ def _until_letting_go(problem: DrivenChain, state: State, i: int, toward: int) -
 
 
 @leaf
-def _first_to_let_go(problem: DrivenChain, state: State, toward: int) -> tuple[float, int]:
+def _first_release(problem: DrivenChain, state: State, toward: int) -> tuple[float, int]:
     """Distance of λ to the first release and the cell; a tie is settled by rank and noted."""
     pieces, rank, mode = problem.pieces, problem.rank, state.mode
     first, rival, falls, closest, nearest = -1, -1, False, np.inf, np.inf
     for i in range(len(rank)):
         if mode[i] == st.HELD:
-            nearest = min(nearest, _until_letting_go(problem, state, i, toward))
+            nearest = min(nearest, _until_release(problem, state, i, toward))
     if nearest == np.inf:
         return nearest, first
     tie_force = st.TIE * problem.scale
     for i in range(len(rank)):
         distance = np.inf
         if mode[i] == st.HELD:
-            distance = _until_letting_go(problem, state, i, toward)
+            distance = _until_release(problem, state, i, toward)
         if distance > nearest + tie_force:
             continue
         piece = find_piece(pieces, i, state.travel[i], toward)
@@ -295,7 +295,7 @@ def _first_event(
     """The release of a held cell or the end of a mover's piece, whichever λ meets first."""
     pieces, force, tie_force = problem.pieces, state.force[0], st.TIE * problem.scale
     arrival, who, company = _first_to_arrive(problem, state, movers, toward, direction)
-    release, cell = _first_to_let_go(problem, state, toward)
+    release, cell = _first_release(problem, state, toward)
     if release < arrival - tie_force:
         return BranchEnd(RELEASE, force + toward * release, cell, toward, -1, -1.0)
     if who < 0:

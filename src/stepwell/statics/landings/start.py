@@ -44,7 +44,7 @@ def snaps_of(problem: DrivenChain, log: logged.Log, travel: Floats, sheet: Ints)
     for k in range(count):
         row = log.segments[k]
         snaps = int(row[logged.KIND]) == logged.SNAP
-        if pending is not None and not (snaps and _goes_on(problem, row, now)):
+        if pending is not None and not (snaps and _follows_at_once(problem, row, now)):
             yield pending
             pending = None
         start = _start(log, k, now, on) if snaps and pending is None else None
@@ -59,7 +59,7 @@ def snaps_of(problem: DrivenChain, log: logged.Log, travel: Floats, sheet: Ints)
         yield pending
 
 
-def _goes_on(problem: DrivenChain, row: Floats, travel: Floats) -> bool:
+def _follows_at_once(problem: DrivenChain, row: Floats, travel: Floats) -> bool:
     """Whether a snap follows another one at once because it leaves a saddle."""
     leader = int(row[logged.LEADER])
     return int(row[logged.CAUSE]) == logged.FOLD and _inside(problem, leader, travel[leader])
