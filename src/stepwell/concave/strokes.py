@@ -35,7 +35,7 @@ _PRIMES, _FACTORS = (2147483647, 2147483629), (1000003, 999983)
 
 
 @kernel
-def _first_to_switch(ends: Floats, state: int, skip: int, side: int) -> int:
+def _leader(ends: Floats, state: int, skip: int, side: int) -> int:
     """The cell but `skip` that switches first: at 0 with the least force, at 1 with the largest; or
     -1.
     """
@@ -245,10 +245,7 @@ def _by_stroke(cells: Floats, ends: Floats, slip: float, up: Ints, down: Ints) -
         count -= 1
         node = waiting[count]
         moving, state = node >> n, node & ((1 << n) - 1)
-        empty, held = (
-            _first_to_switch(ends, state, moving, 0),
-            _first_to_switch(ends, state, moving, 1),
-        )
+        empty, held = _leader(ends, state, moving, 0), _leader(ends, state, moving, 1)
         for rises in (True, False):
             other, own = (held, ends[moving, 1]) if rises else (empty, ends[moving, 0])
             force = own
@@ -287,7 +284,7 @@ def graph_of(cells: Floats, ends: Floats, drive: int, slip: float, up: Ints, dow
     n = len(ends)
     up[:], down[:] = NONE, NONE
     for state in range(1 << n):
-        empty, held = _first_to_switch(ends, state, -1, 0), _first_to_switch(ends, state, -1, 1)
+        empty, held = _leader(ends, state, -1, 0), _leader(ends, state, -1, 1)
         if empty >= 0 and held >= 0 and ends[held, 1] > ends[empty, 0]:
             continue
         vertex = n << n | state

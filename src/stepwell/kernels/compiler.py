@@ -62,7 +62,7 @@ def compile_elsewhere(function: FunctionType, kinds: bytes) -> bool:
         try:
             process.wait(1.0)
         except subprocess.TimeoutExpired:
-            store.print_notice(
+            store.notice(
                 f"compiling {function.__name__.strip('_')}, once; kept in {store.folder()}"
             )
             while True:

@@ -83,9 +83,7 @@ class _CodeCache:
             return CompileResult._rebuild(target_context, *pickle.loads(payload))
         except Exception as error:
             # Undamaged, but unreadable by this version of Numba.
-            store.print_notice(
-                f"the compiled kernel {name} cannot be used ({error}); it is made again."
-            )
+            store.notice(f"the compiled kernel {name} cannot be used ({error}); it is made again.")
             return None
 
     def save_overload(self, sig: Any, data: Any) -> None:

@@ -21,7 +21,7 @@ _DIGEST = 32
 _KEPT = 12
 
 
-def print_notice(line: str) -> None:
+def notice(line: str) -> None:
     """Print one line to standard error."""
     with suppress(OSError, ValueError, AttributeError):
         sys.stderr.write(f"stepwell: {line}\n")
@@ -59,12 +59,10 @@ def folder() -> Path | None:
     try:
         private = Path(tempfile.mkdtemp(prefix="stepwell-"))
     except OSError:
-        print_notice(
-            f"{wanted} cannot be written ({reason}): no compiled kernels are kept; {advice}"
-        )
+        notice(f"{wanted} cannot be written ({reason}): no compiled kernels are kept; {advice}")
         return None
     atexit.register(shutil.rmtree, private, ignore_errors=True)
-    print_notice(
+    notice(
         f"{wanted} cannot be written ({reason}): compiled kernels are kept for this run; {advice}"
     )
     return private
@@ -117,7 +115,7 @@ def read(name: str) -> bytes | None:
         return payload
     with suppress(OSError):
         path.unlink()
-    print_notice(f"the compiled kernel {path} is damaged; it is made again.")
+    notice(f"the compiled kernel {path} is damaged; it is made again.")
     return None
 
 
@@ -131,7 +129,7 @@ def write(name: str, payload: bytes) -> None:
         write_atomic(place / f"{name}.kernel", data)
         _forget_old(place, name.split("-")[0])
     except OSError as error:
-        print_notice(f"compiled kernels cannot be kept in {place} ({error.strerror or error}).")
+        notice(f"compiled kernels cannot be kept in {place} ({error.strerror or error}).")
 
 
 def _forget_old(place: Path, kernel: str) -> None:

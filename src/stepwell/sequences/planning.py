@@ -252,8 +252,8 @@ def _blocking_text(chain: Chain, fields: Relays, blocked: tuple[int, int]) -> st
         smaller = f"the smaller {chain.measure.force} up and the smaller one down"
         beyond = " or beyond"
     return (
-        f"{i} has {smaller} of the two, so it "
-        f"{_relay_order_text(chain, fields, blocked)}. Where {j} is at {m}{beyond}, {i} is at {k}{beyond}, unless they were set by hand (theory "
+        f"{i} has {smaller} of the two, so it {_order_text(chain, fields, blocked)}. Where {j} is "
+        f"at {m}{beyond}, {i} is at {k}{beyond}, unless they were set by hand (theory "
         f"page, 'Stroke programs')."
     )
 
@@ -388,10 +388,10 @@ def _field_order_text(branches: Branches, target: str) -> str:
     blocked = fewest_strokes(fields, chain.first_state, target).blocked
     if blocked is None:
         return ""
-    return f"{chain.names[fields.cell[blocked[0]]]} {_relay_order_text(chain, fields, blocked)}."
+    return f"{chain.names[fields.cell[blocked[0]]]} {_order_text(chain, fields, blocked)}."
 
 
-def _relay_order_text(chain: Chain, fields: Relays, blocked: tuple[int, int]) -> str:
+def _order_text(chain: Chain, fields: Relays, blocked: tuple[int, int]) -> str:
     """Description of the moves of the first of two relays before and after the other."""
     (k, m), second = (fields.step[i] for i in blocked), chain.names[fields.cell[blocked[1]]]
     other = second if k == m else f"{second} goes to {m + 1}"

@@ -172,9 +172,7 @@ def _substeps(problem: DrivenChain, leg: FreeCells, h: float, parts: int, out: F
 
 
 @kernel
-def extrapolated_step(
-    problem: DrivenChain, leg: FreeCells, h: float, out: Floats, error: Floats
-) -> bool:
+def advance(problem: DrivenChain, leg: FreeCells, h: float, out: Floats, error: Floats) -> bool:
     """A step of length h [s], extrapolated to order COLUMNS; False where it is too long."""
     # `out` (2k + 1,) are ways, speeds and damped energy, `error` the change by the last column.
     # Source: Deuflhard 1985; an L-stable method also handles blocks of negligible mass.

@@ -112,7 +112,7 @@ class InertialLanding(ByValue):
 
 
 @dataclass(frozen=True, slots=True)
-class _Integration:
+class _Run:
     motion: integrate.MotionState
     sheet: tuple[int, ...]
     history: Floats
@@ -120,9 +120,7 @@ class _Integration:
 
     @property
     def imbalance(self) -> float:
-        taken = self.motion.book[
-            [integrate.DAMPED, integrate.RUBBED, integrate.STRUCK, integrate.JUMPED]
-        ]
+        taken = self.motion.book[integrate.DAMPED : integrate.JUMPED + 1]
         return self.freed - float(np.sum(taken))
 
 
@@ -136,11 +134,11 @@ def inertial_landing(
     """Landing of a snap with masses, as for `Path.inertial_landing`."""
     body = _body(chain, problem, snap, inertia)
 
-    def go(tolerance: float, push: float) -> _Integration:
+    def go(tolerance: float, push: float) -> _Run:
         push *= problem.scale * snap.start.heading
-        return _integrate(chain, problem, snap, body._replace(tolerance=tolerance, push=push))
+        return _run(chain, problem, snap, body._replace(tolerance=tolerance, push=push))
 
-    def alike(one: _Integration, two: _Integration) -> bool:
+    def alike(one: _Run, two: _Run) -> bool:
         here, there = ((r.motion.travel, np.array(r.sheet)) for r in (one, two))
         return _same(chain, problem, snap, here, there)
 
@@ -225,9 +223,7 @@ def _body(chain: Chain, problem: DrivenChain, snap: Snap, inertia: Inertia) -> i
     return integrate.Inertias(heavy, loose, np.array(damper), restitution, *args, 0.0, 0.0)
 
 
-def _integrate(
-    chain: Chain, problem: DrivenChain, snap: Snap, body: integrate.Inertias
-) -> _Integration:
+def _run(chain: Chain, problem: DrivenChain, snap: Snap, body: integrate.Inertias) -> _Run:
     n, start, laws = len(chain), snap.start, problem.laws
     stand_all_on(laws, problem.sheets, problem.pieces, start.sheet)
     still = np.zeros(n, np.int64)
@@ -259,4 +255,4 @@ def _integrate(
         way = math.fsum(travel - start.travel)
         freed.append(way * (start.force - 0.5 * problem.alpha / problem.beta * way))
     freed.append(body.push * float(travel[start.leader] - start.travel[start.leader]))
-    return _Integration(motion, sheet, np.concatenate(parts), math.fsum(freed))
+    return _Run(motion, sheet, np.concatenate(parts), math.fsum(freed))

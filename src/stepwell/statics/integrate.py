@@ -334,7 +334,7 @@ def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
     out, error = np.empty(2 * k + 1), np.empty(2 * k + 1)
     h, wanted = book[STEP], book[STEP]
     while True:
-        fine = inertia.extrapolated_step(problem, leg, h, out, error)
+        fine = inertia.advance(problem, leg, h, out, error)
         worst = _relative_error(problem, body, book, leg, out, error) if fine else np.inf
         if worst <= 1.0:
             graze = _turning_fraction(problem, leg, h, out)
@@ -358,7 +358,7 @@ def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
             middle = low + share * (high - low)
             if not low < middle < high:
                 break
-            if not inertia.extrapolated_step(problem, leg, middle, out, error):
+            if not inertia.advance(problem, leg, middle, out, error):
                 return STUCK
             past = _violation(problem, body, motion, leg, out)
             if past > _PAST:
@@ -371,7 +371,7 @@ def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
                 high = middle
                 break
         h = high
-        if not inertia.extrapolated_step(problem, leg, h, out, error):
+        if not inertia.advance(problem, leg, h, out, error):
             return STUCK
     book[TIME] += h
     book[DAMPED] += out[2 * k]
@@ -385,14 +385,12 @@ def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
         before, fast = out[m], out[k + m]
         book[RUBBED] += problem.laws.friction[i] * motion.sense[i] * way
     if ended:
-        _handle_contacts(problem, body, motion, leg)
+        _contact(problem, body, motion, leg)
     return GOES_ON
 
 
 @kernel
-def _handle_contacts(
-    problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells
-) -> None:
+def _contact(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells) -> None:
     """Stop cells that turn against friction, compute impacts and jumps, and find moving cells."""
     for i in leg.cells:
         if motion.sense[i] != 0 and motion.sense[i] * motion.speed[i] <= 0.0:
@@ -438,9 +436,7 @@ def _settle(problem: DrivenChain, leg: FreeCells, way: Floats) -> bool:
 
 
 @kernel
-def _settle_if_spent(
-    problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells
-) -> bool:
+def _settled(problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells) -> bool:
     """Set the cells to rest if the remaining energy is negligible; whether it is."""
     book, k = motion.book, len(leg.cells)
     lost, left = _dissipated(book), inertia.kinetic(body.mass, body.loose, motion.speed)
@@ -493,7 +489,7 @@ def integrate(problem: DrivenChain, body: Inertias, motion: MotionState, history
         set_off(problem, body, motion, rows)
     for row in range(len(history)):
         leg = _free_cells(problem, body, motion, rows)
-        if _settle_if_spent(problem, body, motion, leg):
+        if _settled(problem, body, motion, leg):
             return RESTS
         if _advance(problem, body, motion, leg) == STUCK:
             return STUCK

@@ -135,7 +135,7 @@ class RestSearch(NamedTuple):
 
     branches: Stretches
     choice: Ints  # (N,) a branch of every cell
-    rest_box: Floats  # (2, N) travels between which it rests under some interval of λ
+    rest: Floats  # (2, N) travels between which it rests under some interval of λ
     places: Floats  # (C, 2, N) the same for every place
     counts: Ints  # (2,) places, intervals of λ
 
@@ -150,33 +150,26 @@ def _slip(problem: DrivenChain) -> float:
 @kernel
 def _span(problem: DrivenChain, search: RestSearch, low: float, high: float) -> Pair:
     """Fill the box of the choice for λ from `low` to `high`; the least and largest U less βλ."""
-    branches, choice, rest_box = search.branches, search.choice, search.rest_box
+    branches, choice, rest = search.branches, search.choice, search.rest
     least, most, slip = 0.0, 0.0, CLOSE_FORCE * problem.scale
     for i in range(len(choice)):
         r, begin, end = choice[i], low - slip, high + slip
         if branches.sign[r] < 0:
             begin, end = end, begin
-        rest_box[0, i] = _travel_at(problem, branches, i, r, begin)
-        rest_box[1, i] = _travel_at(problem, branches, i, r, end)
-        least += rest_box[0, i]
-        most += rest_box[1, i]
+        rest[0, i] = _travel_at(problem, branches, i, r, begin)
+        rest[1, i] = _travel_at(problem, branches, i, r, end)
+        least += rest[0, i]
+        most += rest[1, i]
     return least, most
 
 
 @kernel
 def _stability(problem: DrivenChain, box: ReachableBox, search: RestSearch) -> Pair:
     """Least and largest α Σ 1/κ + β in the box."""
-    branches, choice, rest_box, alpha = (
-        search.branches,
-        search.choice,
-        search.rest_box,
-        problem.alpha,
-    )
+    branches, choice, rest, alpha = search.branches, search.choice, search.rest, problem.alpha
     least, most = problem.beta, problem.beta
     for i in range(len(choice)):
-        low, high = _compliance(
-            problem, box, branches, i, choice[i], rest_box[0, i], rest_box[1, i]
-        )
+        low, high = _compliance(problem, box, branches, i, choice[i], rest[0, i], rest[1, i])
         least += alpha * low
         most += alpha * high
     return least, most
@@ -185,13 +178,13 @@ def _stability(problem: DrivenChain, box: ReachableBox, search: RestSearch) -> P
 @kernel
 def _noted(problem: DrivenChain, search: RestSearch) -> bool:
     """Whether the box is the last place that was noted: λ may be free there."""
-    last, rest_box = search.counts[0] - 1, search.rest_box
+    last, rest = search.counts[0] - 1, search.rest
     if last < 0:
         return False
     for i in range(len(search.choice)):
         near = 2.0 * _KNOWN * problem.laws.full[i]
         low, high = search.places[last, 0, i], search.places[last, 1, i]
-        if abs(low - rest_box[0, i]) > near or abs(high - rest_box[1, i]) > near:
+        if abs(low - rest[0, i]) > near or abs(high - rest[1, i]) > near:
             return False
     return True
 
@@ -199,16 +192,16 @@ def _noted(problem: DrivenChain, search: RestSearch) -> bool:
 @kernel
 def _note(problem: DrivenChain, start: Start, search: RestSearch) -> bool:
     """Note the box if it is precise enough; returns whether it is, or is the start."""
-    laws, rest_box, counts = problem.laws, search.rest_box, search.counts
+    laws, rest, counts = problem.laws, search.rest, search.counts
     here, known = True, True
     for i in range(len(start.travel)):
         s, near = start.travel[i], NEAR_START * laws.full[i]
-        here = here and rest_box[0, i] >= s - near and rest_box[1, i] <= s + near
-        known = known and rest_box[1, i] - rest_box[0, i] <= _KNOWN * laws.full[i]
+        here = here and rest[0, i] >= s - near and rest[1, i] <= s + near
+        known = known and rest[1, i] - rest[0, i] <= _KNOWN * laws.full[i]
     if here:
         return True
     if known and not _noted(problem, search):
-        search.places[counts[0]] = rest_box
+        search.places[counts[0]] = rest
         counts[0] += 1
     return known
 
@@ -253,7 +246,7 @@ def _one_place(
     _span(problem, search, a, b)
     if counts[0] >= len(search.places):
         return False
-    search.places[counts[0]] = search.rest_box
+    search.places[counts[0]] = search.rest
     counts[0] += 1
     return True
 
@@ -283,7 +276,7 @@ def _places(
             continue
         middle = 0.5 * (a + b)
         if b - a <= 1e-2 * CLOSE_FORCE * problem.scale or not a < middle < b:
-            search.places[counts[0]] = search.rest_box
+            search.places[counts[0]] = search.rest
             counts[0] += 1
             continue
         least, most = _stability(problem, box, search)
