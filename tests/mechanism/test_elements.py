@@ -230,7 +230,7 @@ def test_what_cannot_stand_side_by_side_is_refused():
     snap = sw.Element.from_points(*SNAP)
     with pytest.raises(ValueError, match="two or more"):
         sw.Element.side_by_side([snap])
-    with refuses(ValueError, "side by side", "travel"):
+    with refuses(ValueError, "parallel", "one kind"):
         sw.Element.side_by_side([snap, sw.elements.balloon()])
     far = sw.Element.from_points([0.1, 0.2], [1.0, -1.0], stops=True)
     with pytest.raises(ValueError, match="no common travel"):

@@ -75,7 +75,7 @@ def test_a_mechanism_all_in_millimetres_is_told_every_slip_once():
 def test_degrees_for_radians_are_told_apart_from_a_limit_that_no_cell_has():
     with refuses(ValueError, "limit = 45", "0.785398 rad (45°)?"):
         sw.Cell(sw.Band(P, Q), limit=45)
-    with pytest.raises(ValueError, match=r"without bound\.$"):
+    with pytest.raises(ValueError, match=r"unbounded\.$"):
         sw.Cell(sw.Band(P, Q), limit=1.6)
 
 
