@@ -544,7 +544,7 @@ def test_progress_is_told():
 
 
 def test_slack_cells_that_share_a_motion_leave_ties_and_still_a_graph():
-    # Where two slack cells stand is not told by statics, so a way back is not the way there.
+    # Statics does not decide where two slack cells stand, so the way back may differ.
     slack = sw.Cell(sw.Band((0, 0), (0.001, 0.0), rest_length=0.017))
     looser = sw.Cell(sw.Band((0, 0), (0.0012, 0.0), rest_length=0.0172))
     t_graph = graph(sw.Chain([slack, looser, straight(20).cells[0]]))

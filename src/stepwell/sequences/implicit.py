@@ -201,8 +201,8 @@ class ImplicitGraph(ByValue):
     Args:
         chain: the chain with its actuator; friction raises ValueError.
 
-    Source: Preisach 1935; Terzi and Mungan 2020; some counts are ours (theory page, "Transition
-    graphs", "Relays").
+    Source: Preisach 1935; Terzi and Mungan 2020; some counts are ours (theory page,
+    "Transition graphs", "Relays").
     """
 
     chain: mechanism.Chain
