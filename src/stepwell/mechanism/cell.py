@@ -65,7 +65,7 @@ class Cell(ByValue, Drawn):
     """Whether it is stopped at either end: its blocks touch there."""
     measure: ClassVar[Measure] = Measure.TRAVEL
     """What its travel and force are: a travel and a force."""
-    # Whether the sizes were asked for slips; `replace` carries it to whatever it makes.
+    # Whether the sizes were checked for slips; `replace` copies it.
     _asked: bool = field(default=False, repr=False, compare=False, kw_only=True)
 
     def __post_init__(self):

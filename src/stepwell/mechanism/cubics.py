@@ -111,7 +111,7 @@ def monotone(rows: Floats, end: float) -> Floats:
     out: list[Floats] = []
     for row, width in zip(rows, ends - rows[:, 0], strict=True):
         _, c1, c2, c3 = row[1:5]
-        # What bends so little beside the slope is rounding, and turns nothing.
+        # Curvature this small relative to the slope is rounding, without an extremum.
         size = abs(c1) + abs(c2) * width + abs(c3) * width * width
         quadratic = [3.0 * c3, 2.0 * c2, c1]
         terms = (abs(3.0 * c3) * width**2, abs(2.0 * c2) * width, abs(c1))

@@ -262,7 +262,7 @@ class Element(ByValue, Drawn):
         Raises:
             ValueError: elements of different measures, or without common travels.
         """
-        sheets, stops, friction = element_curves.beside(elements)
+        sheets, stops, friction = element_curves.in_parallel(elements)
         mobility = 1.0 / sum(1.0 / element.mobility for element in elements)
         return cls(sheets, stops, friction, name, elements[0].measure, mobility=mobility)
 

@@ -172,7 +172,9 @@ def _refuse_standing(x: Floats, measure: Measure) -> None:
 Place = tuple[int, ...]
 
 
-def beside(elements: "Sequence[Element]") -> tuple[tuple[Sheet, ...], tuple[bool, bool], float]:
+def in_parallel(
+    elements: "Sequence[Element]",
+) -> tuple[tuple[Sheet, ...], tuple[bool, bool], float]:
     """Sheets, stops and friction of elements in parallel."""
     _refuse_unlike(elements)
     reach = 2.0 * max(element.largest_force for element in elements)

@@ -319,12 +319,12 @@ def way_on(
 ) -> tuple[tuple[int, int], Transition] | None:
     """Target (branch, section) and transition of the drive from section k of a branch, or None."""
     sections = branches[number].sections
-    beside = k + direction
-    if 0 <= beside < len(sections):
-        states = zip(sections[k].state, sections[beside].state, strict=True)
+    neighbour = k + direction
+    if 0 <= neighbour < len(sections):
+        states = zip(sections[k].state, sections[neighbour].state, strict=True)
         cells = tuple(i for i, (here, there) in enumerate(states) if here != there)
-        at = sections[min(k, beside)].drive[1]
-        return (number, beside), Transition(TransitionKind.SWITCH, direction, at, cells)
+        at = sections[min(k, neighbour)].drive[1]
+        return (number, neighbour), Transition(TransitionKind.SWITCH, direction, at, cells)
     exit_ = branches.exit(number, direction)
     if exit_ is None:
         return None

@@ -28,7 +28,7 @@ class BranchEnd(NamedTuple):
 
     why: int  # RELEASE, KINK (the end of a piece), FOLD or _NOTHING
     level: float  # λ there
-    cell: int  # that lets go, arrives or leads
+    cell: int  # that is released, arrives or leads
     heading: int  # the sense in which it moves
     arrives: int  # which mover comes to the end of its piece
     within: float  # movers whose λ is this near to the end of their pieces come there too
