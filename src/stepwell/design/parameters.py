@@ -12,7 +12,7 @@ from stepwell.mechanism import Band, Cell, Chain, Element, Slip, geometry, sizes
 from stepwell.statics import Designs, batch, drive_weights
 
 # How the odd true case is told.
-WAY = "If it is meant so, say unusual=True of a cell of the chain."
+WAY = "If it is meant so, pass unusual=True of a cell of the chain."
 
 _ACTUATOR = "actuator_stiffness"
 # What a cell has, and what an element has, with the unit; that of friction is a force's.

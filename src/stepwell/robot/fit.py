@@ -149,7 +149,7 @@ THICKNESS = 5e-4, 10.0
 def refuse_slips(value: Robot | Arena, slips: Iterable[Slip]) -> None:
     """Refuse sizes that are probably in another unit; copies by `replace` are not checked again."""
     if not (value.unusual or value._asked) and (suspects := tuple(slips)):
-        raise SlipError(suspects, "If it is meant so, say unusual=True.")
+        raise SlipError(suspects, "If it is meant so, pass unusual=True.")
     object.__setattr__(value, "_asked", True)
 
 

@@ -32,7 +32,7 @@ from stepwell.sequences import Cycle, cycle
 
 Levers = float | Sequence[float]
 
-_WAY = "If it is meant so, say unusual=True."
+_WAY = "If it is meant so, pass unusual=True."
 _FREE = ("q", "p", "both")
 _OBJECTIVES = ("yield", "worst")
 
