@@ -118,26 +118,26 @@ class Measurement(base.ByValue):
     after: float
 
 
-def measurement(found: Yield | Survival) -> Measurement | None:
+def measurement(counted: Yield | Survival) -> Measurement | None:
     """The part whose measurement raises a yield most; None where none is worth it.
 
     Each part in turn has only the tolerance that a scale and callipers leave of it, and a few of
     the same mechanisms are counted again, and all of them for the best part.
     """
-    parts = parts_of(found)
-    left = {name: _left(found.tolerances, part.tolerance) for name, part in parts.items()}
+    parts = parts_of(counted)
+    left = {name: _left(counted.tolerances, part.tolerance) for name, part in parts.items()}
     worth = [name for name in parts if left[name] < 1.0]
-    if found.successes == found.samples or not worth:
+    if counted.successes == counted.samples or not worth:
         return None
-    quickly = isinstance(found, Yield) and not found.by_engine
-    n = min(found.samples, _RANKED if quickly else _RANKED_ONE_BY_ONE)
-    best = max(worth, key=lambda name: with_tightened_tolerance(found, name, left[name], n))
-    after = with_tightened_tolerance(found, best, left[best], found.samples) / found.samples
-    if after < found.share + _GAIN:
+    quickly = isinstance(counted, Yield) and not counted.by_engine
+    n = min(counted.samples, _RANKED if quickly else _RANKED_ONE_BY_ONE)
+    best = max(worth, key=lambda name: with_tightened_tolerance(counted, name, left[name], n))
+    after = with_tightened_tolerance(counted, best, left[best], counted.samples) / counted.samples
+    if after < counted.share + _GAIN:
         return None
     cell, what, tolerance, _ = parts[best]
-    now = getattr(found.tolerances, tolerance)
-    return Measurement(cell, what, tolerance, now, now * left[best], found.share, after)
+    now = getattr(counted.tolerances, tolerance)
+    return Measurement(cell, what, tolerance, now, now * left[best], counted.share, after)
 
 
 def _left(tolerances: Tolerances, name: str) -> float:
@@ -302,19 +302,19 @@ def check(
     motion = cycle(chain)
     path, does = motion.path, str(motion.sequence)
     sequence = does if target is None else checked_cycle(target, chain.last_state, "target")
-    found = yields(chain, tolerances, target=sequence, **counted)
+    yield_result = yields(chain, tolerances, target=sequence, **counted)
     critical_change = critical_change_of_cycle(chain, tolerances) if does == sequence else None
-    return _told(path, sequence, does, does == sequence, found, critical_change)
+    return _told(path, sequence, does, does == sequence, yield_result, critical_change)
 
 
 def _of_program(program: Program, tolerances: Tolerances, counted: dict[str, Any]) -> Check:
     chain, points = program.chain, program.turning_points
     start, target = program.start, program.target
-    found = survival(chain, points, target, tolerances, start=start, **counted)
+    survival_result = survival(chain, points, target, tolerances, start=start, **counted)
     meets_target = ends_right(chain, points, start, target)
     critical_change = critical_change_of_program(program, tolerances) if meets_target else None
     does = f"{start} to {target if meets_target else program.arrives}"
-    return _told(program.path, f"{start} to {target}", does, meets_target, found, critical_change)
+    return _told(program.path, f"{start} to {target}", does, meets_target, survival_result, critical_change)
 
 
 def _told(

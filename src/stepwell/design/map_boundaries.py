@@ -137,19 +137,19 @@ def parameter_boundaries(
             values[:, k] = np.interp(t[:, k], *axes[k])
         return values
 
-    found: list[plane.Boundary] = []
+    curves: list[plane.Boundary] = []
     grid = _SQUARE.grid(search)
     for (a, b), t, how in _orders(outcomes, place, grid, progress):
         sides = outcomes.meaning(a), outcomes.meaning(b)
         kind, changes = plane.BoundaryKind.PATHWAY, " | ".join(sides)
         if min(a, b) >= 0:
             kind, changes = between(outcomes.sequences[a], outcomes.sequences[b], chain.names)
-        found.append(plane.Boundary(kind, place(t), changes, *how, names, units, sides))
+        curves.append(plane.Boundary(kind, place(t), changes, *how, names, units, sides))
     for cell in outcomes.turned:
         kind, sides = plane.BoundaryKind.BISTABLE, ("one stable state", "two stable states")
         for t, changes, how in _limits(outcomes, cell, place, grid):
-            found.append(plane.Boundary(kind, place(t), changes, *how, names, units, sides))
-    return tuple(found)
+            curves.append(plane.Boundary(kind, place(t), changes, *how, names, units, sides))
+    return tuple(curves)
 
 
 def _orders(
@@ -163,19 +163,19 @@ def _orders(
     def ask(t: Floats) -> Ints:
         return outcomes.label(place(t)).astype(np.int64)
 
-    found: list[tuple[tuple[int, int], Floats, How]] = []
+    curves: list[tuple[tuple[int, int], Floats, How]] = []
     known = None
     if outcomes.base is not None:
         pairs, difference = _differences(outcomes, outcomes.base)
         exact = _Exact(lambda t: outcomes.forces(place(t)), pairs, difference, proved)
-        found += [(sides, points, how) for _, sides, points, how in exact.curves()]
+        curves += [(sides, points, how) for _, sides, points, how in exact.curves()]
         known = exact.known
     nodes, shape = grid.reshape(-1, 2), grid.shape[:2]
     sure = outcomes.closed_form(place(nodes))
     unproved = (sure.sequence == UNSOLVED).reshape(shape)
     label = outcomes.label(place(nodes), progress, sure).astype(np.int64).reshape(shape)
     pieces = plane.searched(ask, grid, label, ignore=IMPOSSIBLE, wanted=unproved, known=known)
-    return found + [(sides, points, _SEARCHED) for sides, points in pieces]
+    return curves + [(sides, points, _SEARCHED) for sides, points in pieces]
 
 
 def _differences(
@@ -214,8 +214,8 @@ def _limits(
         return [(points, states.words[k], how) for k, _, points, how in exact.curves()]
     words = f"{outcomes.chain.names[cell]} has two stable states on one side, one on the other"
     label = states(nodes).reshape(grid.shape[:2])
-    found = plane.searched(ask, grid, label, ignore=IMPOSSIBLE)
-    return [(points, words, _SEARCHED) for _, points in found]
+    curves = plane.searched(ask, grid, label, ignore=IMPOSSIBLE)
+    return [(points, words, _SEARCHED) for _, points in curves]
 
 
 class _Exact(Generic[K]):
@@ -241,7 +241,7 @@ class _Exact(Generic[K]):
 
         Each curve is cut where it meets another and where a label is not known.
         """
-        found: list[tuple[K, tuple[int, int], Floats, How]] = []
+        cut: list[tuple[K, tuple[int, int], Floats, How]] = []
         grid = _SQUARE.grid(_GRID)
         at = self._measure(grid.reshape(-1, 2))
         for k in self._kinds:
@@ -259,9 +259,9 @@ class _Exact(Generic[K]):
                 for code, points in plane.parted(smooth, sides, level.project, _CUTS):
                     if code >= 0 and np.max(np.ptp(points, axis=0)) > _SHORTEST:
                         how = plane.Method.EXACT, float(np.max(level.distance(points)))
-                        found.append((k, (code >> 32, code & 0xFFFFFFFF), points, how))
+                        cut.append((k, (code >> 32, code & 0xFFFFFFFF), points, how))
             self._levels.append(level)
-        return found
+        return cut
 
     def known(self, t: Floats) -> Bools:
         """Which of (m, 2) places are on one of these curves."""

@@ -115,13 +115,13 @@ def parameter_map(chain: Chain, x: Axis, y: Axis, *, progress: Progress = None) 
     outcomes = Outcomes(chain, (first, second), np.array([np.ptp(xs), np.ptp(ys)]))
     nodes = np.stack(np.meshgrid(xs, ys), axis=-1).reshape(-1, 2)
     scale, _ = _scale(outcomes)
-    found = outcomes.closed_form(nodes, _TIE * scale)
-    waiting = np.flatnonzero(found.sequence == UNSOLVED)
-    outcomes.ask(waiting, nodes, found, progress)
+    outcome = outcomes.closed_form(nodes, _TIE * scale)
+    waiting = np.flatnonzero(outcome.sequence == UNSOLVED)
+    outcomes.ask(waiting, nodes, outcome, progress)
     for cell in outcomes.turned if len(waiting) else ():
         states = Stability(outcomes, cell, nodes[waiting])
-        found.monostable[waiting] |= states(nodes[waiting]) == 1
-    return _labelled(outcomes, found, ((first, xs), (second, ys)), asked=len(waiting))
+        outcome.monostable[waiting] |= states(nodes[waiting]) == 1
+    return _labelled(outcomes, outcome, ((first, xs), (second, ys)), asked=len(waiting))
 
 
 def anchor(chain: Chain, cell: int | str, x: ArrayLike, y: ArrayLike) -> tuple[Chain, Axis, Axis]:
@@ -142,7 +142,7 @@ def anchor(chain: Chain, cell: int | str, x: ArrayLike, y: ArrayLike) -> tuple[C
 
 def both(chain: Chain, x: Axis, y: Axis, least: int) -> Axes:
     """Two parameters with `least` or more values each; ValueError where they are none."""
-    found: list[tuple[Parameter, Floats]] = []
+    axes: list[tuple[Parameter, Floats]] = []
     for letter, given in (("x", x), ("y", y)):
         try:
             name, numbers = given
@@ -160,10 +160,10 @@ def both(chain: Chain, x: Axis, y: Axis, least: int) -> Axes:
             # Values out of range are refused here; an anchor has none.
             for value in values[[0, -1]].tolist():
                 one.changed(chain, value)
-        found.append((one, values))
-    if found[0][0] == found[1][0]:
-        raise InputError(f"x and y are both {found[0][0].name!r}: take two parameters.")
-    return found[0], found[1]
+        axes.append((one, values))
+    if axes[0][0] == axes[1][0]:
+        raise InputError(f"x and y are both {axes[0][0].name!r}: take two parameters.")
+    return axes[0], axes[1]
 
 
 def require_places(across: int, up: int) -> None:
@@ -190,10 +190,10 @@ def _scale(outcomes: Outcomes) -> tuple[float, str]:
     return own, name
 
 
-def _labelled(outcomes: Outcomes, found: Found, axes: Axes, asked: int) -> xr.Dataset:
+def _labelled(outcomes: Outcomes, outcome: Found, axes: Axes, asked: int) -> xr.Dataset:
     import xarray as xr
 
-    chain, sequence = outcomes.chain, found.sequence
+    chain, sequence = outcomes.chain, outcome.sequence
     stroke, unit = chain.measure.stroke, chain.measure.travel_unit
     scale, staying = _scale(outcomes)
     turned = " or ".join(chain.names[i] for i in outcomes.turned)
@@ -206,15 +206,15 @@ def _labelled(outcomes: Outcomes, found: Found, axes: Axes, asked: int) -> xr.Da
         about["pathway"] = pathway, _noted("order in which the cells load and unload") | notes
     notes = _flags([outcomes.meaning(i) for i in range(len(outcomes.sequences))], np.int32)
     about["sequence"] = sequence, _noted("states visited in a full cycle") | notes
-    for way, at in zip(("loading", "unloading"), found.strokes, strict=True):
+    for way, at in zip(("loading", "unloading"), outcome.strokes, strict=True):
         about[f"snap_{way}"] = at, _noted(f"{stroke} of the first snap while {way}", unit)
-    for way, count in zip(("loading", "unloading"), found.snaps, strict=True):
+    for way, count in zip(("loading", "unloading"), outcome.snaps, strict=True):
         about[f"snaps_{way}"] = count, _noted(f"steps that snap while {way}", "1")
     notes = {"k_r_N": scale, "k_r_of": staying}
     words = "smallest gap between two F0 or two F1, over k r"
-    about["margin"] = found.gap / scale, _noted(words, "1") | notes
-    about["monostable"] = found.monostable, _noted(f"{turned} is stable in one state only")
-    about["degenerate"] = found.degenerate, _noted("design on a boundary: a tie decides")
+    about["margin"] = outcome.gap / scale, _noted(words, "1") | notes
+    about["monostable"] = outcome.monostable, _noted(f"{turned} is stable in one state only")
+    about["degenerate"] = outcome.degenerate, _noted("design on a boundary: a tie decides")
     shape = (len(axes[1][1]), len(axes[0][1]))
     # From now on this dataset and all others have `.stepwell`.
     if not hasattr(xr.Dataset, "stepwell"):

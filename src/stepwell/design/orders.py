@@ -146,14 +146,14 @@ def of_sequence(text: str) -> Orders:
     if cells == 0:
         raise InputError(f'sequence = {text!r}: must be a cycle such as "00>10>11>01>00".')
     text = checked_cycle(str(text), "1" * cells, "sequence")
-    found = Sequence.parse(text).orders
-    if found is None:
+    orders = Sequence.parse(text).orders
+    if orders is None:
         raise InputError(
             f"sequence = {short(text)!r}: chains of concave cells load one cell at a time until "
             f"all are at 1, then unload one at a time, as in 00>10>11>01>00. For states beside "
             f"such a cycle, design(states=[...])."
         )
-    return Orders(*found)
+    return Orders(*orders)
 
 
 @dataclass(frozen=True)
@@ -218,15 +218,15 @@ def _realised(below: "Below", alike: bool, states: frozenset[str] | None) -> Tar
             f"and after cell {b + 1} in one of them (the states make a partial order of a "
             f"dimension above two)"
         )
-    found: dict[tuple[int, ...] | Orders, Orders] = {}
+    different: dict[tuple[int, ...] | Orders, Orders] = {}
     antichain = sum(map(sum, below)) == len(below)
     for looked_at, orders in enumerate(_realisers(below)):
-        found.setdefault(orders.pattern if alike else orders, orders)
+        different.setdefault(orders.pattern if alike else orders, orders)
         if alike and antichain:
             break  # all others have the same pattern
-        if len(found) == _TRIED or looked_at == _LOOKED_AT:
-            return TargetOrders(tuple(found.values()), False, states)
-    return TargetOrders(tuple(found.values()), True, states)
+        if len(different) == _TRIED or looked_at == _LOOKED_AT:
+            return TargetOrders(tuple(different.values()), False, states)
+    return TargetOrders(tuple(different.values()), True, states)
 
 
 def _listed(given: Iterable[str] | str, cells: int | None) -> tuple[set[str], int]:

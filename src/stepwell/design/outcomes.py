@@ -294,10 +294,10 @@ class Outcomes:
 
     def closed_form(self, values: Floats, tie: float = 0.0) -> Found:
         """What the closed form says of (m, 2) values; a gap below `tie` [N] is degenerate."""
-        found = Found.nothing(len(values))
+        outcome = Found.nothing(len(values))
         varied, n = self._varied, len(self.chain)
         if varied is None or len(values) == 0:
-            return found
+            return outcome
         blocks: dict[int, tuple[Found, Codes]] = {}
 
         def block(begin: int, end: int) -> None:
@@ -312,26 +312,26 @@ class Outcomes:
         for begin, (one, orders) in sorted(blocks.items(), key=itemgetter(0)):
             m = slice(begin, begin + len(one.sequence))
             numbers = [self._of_orders(each) for each in orders] + [UNSOLVED]
-            found.sequence[m] = np.array(numbers, np.int32)[one.sequence]
-            found.strokes[:, m], found.snaps[:, m] = one.strokes, one.snaps
-            found.gap[m], found.monostable[m] = one.gap, one.monostable
-        found.degenerate[:] = found.gap < tie
-        return found
+            outcome.sequence[m] = np.array(numbers, np.int32)[one.sequence]
+            outcome.strokes[:, m], outcome.snaps[:, m] = one.strokes, one.snaps
+            outcome.gap[m], outcome.monostable[m] = one.gap, one.monostable
+        outcome.degenerate[:] = outcome.gap < tie
+        return outcome
 
     def ask(
-        self, which: NDArray[np.intp], values: Floats, found: Found, progress: Progress = None
+        self, which: NDArray[np.intp], values: Floats, outcome: Found, progress: Progress = None
     ) -> None:
         """Have the engine follow those of (m, 2) designs, and note what they do."""
         number, cycles = self._followed(values[which], progress)
-        found.sequence[which] = number
+        outcome.sequence[which] = number
         known, at = cycles.found[number >= 0], which[number >= 0]
-        found.degenerate[at] = cycles.tied[number >= 0] > 0
-        found.strokes[:, at] = known[:, [batch.STROKE_UP, batch.STROKE_DOWN]].T
-        found.snaps[:, at] = known[:, [batch.STEPS_UP, batch.STEPS_DOWN]].T
+        outcome.degenerate[at] = cycles.tied[number >= 0] > 0
+        outcome.strokes[:, at] = known[:, [batch.STROKE_UP, batch.STROKE_DOWN]].T
+        outcome.snaps[:, at] = known[:, [batch.STEPS_UP, batch.STEPS_DOWN]].T
 
-    def label(self, values: Floats, progress: Progress = None, found: Found | None = None) -> Codes:
+    def label(self, values: Floats, progress: Progress = None, outcome: Found | None = None) -> Codes:
         """Numbers for (m, 2) values, by the engine where the closed form has not `found` them."""
-        number = (found or self.closed_form(values)).sequence.copy()
+        number = (outcome or self.closed_form(values)).sequence.copy()
         waiting = np.flatnonzero(number == UNSOLVED)
         number[waiting], cycles = self._followed(values[waiting], progress)
         ties = waiting[cycles.tied > 0]
@@ -382,11 +382,11 @@ class Outcomes:
         if designs is not None:
             for parameter, column in zip(self.parameters, values.T, strict=True):
                 parameter.put(designs, self.chain, column)
-        found = cycles_of(lambda i: self.design(values[i]), len(values), designs, progress)
+        cycles = cycles_of(lambda i: self.design(values[i]), len(values), designs, progress)
         notify(progress, len(values), len(values))
         # What has no number of its own is told by a negative one, which counts from the end.
-        numbers = [*map(self._number, found.sequences), UNSOLVED, IMPOSSIBLE]
-        return np.array(numbers, np.int32)[found.number], found
+        numbers = [*map(self._number, cycles.sequences), UNSOLVED, IMPOSSIBLE]
+        return np.array(numbers, np.int32)[cycles.number], cycles
 
     def _of_orders(self, orders: Codes) -> int:
         key = orders.tobytes()

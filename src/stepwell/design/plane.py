@@ -219,12 +219,12 @@ def parted(
     ends, _, _ = narrowed(ask, points[near], points[far], label[near], label[far], steps)
     before, after = np.split(project(ends), 2)
     bounds = [0, *(turns + 1).tolist(), len(points)]
-    found: list[tuple[int, Floats]] = []
+    pieces: list[tuple[int, Floats]] = []
     for k in range(len(bounds) - 1):
         first, last = after[k - 1 : k] if k else after[:0], before[k : k + 1]
         piece = np.concatenate([first, points[bounds[k] : bounds[k + 1]], last])
-        found.append((int(label[bounds[k]]), piece))
-    return found
+        pieces.append((int(label[bounds[k]]), piece))
+    return pieces
 
 
 _STEP = 1e-6  # of the square, between which slopes are taken
@@ -330,7 +330,7 @@ def searched(
 
     edge = float(np.max(grid[-1, -1] - grid[0, 0])) / (min(grid.shape[:2]) - 1)
     steps = math.ceil(math.log2(edge / RESOLVED))
-    found: list[tuple[tuple[int, int], Floats]] = []
+    curves: list[tuple[tuple[int, int], Floats]] = []
     for low, high in trace(label, centre, ignore):
         near = np.ones(len(low[0]), np.bool_) if wanted is None else wanted[low] | wanted[high]
         for run in _runs(near):
@@ -342,17 +342,17 @@ def searched(
             pairs = np.sort(np.stack([at_a, at_b], axis=-1), axis=1)
             new = np.ones(len(points), np.bool_) if known is None else ~known(points)
             for part in _runs(new):
-                found += _alike(pairs[part], points[part], ignore)
-    return found
+                curves += _alike(pairs[part], points[part], ignore)
+    return curves
 
 
 def _alike(pairs: Ints, points: Floats, ignore: int) -> list[tuple[tuple[int, int], Floats]]:
-    found: list[tuple[tuple[int, int], Floats]] = []
+    pieces: list[tuple[tuple[int, int], Floats]] = []
     for (a, b), run in groupby(range(len(points)), lambda i: tuple(pairs[i].tolist())):
         piece = points[list(run)]
         if len(piece) > 1 and ignore not in (a, b):
-            found.append(((a, b), piece))
-    return found
+            pieces.append(((a, b), piece))
+    return pieces
 
 
 def _runs(flags: Bools) -> list[slice]:

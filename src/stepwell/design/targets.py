@@ -75,10 +75,10 @@ def searched(chain: Chain) -> tuple[frozenset[str], tuple[Tie, ...]]:
     """All states that can be reached from all cells in their first phase, and ties on the way."""
     from stepwell.sequences import graph
 
-    found = graph(chain, start=chain.first_state)
-    labels = (label for label in found.reachable() if "-" not in label)
+    transitions = graph(chain, start=chain.first_state)
+    labels = (label for label in transitions.reachable() if "-" not in label)
     # Nodes that share a state are numbered.
-    return frozenset(label.partition("#")[0] for label in labels), found.ties
+    return frozenset(label.partition("#")[0] for label in labels), transitions.ties
 
 
 def landings_of(chain: Chain, ratio: float) -> Iterator[Landing]:
@@ -104,13 +104,11 @@ def unsearchable(chain: Chain, friction: float = 0.0) -> str:
     return ""
 
 
-def unlike(found: Iterable[str], target: Iterable[str]) -> str:
+def unlike(reached_states: Iterable[str], target: Iterable[str]) -> str:
     """What else is reached, and what is not; "" for the same states."""
-    found, target = set(found), set(target)
-    parts = [("also reaches", found - target), ("does not reach", target - found)]
-    listed = (
-        (words, join_first(by_cells_at_1(states), _SHOWN, between=" ")) for words, states in parts
-    )
+    reached_states, target = set(reached_states), set(target)
+    parts = [("also reaches", reached_states - target), ("does not reach", target - reached_states)]
+    listed = ((words, join_first(by_cells_at_1(states), _SHOWN, between=" ")) for words, states in parts)
     return ", ".join(f"{words} {states}" for words, states in listed if states)
 
 

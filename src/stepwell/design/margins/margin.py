@@ -140,17 +140,17 @@ class Margin(ByValue, Drawn):
         return "\n".join(lines)
 
     def __repr__(self):
-        told: list[str] = []
+        parts: list[str] = []
         for parameter in dict.fromkeys(change.parameter for change in self.changes):
             least = float(np.min(self._distances(parameter)))
             if parameter == "anchor":
                 beyond = "more than " * math.isinf(least)
-                told.append(f"anchors {beyond}{to_unit(min(least, self.reach), 'mm'):.4g} mm")
+                parts.append(f"anchors {beyond}{to_unit(min(least, self.reach), 'mm'):.4g} mm")
             else:
                 words = parameter.replace("_", " ")
                 far = f"no change of {words}" if math.isinf(least) else f"{least * 100:.4g} %"
-                told.append(f"{words} {far}")
-        return f"Margin({self.method}: {', '.join(told)}, gap {self.gap:.3g})"
+                parts.append(f"{words} {far}")
+        return f"Margin({self.method}: {', '.join(parts)}, gap {self.gap:.3g})"
 
 
 def margin(chain: Chain, *, reach: float = REACH, progress: Progress = None) -> Margin:
@@ -167,8 +167,8 @@ def margin(chain: Chain, *, reach: float = REACH, progress: Progress = None) -> 
     for cell, part in tracked(asked, progress):
         if part == "anchor":
             anchor = Parameter(f"{cell + 1}.q", cell, "q")
-            found = nearest(Aim(chain, now, anchor, None), forces, ways)
-            changes.append(Change(chain, cell, part, *found))
+            nearest_change = nearest(Aim(chain, now, anchor, None), forces, ways)
+            changes.append(Change(chain, cell, part, *nearest_change))
         else:
             changes.append(number_change(chain, forces, now, cell, part))
     return _told(chain, forces, changes, ways)
@@ -183,10 +183,10 @@ def proved_margin(chain: Chain) -> Margin | None:
     now = sequence(chain)
     changes: list[Change] = []
     for cell in range(len(chain)):
-        found = nearest_proved(forces, Parameter(f"{cell + 1}.q", cell, "q"), ways)
-        if found is None:
+        nearest_change = nearest_proved(forces, Parameter(f"{cell + 1}.q", cell, "q"), ways)
+        if nearest_change is None:
             return None
-        changes.append(Change(chain, cell, "anchor", *found))
+        changes.append(Change(chain, cell, "anchor", *nearest_change))
         changes.append(number_change(chain, forces, now, cell, "stiffness"))
     return _told(chain, forces, changes, ways)
 

@@ -100,13 +100,13 @@ def _nearest(cell: Simple, search: _Search, out: Floats) -> float:
         if inside and away < known:
             known = away
         if _FINE * half < known or half <= within * 0.5**_DEEPEST:
-            found = np.empty(4)
-            if _settled(cell, search, x, y, found):
-                away = math.sqrt(found[0] * found[0] + found[1] * found[1])
+            place = np.empty(4)
+            if _settled(cell, search, x, y, place):
+                away = math.sqrt(place[0] * place[0] + place[1] * place[1])
                 if away < best * _NEARER:
                     best = away
                     known = min(known, best)
-                    out[:] = found
+                    out[:] = place
             continue
         waiting = _halve(boxes, waiting, u, v, half, n)
     return best
@@ -279,9 +279,9 @@ class Aim:
         designs = nominal(chain, len(moves))
         assert designs is not None
         anchor.put(designs, chain, np.array(anchor.value(chain)) + moves)
-        found = cycles_of(lambda i: anchor.displaced(chain, moves[i]), len(moves), designs)
+        cycles = cycles_of(lambda i: anchor.displaced(chain, moves[i]), len(moves), designs)
         # A design without a number does nothing.
-        return np.array([*map(self.met, found.sequences), False])[np.maximum(found.number, -1)]
+        return np.array([*map(self.met, cycles.sequences), False])[np.maximum(cycles.number, -1)]
 
 
 def nearest(
@@ -302,7 +302,7 @@ def nearest(
     if not proved:
         within = ways.reach if known is None or past is None else known.distance
         at_once = forces is None and not aim.chain.elements and nominal(aim.chain, 0) is not None
-        found = nearest_found(
+        displacement = nearest_found(
             lambda u: aim.met_at(ways.frame @ u),
             ways,
             within,
@@ -310,9 +310,9 @@ def nearest(
             progress,
             (lambda us: aim.met_at_each(us @ ways.frame.T)) if at_once else None,
         )
-        if found is not None and float(np.linalg.norm(found)) < within:
-            move = _vec(ways.frame @ found)
-            return Nearest(float(np.linalg.norm(found)), move, move, Method.SEARCH)
+        if displacement is not None and float(np.linalg.norm(displacement)) < within:
+            move = _vec(ways.frame @ displacement)
+            return Nearest(float(np.linalg.norm(displacement)), move, move, Method.SEARCH)
     return _told(known, past, Method.EXACT if proved else Method.SEARCH)
 
 

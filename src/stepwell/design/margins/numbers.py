@@ -90,8 +90,8 @@ def nearest_share(
             return target is None
         return done != now if target is None else done == target
 
-    found = _searched(does, chain, number, finely=target is not None, progress=progress)
-    share = min(found, key=abs, default=math.nan)
+    changes = _searched(does, chain, number, finely=target is not None, progress=progress)
+    share = min(changes, key=abs, default=math.nan)
     return _share(share, share, Method.SEARCH)
 
 
@@ -137,7 +137,7 @@ def _searched(
     does: Callable[[float], bool], chain: Chain, number: Parameter, finely: bool, progress: Progress
 ) -> list[float]:
     """The first share found that does it, each way that one is nearer than what is known."""
-    found: list[float] = []
+    changes: list[float] = []
     least, done = math.inf, 0
     tries = [(sign, _tries(chain, number, sign, finely)) for sign in (1, -1)]
     for sign, shares in tries:
@@ -148,12 +148,12 @@ def _searched(
             bad = sign * min(share, least)
             if does(bad):
                 halvings = math.ceil(math.log2(max(1.0, abs(bad - good) / _RESOLUTION)))
-                found.append(bisected(lambda at: not does(at), good, bad, halvings)[1])
-                least = abs(found[-1])
+                changes.append(bisected(lambda at: not does(at), good, bad, halvings)[1])
+                least = abs(changes[-1])
             if abs(bad) >= least:
                 break
             good = bad
-    return found
+    return changes
 
 
 def _tries(chain: Chain, number: Parameter, sign: int, finely: bool) -> list[float]:

@@ -198,14 +198,14 @@ def robustness(chain: Chain) -> Robustness:
     proofs = [_proved_radius(cell) for cell in forces.cells]
     first = int(np.argmin(proofs))
     most = proofs[first]
-    found = [
+    meetings = [
         meeting
         for end, order in enumerate((forces.loading, forces.unloading))
         for a, b in pairwise(order)
         if (meeting := _meeting(forces.cells, end, a, b, most)) is not None
     ]
-    if found:
-        meeting = min(found, key=lambda m: m.radius)
+    if meetings:
+        meeting = min(meetings, key=lambda m: m.radius)
         return Robustness(chain, meeting.radius, RobustnessLimit.ORDER, meeting, None)
     if most < 2.0 * forces.cells[first].lever:
         return Robustness(chain, most, RobustnessLimit.PROOF, None, first)

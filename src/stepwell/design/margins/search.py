@@ -158,10 +158,10 @@ def _behind(does: Does, ring: Floats, hits: Bools, best: Floats | None) -> Float
             if not shorter:
                 continue
             u = shorter[len(shorter) // 2]
-        found = _shortest(does, u, len(ring)) if plane else _back(does, u, 0.0, _RESOLUTION)
+        nearest = _shortest(does, u, len(ring)) if plane else _back(does, u, 0.0, _RESOLUTION)
         # Sides that are equally near, as of a symmetric cell, are a tie: the first of the ring.
-        if best is None or np.linalg.norm(found) < (1 - _TIE) * np.linalg.norm(best):
-            best = found
+        if best is None or np.linalg.norm(nearest) < (1 - _TIE) * np.linalg.norm(best):
+            best = nearest
     return best
 
 

@@ -99,8 +99,8 @@ class Attempt:
         if len(self.tables) == 1:
             return 0.0  # all cells in one hole
         gaps, allowed = differences(joined(self.tables)), placement.shared(self.tables, self.owner)
-        found = best_choice(gaps, allowed, self.orders, add=False, most_nodes=_START_NODES)
-        return found.value
+        selection = best_choice(gaps, allowed, self.orders, add=False, most_nodes=_START_NODES)
+        return selection.value
 
     def region(self) -> tuple[Floats, ...]:
         """The pairs (F0, F1) [N] that a cell can have: closed curves, or those of all holes."""

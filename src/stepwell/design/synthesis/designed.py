@@ -219,15 +219,15 @@ def nothing_works(
                 nodes = sum(attempt.nodes for attempt in attempts)
                 holes = f"{nearest.candidates} hole{'s' * (nearest.candidates != 1)}"
                 how = f"none of all choices among {holes} and bands proved concave puts"
-                found = f"complete search, {nodes} partial choices; the largest smallest gap is"
+                evidence = f"complete search, {nodes} partial choices; the largest smallest gap is"
             else:
                 largest = max(attempt.smallest_gap() for attempt in attempts)
                 how = f"a search from {nearest.candidates} {kind} and bands has not put"
-                found = "not a proof; the largest smallest gap found is"
+                evidence = "not a proof; the largest smallest gap found is"
             rising = nearest.orders.rising
             first, second = (" < ".join(str(cell + 1) for cell in order) for order in rising)
             why = (
-                f"{how} F0 in the order {first} and F1 in the order {second} of cells ({found} "
+                f"{how} F0 in the order {first} and F1 in the order {second} of cells ({evidence} "
                 f"{to_unit(largest, 'mN'):.4g} mN, and more than {to_unit(needed, 'mN'):.2g} mN is "
                 "needed)"
             )

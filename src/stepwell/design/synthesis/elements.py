@@ -85,10 +85,10 @@ class Scales:
         table = np.column_stack([share * self.sizes - self.gaps, np.ones(len(self.gaps))])
         cost = np.zeros(table.shape[1])
         cost[-1] = -1.0
-        found = linprog(cost, table, self.rub, bounds=[*self.bounds.tolist(), (None, None)])
-        if found.x is None:
+        solution = linprog(cost, table, self.rub, bounds=[*self.bounds.tolist(), (None, None)])
+        if solution.x is None:
             return None, -math.inf
-        return np.asarray(found.x[:-1]), float(found.x[-1])
+        return np.asarray(solution.x[:-1]), float(solution.x[-1])
 
 
 _MOST_CHOICES = 2000  # of shapes for all cells: some seconds
@@ -144,8 +144,8 @@ class ElementTarget:
         """Whether a chain does it, by the engine."""
         try:
             if self.states is not None:
-                found, ties = searched(chain)
-                return not ties and not unlike(found, self.states)
+                states, ties = searched(chain)
+                return not ties and not unlike(states, self.states)
             result = cycle(chain)
         except (StaticsError, ValueError):
             return False
@@ -208,9 +208,9 @@ def scaled(
     rng = np.random.default_rng(seed)
     whole = math.prod(map(len, sets)) <= _MOST_CHOICES
     choices = list(product(*sets)) if whole else _some(sets, rng)
-    found, closest = _programmed(goal, allowed, choices, progress, best_only=relays)
+    candidates, closest = _programmed(goal, allowed, choices, progress, best_only=relays)
     complete = relays and whole and goal.complete
-    for share, these in found[: 1 if relays else _ASKED]:
+    for share, these in candidates[: 1 if relays else _ASKED]:
         chain = _named(goal, these, actuator_stiffness)
         if goal.done_by(chain):
             return (
@@ -225,7 +225,7 @@ def scaled(
             )
     other = None if relays else _at_random(goal, allowed, sets, actuator_stiffness, rng)
     if other is None:
-        proved = complete and not found
+        proved = complete and not candidates
         raise _impossible(goal, allowed, sets, closest, proved, len(choices))
     return other
 
@@ -243,7 +243,7 @@ def _programmed(
     Each with the share by which all its forces may be off at once. With `best_only`, choices that
     are worse than one found before may be left out.
     """
-    found: list[tuple[float, list[Element]]] = []
+    candidates: list[tuple[float, list[Element]]] = []
     closest = -math.inf
     for orders, shapes in tracked([*product(goal.orders, choices)], progress):
         program = allowed.scales(shapes, orders)
@@ -251,14 +251,14 @@ def _programmed(
         closest = max(closest, gap)
         if program is None or not gap > LEAST:
             continue
-        scales, share = program.surest(found[0][0] if found and best_only else 0.0)
+        scales, share = program.surest(candidates[0][0] if candidates and best_only else 0.0)
         if scales is not None:
             elements = [allowed.elements[k] for k in shapes]
             pairs = zip(elements, scales, strict=True)
             made = [replace(one, force_scale=one.force_scale * c) for one, c in pairs]
-            found.append((share, made))
-            found.sort(key=lambda one: -one[0])
-    return found, closest
+            candidates.append((share, made))
+            candidates.sort(key=lambda one: -one[0])
+    return candidates, closest
 
 
 def _some(sets: Sets, rng: np.random.Generator) -> list[tuple[int, ...]]:

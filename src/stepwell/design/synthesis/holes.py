@@ -82,9 +82,9 @@ def best_choice(
         value, nodes, complete = watched(
             lambda effort: search(tables, floor, effort, picks), most=most_nodes
         )
-    found = np.empty(n, np.int64)
-    found[rising[0]] = picks
-    return Selection(found if picks[0] >= 0 else np.empty(0, np.int64), value, complete, nodes)
+    of_cell = np.empty(n, np.int64)
+    of_cell[rising[0]] = picks
+    return Selection(of_cell if picks[0] >= 0 else np.empty(0, np.int64), value, complete, nodes)
 
 
 @leaf
@@ -131,11 +131,11 @@ def _best_ends(gap, allowed, add: bool, out):
 @leaf
 def _next(ranks, depth: int, rank: int, way: int) -> int:
     """Of the placed cells the one with the next rank above or below, -1 where there is none."""
-    found = -1
+    nearest = -1
     for k in range(depth):
-        if way * (ranks[k] - rank) > 0 and (found < 0 or way * (ranks[k] - ranks[found]) < 0):
-            found = k
-    return found
+        if way * (ranks[k] - rank) > 0 and (nearest < 0 or way * (ranks[k] - ranks[nearest]) < 0):
+            nearest = k
+    return nearest
 
 
 @record
@@ -191,7 +191,7 @@ def _bounds(tables: _Tables, depth: int, picks: Ints, value: float, out: Floats)
 
 
 @entry()
-def _search(tables: _Tables, floor: float, effort: Ints, found: Ints) -> tuple[float, int, bool]:
+def _search(tables: _Tables, floor: float, effort: Ints, best_picks: Ints) -> tuple[float, int, bool]:
     """Search choices worth more than `floor`: the best, how many were looked at, and if all."""
     gap, add = tables.gap, tables.add
     n, m = tables.allowed.shape
@@ -222,7 +222,7 @@ def _search(tables: _Tables, floor: float, effort: Ints, found: Ints) -> tuple[f
         picks[depth] = c
         if depth == n - 1:
             best = worth
-            found[:] = picks
+            best_picks[:] = picks
             continue
         before = value[depth]
         value[depth + 1] = _with(before, gap[picks[depth - 1], c], add) if depth > 0 else before
@@ -230,4 +230,4 @@ def _search(tables: _Tables, floor: float, effort: Ints, found: Ints) -> tuple[f
         at[depth] = 0
         _bounds(tables, depth, picks, value[depth], bound[depth])
         order[depth] = np.argsort(-bound[depth], kind="mergesort")
-    return (best if found[0] >= 0 else -np.inf), nodes, True
+    return (best if best_picks[0] >= 0 else -np.inf), nodes, True

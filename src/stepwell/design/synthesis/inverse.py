@@ -153,31 +153,31 @@ def design(
     rules = [rule] * mixed + each
     tries = Tries(target, regions, holes, actuator_stiffness, seed, progress, len(rules), free)
     placed = tries.placed(rules)
-    found = placed.found
-    if found is not None:
-        chain = found.chain(actuator_stiffness, f"Designed for {target.text}")
-        how = _method(found, placed)
+    attempt = placed.found
+    if attempt is not None:
+        chain = attempt.chain(actuator_stiffness, f"Designed for {target.text}")
+        how = _method(attempt, placed)
     else:
         # The union of all levers holds what each of them alone can do.
         chain, how = tries.rest(rules[:1] if mixed else rules, placed, tolerances)
     result = cycle(chain)
     counted = _counted(target.states, result, tolerances)
     # More are made where end forces decide what they do.
-    by_forces = found is not None and not (found.rule.as_drawn or found.rule.bends)
+    by_forces = attempt is not None and not (attempt.rule.as_drawn or attempt.rule.bends)
     usual = QUICKLY if by_forces and isinstance(counted, str) else ONE_BY_ONE
-    widest = _widest(found, chain, bands, tolerances)
+    widest = _widest(attempt, chain, bands, tolerances)
     share = yields(chain, widest, samples=samples or usual, seed=seed, target=counted)
     tries.end()
     return Design(
         chain,
         result,
         share,
-        () if found is None else found.region(),
+        () if attempt is None else attempt.region(),
         holes,
         placed.candidates,
-        found is not None and placed.complete,
+        attempt is not None and placed.complete,
         how,
-        _standing(found) + _not_searched(target, share),
+        _standing(attempt) + _not_searched(target, share),
     )
 
 
@@ -295,18 +295,18 @@ def _refuse_slips(rule: Rule, holes: float | None) -> None:
     bands = list(dict.fromkeys(kind.band for kind in rule.kinds))
     lever = max(levers)
     corner = max(abs(around.left), abs(around.right)), max(abs(around.bottom), abs(around.top))
-    found = [slip for r in levers for slip in sizes.lever_of("lever", r)]
-    if not found:
-        found += sizes.length(name, rule.fixed, lever)
+    slips = [slip for r in levers for slip in sizes.lever_of("lever", r)]
+    if not slips:
+        slips += sizes.length(name, rule.fixed, lever)
         far = [*sizes.far("within, x", corner[0], lever), *sizes.far("within, y", corner[1], lever)]
-        found += far or sizes.length("within", corner, lever)
-        found += sizes.length("holes", holes or 0.0, lever)
+        slips += far or sizes.length("within", corner, lever)
+        slips += sizes.length("holes", holes or 0.0, lever)
         for band in bands:
-            found += sizes.length("rest_length", band.rest_length, lever)
+            slips += sizes.length("rest_length", band.rest_length, lever)
             if isinstance(band.law, Linear):
-                found += sizes.spring("stiffness", band.stiffness)
-    if found:
-        raise SlipError(tuple(found), _WAY)
+                slips += sizes.spring("stiffness", band.stiffness)
+    if slips:
+        raise SlipError(tuple(slips), _WAY)
     strongest = max(band.stiffness for band in bands) * lever
     travel = 2.0 * lever * math.sin(rule.kinds[0].limit)
     refuse_slips(rule.tolerances, travel, strongest, _WAY)
@@ -320,10 +320,10 @@ def _round(regions: tuple[Region, ...]) -> Box:
 
 
 def _widest(
-    found: Attempt | None, chain: Chain, bands: Sequence[BandType], tolerances: Tolerances
+    attempt: Attempt | None, chain: Chain, bands: Sequence[BandType], tolerances: Tolerances
 ) -> Tolerances:
-    if found is not None and found.best is not None:
-        spreads = [found.rule.kinds[k].band.spread for k in found.best.cells.kind.tolist()]
+    if attempt is not None and attempt.best is not None:
+        spreads = [attempt.rule.kinds[k].band.spread for k in attempt.best.cells.kind.tolist()]
     else:
         first = [cell.bands[0] for cell in levers_of(chain)]
         chosen = {(band.stiffness, band.rest_length) for band in first}
@@ -332,42 +332,42 @@ def _widest(
     return replace(tolerances, stiffness=spread)
 
 
-def _standing(found: Attempt | None) -> str:
-    if found is None:
+def _standing(attempt: Attempt | None) -> str:
+    if attempt is None:
         return "not all cells are proved concave, and the engine has followed the drawing"
-    if found.rule.bends:
+    if attempt.rule.bends:
         return (
             f"one taut band with falling force in each cell, looked at in {LOOKS} places as drawn, "
             f"where a law that bends allows no proof; the engine has followed the drawing"
         )
-    where = "as drawn" if found.rule.as_drawn else "for all anchors within the tolerances"
+    where = "as drawn" if attempt.rule.as_drawn else "for all anchors within the tolerances"
     return (
         f"concave cells: one taut band with falling force in each, proved {where}; cells load in "
         f"ascending F0 and unload in descending F1, which the engine has confirmed for the drawing"
     )
 
 
-def _method(found: Attempt, placed: Placed) -> str:
+def _method(attempt: Attempt, placed: Placed) -> str:
     objective = (
         "the largest displacement of all anchors at once for which the order stays and every cell "
         "is proved taut and concave"
-        if found.rule.worst
+        if attempt.rule.worst
         else "the product of the chances that neighbours in F0 and in F1 keep their order, to "
         "first order in the tolerances, the gaps taken as independent; where nothing fails, the "
         "same with larger tolerances"
     )
-    how = "the best of all choices, by complete search," if found.complete else "the best found"
-    how += f" among {found.candidates} {'places' if found.holes is None else 'holes'} for a band"
-    if found.holes is None:
+    how = "the best of all choices, by complete search," if attempt.complete else "the best found"
+    how += f" among {attempt.candidates} {'places' if attempt.holes is None else 'holes'} for a band"
+    if attempt.holes is None:
         how += "; from there each cell in turn on finer and finer lattices: a local optimum"
-    if found.left_out:
-        how += f"; {found.left_out} where the band is not proved taut and concave were left out"
+    if attempt.left_out:
+        how += f"; {attempt.left_out} where the band is not proved taut and concave were left out"
     if len(placed.attempts) > 1:
         how += f"; the best of {len(placed.attempts)} combinations of orders and levers"
     if placed.missed:
         how += f"; what seemed better does not by the engine ({placed.missed})"
     if placed.others:
         how += f"; the surest of {placed.others} random choices looked at that does it"
-    if len({kind.band.spread for kind in found.rule.kinds}) > 1:
+    if len({kind.band.spread for kind in attempt.rule.kinds}) > 1:
         objective += "; the yield gives all bands the widest spread of those chosen"
     return f"searched: {how}; objective: {objective}"

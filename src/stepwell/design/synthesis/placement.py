@@ -26,7 +26,7 @@ def outlines(rule: Rule, region: Region) -> list[Floats]:
     grid = region.bounds.grid(_NODES)
     # One more node all round, so that the sides of the box are edges like all others.
     rim = np.pad(grid, ((1, 1), (1, 1), (0, 0)), mode="reflect", reflect_type="odd")
-    found: list[Floats] = []
+    curves: list[Floats] = []
     for k in range(len(rule.kinds)):
 
         def allowed(q: Floats, k: int = k) -> Bools:
@@ -41,8 +41,8 @@ def outlines(rule: Rule, region: Region) -> list[Floats]:
             low, _, _ = narrowed(allowed, low, high, yes, ~yes, _HALVINGS)
             # A corner of the box is the end of two edges.
             new = np.append(True, np.any(np.diff(low, axis=0) != 0.0, axis=1))
-            found.append(rule.kinds[k].ends(rule.differences(low[new]))[0])
-    return found
+            curves.append(rule.kinds[k].ends(rule.differences(low[new]))[0])
+    return curves
 
 
 _FINEST = 64  # squares along the longer side of the region
@@ -137,13 +137,13 @@ def choose(
 
     table, allowed = joined(tables), shared(tables, owner)
     gaps = rule.gaps(table)
-    found = best_choice(gaps, allowed, orders, add=False, most_nodes=most_nodes)
-    proved, nodes = found.complete, found.nodes
-    if not len(found.picks):
+    selection = best_choice(gaps, allowed, orders, add=False, most_nodes=most_nodes)
+    proved, nodes = selection.complete, selection.nodes
+    if not len(selection.picks):
         return None, proved, nodes
-    picks = found.picks
+    picks = selection.picks
     if not rule.worst and len(orders) > 1:
-        worth = np.where(gaps > -np.inf, log_ndtr(gaps / max(found.value / _SURE, 1.0)), -np.inf)
+        worth = np.where(gaps > -np.inf, log_ndtr(gaps / max(selection.value / _SURE, 1.0)), -np.inf)
         floor = sum(
             float(worth[end, a, b])
             for end, order in enumerate(orders.rising)

@@ -110,7 +110,7 @@ class Buildable(NamedTuple):
 
 
 def _ways(rule: Rule, region: Region, holes: float) -> list[Buildable]:
-    found: list[Buildable] = []
+    buildable: list[Buildable] = []
     for x, y in region.clamped(lattice(region, holes)).tolist():
         for k in range(len(rule.kinds)):
             try:
@@ -118,8 +118,8 @@ def _ways(rule: Rule, region: Region, holes: float) -> list[Buildable]:
             except ValueError:
                 continue  # nobody can build it
             if max(abs(cell.force_0), abs(cell.force_1)) <= rule.most_force:
-                found.append(Buildable(cell, closed(cell) is not None))
-    return sorted(found, key=lambda way: way.concave)
+                buildable.append(Buildable(cell, closed(cell) is not None))
+    return sorted(buildable, key=lambda way: way.concave)
 
 
 def _count(tables: list[list[Buildable]], alike: bool, again: bool, settled: bool) -> int:
@@ -176,14 +176,14 @@ def _as_wanted(target: Target, seen: Seen, alike: bool) -> tuple[int, ...] | Non
     if target.states is not None:
         assert seen.states is not None
         return _by_states(target.states, seen.states, alike)
-    found = seen.sequence.orders
-    if found is None:
+    orders_seen = seen.sequence.orders
+    if orders_seen is None:
         return None
     for wanted in target.wish.orders:
         same = tuple(range(target.wish.cells))
-        place = tuple(found[0][wanted.loading.index(k)] for k in same) if alike else same
+        place = tuple(orders_seen[0][wanted.loading.index(k)] for k in same) if alike else same
         orders = (wanted.loading, wanted.unloading)
-        if tuple(tuple(place[k] for k in order) for order in orders) == found:
+        if tuple(tuple(place[k] for k in order) for order in orders) == orders_seen:
             return place
     return None
 
@@ -261,16 +261,16 @@ class Tries:
         complete = target.wish.complete and self.holes is not None
         complete = complete and not any(rule.bends for rule in rules)
         complete = complete and all(attempt.complete for attempt in attempts)
-        missed, found, others = "", None, 0
+        missed, best, others = "", None, 0
         for attempt in filter(lambda attempt: attempt.works, attempts):
             fault = target.fault(attempt.chain(self.actuator_stiffness, ""), attempt.orders)
             if not fault:
-                found = attempt
+                best = attempt
                 break
             missed = missed or fault
-        if missed and found is None:
-            found, others = another(target, attempts, self.actuator_stiffness, self.seed)
-        return Placed(found, attempts, complete and not missed, missed, others)
+        if missed and best is None:
+            best, others = another(target, attempts, self.actuator_stiffness, self.seed)
+        return Placed(best, attempts, complete and not missed, missed, others)
 
     def _attempts(self, rules: list[Rule]) -> list[Attempt]:
         attempts: list[Attempt] = []
@@ -299,7 +299,7 @@ class Tries:
         target, regions, before = self.target, self.regions, self._done
         alike, again = len(set(regions)) == 1, target.twins
         most = self._most() // target.wish.cells
-        found: list[Chain] = []
+        chains: list[Chain] = []
         left = done = unanswered = 0
         for rule in rules:
             ways = {region: _ways(rule, region, holes) for region in dict.fromkeys(regions)}
@@ -326,12 +326,12 @@ class Tries:
                 if order is not None and seen.peak <= rule.most_force * (1 + 1e-9):
                     these = [cells[k].cell for k in order]
                     title = f"Designed for {target.text}"
-                    found.append(named(these, self.actuator_stiffness, title))
+                    chains.append(named(these, self.actuator_stiffness, title))
         choices = f"{left} choices that no closed form decides were run"
         if done == left and not unanswered:
-            return found, True, f"all {choices} by the engine"
+            return chains, True, f"all {choices} by the engine"
         missed = f", {unanswered} of them without an answer" * (unanswered > 0)
-        return found, False, f"{done} of {choices}{missed}"
+        return chains, False, f"{done} of {choices}{missed}"
 
     def rest(self, rules: list[Rule], placed: Placed, tolerances: Tolerances) -> tuple[Chain, str]:
         """A chain that no closed form decides, and how it was found; raises Impossible for none."""
@@ -346,18 +346,18 @@ class Tries:
         if target.wish.never or (not target.wish.orders and target.states is None):
             raise self._refusal(placed, "", proved=target.wish.never)
         decided = placed.complete and target.states is None
-        found, whole, report = self._tried(rules, self.holes, decided=decided)
-        if not found:
+        chains, whole, report = self._tried(rules, self.holes, decided=decided)
+        if not chains:
             raise self._refusal(placed, report, proved=whole)
         counted = None if tolerances.friction else target.states
 
         def share(chain: Chain) -> float:
             return yields(chain, tolerances, samples=_MADE, seed=self.seed, target=counted).share
 
-        return max(found[:_COMPARED], key=share), (
+        return max(chains[:_COMPARED], key=share), (
             f"searched: no choice of {placed.candidates} holes for a band that is proved taut and "
-            f"concave does it; {report}, and {len(found)} of them do it; the one of "
-            f"{min(len(found), _COMPARED)} of these that works most often of {_MADE} built"
+            f"concave does it; {report}, and {len(chains)} of them do it; the one of "
+            f"{min(len(chains), _COMPARED)} of these that works most often of {_MADE} built"
         )
 
     def _refusal(self, placed: Placed, rest: str, *, proved: bool) -> Impossible:

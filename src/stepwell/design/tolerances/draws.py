@@ -83,13 +83,13 @@ USUAL = Tolerances(anchor=base.USUAL_ANCHOR, stiffness=base.USUAL_STIFFNESS)
 
 def refuse_slips(tolerances: Tolerances, travel: float, force: float, way: str = WAY) -> None:
     """Raise SlipError for tolerances above the travel [m] or friction far above the force [N]."""
-    found = (
+    slips = (
         *sizes.above("anchor", tolerances.anchor, travel),
         *sizes.above("lever", tolerances.lever, travel),
         *sizes.force("friction", tolerances.friction, force),
     )
-    if found:
-        raise SlipError(found, way)
+    if slips:
+        raise SlipError(slips, way)
 
 
 def meet(tolerances: Tolerances, chain: Chain) -> None:
@@ -111,9 +111,9 @@ def meet(tolerances: Tolerances, chain: Chain) -> None:
 def refuse_reach(chain: Chain, reach: float) -> None:
     """Raise SlipError for a displacement [m] far beyond the levers, if no default."""
     lever = max((cell.lever for cell in levers_of(chain)), default=math.inf)
-    found = tuple(sizes.far("reach", reach, lever)) if reach > base.REACH else ()
-    if found and not chain.unusual:
-        raise SlipError(found, WAY)
+    slips = tuple(sizes.far("reach", reach, lever)) if reach > base.REACH else ()
+    if slips and not chain.unusual:
+        raise SlipError(slips, WAY)
 
 
 def levers_of(chain: Chain) -> list[Cell]:
@@ -167,7 +167,7 @@ class Draws(base.ByValue):
     def parts(self) -> dict[str, Part]:
         """Every part that has a tolerance, by its name, such as "outer.d"."""
         b, n, t = self.bands, len(self.chain), self.tolerances
-        found: dict[str, Part] = {}
+        parts: dict[str, Part] = {}
         names, first, scale = self.chain.names, 0, self.scales
         for i, cell in enumerate(self.chain.cells):
             name = names[i] if names.count(names[i]) == 1 else i + 1
@@ -185,8 +185,8 @@ class Draws(base.ByValue):
                 )
             for what, tolerance, columns in (*own, ("friction", "friction", [6 * b + n + i])):
                 if getattr(t, tolerance) > 0:
-                    found[f"{name}.{what}"] = Part(i, what, tolerance, columns)
-        return found
+                    parts[f"{name}.{what}"] = Part(i, what, tolerance, columns)
+        return parts
 
     @property
     def bands(self) -> int:
@@ -222,12 +222,12 @@ class Draws(base.ByValue):
             yield self._filled(space[: min(rows, n - first)], streams)
 
     def _streams(self, number: int) -> list[np.random.Generator]:
-        found: list[np.random.Generator] = []
+        streams: list[np.random.Generator] = []
         for seed, columns in (self.seed, self.mobilities), ((self.seed, 1), len(self.chain)):
             stream = np.random.PCG64(seed)
             stream.advance(number * columns)
-            found.append(np.random.Generator(stream))
-        return found
+            streams.append(np.random.Generator(stream))
+        return streams
 
     def _filled(self, rows: base.Floats, streams: list[np.random.Generator]) -> base.Floats:
         # Row by row from one stream: more samples, or other pieces, keep the first ones.

@@ -109,7 +109,7 @@ def sensitivities(
         mixed = base[0].copy()
         mixed[:, columns] = base[1][:, columns]
         exchanged.append(gap(draws.shaped(mixed))[None])
-    found = sobol_indices(
+    indices = sobol_indices(
         func={"f_A": first[None], "f_B": second[None], "f_AB": np.array(exchanged)}, n=len(points)
     )
-    return Sensitivities(names, found.first_order, found.total_order, spread, len(points))
+    return Sensitivities(names, indices.first_order, indices.total_order, spread, len(points))

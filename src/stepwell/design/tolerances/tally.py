@@ -140,10 +140,10 @@ def followed(
     forced = draws.chain.elements and draws.chain.actuator_stiffness == 0
     if states is None and not forced:
         designs = draws.designs(drawn)
-        found = cycles_of(lambda i: draws.built(drawn[i]), len(drawn), designs, progress)
+        cycles = cycles_of(lambda i: draws.built(drawn[i]), len(drawn), designs, progress)
         # IMPOSSIBLE and UNSOLVED count from the end.
-        texts = [*map(str, found.sequences), NO_ANSWER, NOT_BUILT]
-        for number, tied in zip(found.number.tolist(), found.tied.tolist(), strict=True):
+        texts = [*map(str, cycles.sequences), NO_ANSWER, NOT_BUILT]
+        for number, tied in zip(cycles.number.tolist(), cycles.tied.tolist(), strict=True):
             yield TIED if tied and number >= 0 else texts[number]
         return
     for draw in tracked(drawn, progress):
@@ -157,8 +157,8 @@ def _one(draws: Draws, draw: Floats, states: States) -> str:
         return NOT_BUILT
     try:
         if states is not None:
-            found, ties = searched(made)
-            return TIED if ties else unlike(found, states)
+            reached_states, ties = searched(made)
+            return TIED if ties else unlike(reached_states, states)
         by_forces = relay_cycle(made)
         if by_forces is not None:
             return by_forces
@@ -224,34 +224,34 @@ class OutcomeCounter:
                 notify(progress, begun + m, n)
 
             tell(0, n)
-            found = followed(self.draws, waiting, self.states, tell)
-            for draw, does in zip(waiting, found, strict=True):
+            outcomes = followed(self.draws, waiting, self.states, tell)
+            for draw, does in zip(waiting, outcomes, strict=True):
                 self._note(draw, does)
             done += len(waiting)
             tell(len(waiting), n)
 
     def _judged(self, drawn: Floats, judge: DrawJudge | RelayJudge) -> Bools:
         """Count what the closed form can judge; returns which ones it cannot."""
-        found = judge(drawn)
-        ask = found.verdict == ASK
+        verdicts = judge(drawn)
+        ask = verdicts.verdict == ASK
         self.judged += int(np.sum(~ask))
-        if found.wrong.size:
-            self.wrong += found.wrong
-            self.narrowest += found.narrowest
+        if verdicts.wrong.size:
+            self.wrong += verdicts.wrong
+            self.narrowest += verdicts.narrowest
         if self.states is not None and isinstance(judge, RelayJudge):
             return np.ones_like(ask)
         if self.states is not None:
-            halves = np.divmod(found.does, len(self.draws.chain) ** len(self.draws.chain))
-            nested = ~ask & (found.verdict != TIE) & (halves[0] == halves[1]) & self._nested_do
+            halves = np.divmod(verdicts.does, len(self.draws.chain) ** len(self.draws.chain))
+            nested = ~ask & (verdicts.verdict != TIE) & (halves[0] == halves[1]) & self._nested_do
             self._succeed(int(np.sum(nested)))
             return ~nested
-        self._texts[TIED] += int(np.sum(found.verdict == TIE))
-        does, other = found.verdict == DOES, found.verdict == OTHER
+        self._texts[TIED] += int(np.sum(verdicts.verdict == TIE))
+        does, other = verdicts.verdict == DOES, verdicts.verdict == OTHER
         if self.orders is None and isinstance(judge, DrawJudge):
             does, other = np.zeros_like(does), does | other
         self._succeed(int(np.sum(does)))
         if self._told_apart:
-            self._numbers.append(found.does[other])
+            self._numbers.append(verdicts.does[other])
         else:
             self._texts[ANOTHER] += int(np.sum(other))
         return ask

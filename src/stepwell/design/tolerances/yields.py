@@ -114,11 +114,11 @@ class Yield(Counted, base.Drawn):
         each switch; T = N for cells of two phases, m = min(n, self.samples), NaN where none can be
         built.
         """
-        found = np.full((min(n, self.samples), *switching_forces(self.chain).shape), np.nan)
-        for number in range(len(found)):
+        forces = np.full((min(n, self.samples), *switching_forces(self.chain).shape), np.nan)
+        for number in range(len(forces)):
             with suppress(ValueError):
-                found[number] = switching_forces(self.mechanism(number))
-        return found
+                forces[number] = switching_forces(self.mechanism(number))
+        return forces
 
     def to_xarray(self) -> "xr.Dataset":
         """Counts over "outcome", the wanted one first, and indices over "parameter"."""
@@ -280,8 +280,8 @@ def _advice(tally: OutcomeCounter, target: str) -> str:
         )
     if tally.states is None:
         return why_none(tally.draws.chain, target, tally.by_engine == 0)
-    found = reached(tally.draws.chain)
-    return f"none of those made does it; the drawing reaches {short(' '.join(found.states))}"
+    states = reached(tally.draws.chain)
+    return f"none of those made does it; the drawing reaches {short(' '.join(states.states))}"
 
 
 def _sensitivities(tally: OutcomeCounter, n: int) -> Sensitivities:
@@ -289,11 +289,11 @@ def _sensitivities(tally: OutcomeCounter, n: int) -> Sensitivities:
     if judge is not None:
         return sensitivities(draws, lambda rows: judge(rows).gap)
     assert orders is not None
-    found = sensitivities(draws, lambda rows: gaps_of_built(draws, orders, rows), built=True)
+    indices = sensitivities(draws, lambda rows: gaps_of_built(draws, orders, rows), built=True)
     # The engine followed every one, so it can be asked how far the gap is to be believed.
     some = np.array(tally.followed_well[:_COMPARED])
     gaps = gaps_of_built(draws, orders, next(draws.chunks(n))[: len(some)])
-    return replace(found, agreed=float(np.mean((gaps > 0) == some[: len(gaps)])))
+    return replace(indices, agreed=float(np.mean((gaps > 0) == some[: len(gaps)])))
 
 
 def _critical(tally: OutcomeCounter) -> Critical | None:
@@ -351,23 +351,23 @@ def _assumptions(tally: OutcomeCounter, n: int, drawing: sequences.Cycle | None)
     yield "the drawing is a tie" if drawing and drawing.degenerate else ""
 
 
-def parts_of(found: Yield | survival.Survival) -> dict[str, draws.Part]:
+def parts_of(counted: Yield | survival.Survival) -> dict[str, draws.Part]:
     """The parts that vary in what was counted, by their names, such as "outer.stiffness"."""
-    return Draws(found.chain, found.tolerances, found.seed).parts
+    return Draws(counted.chain, counted.tolerances, counted.seed).parts
 
 
 def with_tightened_tolerance(
-    found: Yield | survival.Survival, part: str, left: float, n: int
+    counted: Yield | survival.Survival, part: str, left: float, n: int
 ) -> int:
     """How many of the first n mechanisms work where one part has the share `left` of its tolerance.
 
     The same mechanisms are made with the same luck; only that part, named as in `parts_of`, is
     nearer to its drawing, and friction to the middle of its tolerance.
     """
-    draws = Draws(found.chain, found.tolerances, found.seed, part, left)
-    if isinstance(found, survival.Survival):
-        return survival.count_ends(draws, found.turning_points, found.start, found.target, n)
-    states = None if found.states is None else frozenset(found.states)
-    tally = OutcomeCounter(draws, found.target, states, found.robust)
+    draws = Draws(counted.chain, counted.tolerances, counted.seed, part, left)
+    if isinstance(counted, survival.Survival):
+        return survival.count_ends(draws, counted.turning_points, counted.start, counted.target, n)
+    states = None if counted.states is None else frozenset(counted.states)
+    tally = OutcomeCounter(draws, counted.target, states, counted.robust)
     tally.count(n, None)
     return tally.successes
