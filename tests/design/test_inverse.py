@@ -177,7 +177,7 @@ def test_a_search_from_anywhere_finds_nothing_more_robust():
     both = ((0, 1, 2), (1, 0, 2)), ((0, 1, 2), (2, 1, 0))
     for loading, unloading in both[: examples(1, full=2)]:
         orders = Orders(loading, unloading)
-        made = attempt.look(rule, orders, (PAPER_BOX,) * 3, None).refined()
+        made = attempt.from_lattice(rule, orders, (PAPER_BOX,) * 3, None).refined()
         assert made.best is not None
         table = made.tables[0]
         search = placement.Search(rule, orders, (PAPER_BOX,) * 3)
@@ -324,7 +324,7 @@ def test_among_holes_no_choice_is_better_by_the_objective(objective):
     table = rule.everything(PAPER_BOX, lattice(PAPER_BOX, 0.010))
     for loading, unloading in PAIRS[: examples(1, full=6)]:
         orders = Orders(loading, unloading)
-        made = attempt.look(rule, orders, (PAPER_BOX,) * 3, 0.010)
+        made = attempt.from_lattice(rule, orders, (PAPER_BOX,) * 3, 0.010)
         assert made.best is not None and made.complete
         every = [
             placement.measured(rule, orders, table.take(np.array(picks)))
@@ -334,8 +334,8 @@ def test_among_holes_no_choice_is_better_by_the_objective(objective):
             # The radii between neighbours are exact in a placement that is looked at anew.
             search = placement.Search(rule, orders, (PAPER_BOX,) * 3)
             good = sorted(every, key=lambda p: p.smallest)[-200:]
-            best = max(search.renewed(p).smallest for p in good)
-            assert search.renewed(made.best).smallest == pytest.approx(best, rel=1e-6)
+            best = max(search.recomputed(p).smallest for p in good)
+            assert search.recomputed(made.best).smallest == pytest.approx(best, rel=1e-6)
         else:
             best = max(p.quality(False) for p in every if p.smallest > 0)
             assert made.best.quality(False)[0] == pytest.approx(best[0], rel=1e-9)
@@ -438,10 +438,10 @@ def test_whatever_two_orders_reach_is_found_to_need_orders_that_reach_it(pair):
     loading, unloading = (tuple(order) for order in pair)
     states = ideals(loading, unloading)
     assert set(Orders(loading, unloading).states) == states
-    wish = of_states(states, None, alike=False)
-    assert all(ideals(o.loading, o.unloading) == states for o in wish.orders)
-    if wish.complete:
-        assert Orders(loading, unloading) in wish.orders
+    target_orders = of_states(states, None, alike=False)
+    assert all(ideals(o.loading, o.unloading) == states for o in target_orders.orders)
+    if target_orders.complete:
+        assert Orders(loading, unloading) in target_orders.orders
 
 
 @pytest.mark.slow
@@ -450,10 +450,10 @@ def test_all_orders_of_a_set_of_states_are_tried():
     for loading, unloading in product(every[: examples(2, full=6)], every):
         states = ideals(loading, unloading)
         same = {(a, b) for a, b in product(every, every) if ideals(a, b) == states}
-        wish = of_states(states, None, alike=False)
-        assert wish.complete == (len(same) < 24)
-        if wish.complete:
-            assert {(o.loading, o.unloading) for o in wish.orders} == same
+        target_orders = of_states(states, None, alike=False)
+        assert target_orders.complete == (len(same) < 24)
+        if target_orders.complete:
+            assert {(o.loading, o.unloading) for o in target_orders.orders} == same
         alike = of_states(states, None, alike=True)
         patterns = {Orders(a, b).pattern for a, b in same}
         assert alike.complete

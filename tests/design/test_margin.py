@@ -106,13 +106,13 @@ def test_an_exact_anchor_meets_another_force_to_rounding_and_squarely():
 
             assert isinstance(change.move, tuple)
             x, y = change.move
-            met = np.argmin(np.abs(gaps(x, y)))
-            assert abs(gaps(x, y)[met]) < 1e-13 * scale
+            nearest_line = np.argmin(np.abs(gaps(x, y)))
+            assert abs(gaps(x, y)[nearest_line]) < 1e-13 * scale
             # The circle through the nearest point touches the curve there and does not cross it.
             for turn in (-0.05, 0.05):
                 c, s = math.cos(turn), math.sin(turn)
-                beside = gaps(c * x - s * y, s * x + c * y)[met]
-                assert beside * gaps(0.0, 0.0)[met] > 0
+                beside = gaps(c * x - s * y, s * x + c * y)[nearest_line]
+                assert beside * gaps(0.0, 0.0)[nearest_line] > 0
     assert exact > 10
 
 

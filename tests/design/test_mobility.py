@@ -12,7 +12,7 @@ from facts import says
 from sizes import examples
 from stepwell.design import Yield
 from stepwell.design.tolerances.draws import Draws
-from stepwell.design.tolerances.tally import HANGS
+from stepwell.design.tolerances.tally import BY_MOBILITY
 
 RATIO = 10.0
 NARROW = sw.Tolerances(stiffness=0.01)
@@ -31,7 +31,7 @@ def test_a_landing_that_hangs_on_the_mobilities_takes_the_yield_away():
     plain, robust = RACE.yields(NARROW, samples=5), RACE.yields(NARROW, samples=5, robust=RATIO)
     assert (plain.share, plain.robust, plain.proved) == (1.0, None, None)
     assert (robust.share, robust.robust, robust.proved) == (0.0, RATIO, 0)
-    assert dict(robust.outcomes) == {HANGS: 5}
+    assert dict(robust.outcomes) == {BY_MOBILITY: 5}
     says(robust.advice, "mobilities", "smaller ratio", "Tolerances(mobility=...)")
     assert RACE.yields(NARROW, samples=5, robust=1.5).share == 1.0
 
@@ -44,7 +44,7 @@ def test_what_is_counted_is_right_and_all_its_landings_hold():
     right = [one for one in made if str(one.sequence) == found.target and not one.degenerate]
     holding = [one for one in right if all(x.holds for x in one.path.landings(RATIO))]
     assert found.successes == len(holding)
-    assert found.outcomes.get(HANGS, 0) == len(right) - len(holding)
+    assert found.outcomes.get(BY_MOBILITY, 0) == len(right) - len(holding)
     assert found.proved is not None and 0 <= found.proved <= found.successes
 
 
@@ -72,7 +72,9 @@ def test_states_are_wanted_with_landings_that_hold():
     wanted = {state.partition("#")[0] for state in states}
     plain = RACE.yields(NARROW, samples=2, target=wanted)
     assert plain.share == 1.0
-    assert dict(RACE.yields(NARROW, samples=2, target=wanted, robust=RATIO).outcomes) == {HANGS: 2}
+    assert dict(RACE.yields(NARROW, samples=2, target=wanted, robust=RATIO).outcomes) == {
+        BY_MOBILITY: 2
+    }
 
 
 @pytest.mark.slow
@@ -111,7 +113,7 @@ def test_a_mechanism_by_number_is_the_one_that_was_counted():
 def test_unknown_dampers_lower_the_yield_by_as_much_as_they_decide():
     found = RACE.yields(replace(NARROW, mobility=10.0), samples=60)
     assert 0.5 < found.share < 1.0
-    assert HANGS not in found.outcomes
+    assert BY_MOBILITY not in found.outcomes
 
 
 @pytest.mark.parametrize("ratio", [0.9, 0.0, -2.0, math.inf, math.nan])

@@ -109,9 +109,9 @@ def random_wish(rng: np.random.Generator) -> dict:
 @pytest.mark.parametrize("seed", range(examples(1, full=80)))
 def test_the_yield_of_a_random_design_is_that_of_mechanisms_made_and_judged_independently(seed):
     rng = np.random.default_rng([seed, 2024])
-    wish = random_wish(rng)
+    arguments = random_wish(rng)
     try:
-        made = design(**wish, samples=20_000)
+        made = design(**arguments, samples=20_000)
     except Impossible:
         pytest.skip("nothing in this box does it")
     n = 4_000
@@ -127,7 +127,7 @@ def test_the_yield_of_a_random_design_is_that_of_mechanisms_made_and_judged_inde
             does.append(followed_sequence(bands))
     # At most a few are folded where a design may stand, and those beyond twenty are left out.
     assert len(does) > 0.9 * n
-    share, ours = does.count(wish["sequence"]) / len(does), made.yield_.share
+    share, ours = does.count(arguments["sequence"]) / len(does), made.yield_.share
     left = 1 - len(does) / n
     noise = math.sqrt(max(ours * (1 - ours), 1e-4) * (1 / n + 1 / 20_000))
     assert abs(share - ours) < 4 * noise + left
@@ -135,7 +135,7 @@ def test_the_yield_of_a_random_design_is_that_of_mechanisms_made_and_judged_inde
     bands = np.array(
         [(*c.bands[0].d, c.bands[0].stiffness, c.bands[0].rest_length) for c in made.chain.levers]
     )
-    assert sorted_sequence(bands) == wish["sequence"] == followed_sequence(bands)
+    assert sorted_sequence(bands) == arguments["sequence"] == followed_sequence(bands)
 
 
 def test_the_rule_of_sorting_written_here_is_that_of_the_follower():

@@ -119,9 +119,9 @@ def test_a_program_in_millimetres_does_not_pass_for_one_that_none_survives():
         ({"tolerances": sw.Tolerances(anchor=0.3)}, "anchor", 0.0003),
     ],
 )
-def test_a_wish_in_another_unit_is_refused_with_what_was_meant(wish, name, meant):
+def test_a_wish_in_another_unit_is_refused_with_what_was_meant(target_orders, name, meant):
     with pytest.raises(SlipError) as refused:
-        design("00>10>11>01>00", samples=1, **wish)
+        design("00>10>11>01>00", samples=1, **target_orders)
     (slip,) = refused.value.slips
     assert slip.name == name
     assert slip.meant == pytest.approx(meant)

@@ -17,7 +17,7 @@ from stepwell.concave import ASK, DrawJudge
 from stepwell.design.orders import numbered_cycle, orders_of
 from stepwell.design.tolerances import draws as _draws, sensitivity, tally
 from stepwell.design.tolerances.draws import Draws, Tolerances
-from stepwell.design.tolerances.tally import NO_ANSWER, NOT_BUILT, TIED, followed
+from stepwell.design.tolerances.tally import NO_ANSWER, NOT_BUILT, TIED, simulated_outcomes
 from stepwell.design.tolerances.yields import Yield, yields
 
 CLOCKWISE = "00>10>11>01>00"
@@ -98,7 +98,7 @@ def test_one_yield_whether_the_closed_form_counts_or_the_engine(seed):
     draws = Draws(chain, tolerances, 0)
     verdict, says = judged(draws, 60)
     rows = np.concatenate([piece.copy() for piece in draws.chunks(60)])
-    does = [*followed(draws, rows)]
+    does = [*simulated_outcomes(draws, rows)]
     assert np.all(verdict != ASK)
     assert sum(text == wanted for text in does) == sum(text == wanted for text in says)
 
@@ -313,7 +313,7 @@ def test_chains_without_a_closed_form_go_to_the_engine_whole():
         assert found.by_engine == 12 and found.critical is None
         says(found.assumptions, "general engine", "all 12")
         draws = Draws(chain, replace(ALL, lever=0.0002), 0)
-        done = [*followed(draws, next(draws.chunks(12)))]
+        done = [*simulated_outcomes(draws, next(draws.chunks(12)))]
         assert found.successes == done.count(found.target)
 
 
@@ -329,7 +329,7 @@ def test_what_cannot_be_built_or_followed_is_a_failure_with_a_name():
     draws = Draws(sw.Chain((sw.Cell(spring), cell(20))), Tolerances(anchor=0.001), 0)
     unlucky = np.zeros(draws.columns)
     unlucky[2] = 0.25
-    assert [*followed(draws, unlucky[None])] == [NOT_BUILT]
+    assert [*simulated_outcomes(draws, unlucky[None])] == [NOT_BUILT]
 
 
 @pytest.mark.slow
@@ -344,7 +344,7 @@ def test_chains_too_long_to_tell_orders_apart_still_count_successes():
 
 
 def test_rare_outcomes_are_counted_as_one(monkeypatch):
-    monkeypatch.setattr(tally, "_KEPT", 3)
+    monkeypatch.setattr(tally, "_MOST_OUTCOMES", 3)
     chain = sw.Chain([cell(x) for x in (10, 10.2, 10.4, 10.6)])
     found = yields(chain, Tolerances(stiffness=0.1), samples=500)
     assert len(found.outcomes) == 4 and list(found.outcomes)[-1] == tally.ANOTHER

@@ -17,7 +17,7 @@ from stepwell.design.plane import Boundary, BoundaryKind, Method
 from stepwell.design.tolerances.draws import USUAL, Draws, Tolerances
 
 if TYPE_CHECKING:
-    from stepwell.design.checks import Check, Measurement, Verdict, check, judged
+    from stepwell.design.checks import Check, Measurement, Verdict, check, verdict_of
     from stepwell.design.map_boundaries import boundaries, parameter_boundaries
     from stepwell.design.maps import MapView, parameter_map, transition_map
     from stepwell.design.run import Run
@@ -73,7 +73,6 @@ __all__ = [
     "check",
     "checked_cycle",
     "design",
-    "judged",
     "margin",
     "parameter",
     "parameter_boundaries",
@@ -85,22 +84,23 @@ __all__ = [
     "share_of",
     "survival",
     "transition_map",
+    "verdict_of",
     "yields",
 ]
 
 
-class _Room(ModuleType):
+class _CallablePackage(ModuleType):
     """A module that answers when it is called, since the room and its function share a name."""
 
     def __call__(self, *args: Any, **kwargs: Any) -> "Design":
         return self.design(*args, **kwargs)
 
 
-sys.modules[__name__].__class__ = _Room
+sys.modules[__name__].__class__ = _CallablePackage
 
 # The first cycle asks for a margin; what else there is opens when it is asked for.
 _LATE = {
-    "checks": ("Check", "Measurement", "Verdict", "check", "judged"),
+    "checks": ("Check", "Measurement", "Verdict", "check", "verdict_of"),
     "map_boundaries": ("boundaries", "parameter_boundaries"),
     "maps": ("MapView", "parameter_map", "transition_map"),
     "run": ("Run",),

@@ -34,7 +34,7 @@ class Verdict(StrEnum):
     WONT = "won't"
 
 
-def judged(*, meets_target: bool, tied: bool, interval: tuple[float, float]) -> Verdict:
+def verdict_of(*, meets_target: bool, tied: bool, interval: tuple[float, float]) -> Verdict:
     """The verdict; the [decision](decisions/verdict.md) says why its bounds are where they are.
 
     `WONT` where the drawing, which may be a tie, does not do what is wanted, or the 95 % confidence
@@ -70,10 +70,10 @@ def _warnings(chain: Chain, path: Path) -> Iterator[str]:
             continue
         yield from (f"{name}: {slip}" for slip in sizes.slips(cell))
         for band in cell.bands:
-            yield from _of_band(name, cell, band)
+            yield from _band_warnings(name, cell, band)
 
 
-def _of_band(name: str, cell: Cell, band: Band) -> Iterator[str]:
+def _band_warnings(name: str, cell: Cell, band: Band) -> Iterator[str]:
     angles = np.linspace(-cell.limit, cell.limit, _ANGLES)
     longest = float(np.max(band.length(angles, cell.lever)))
     if band.rest_length > 0 and longest > (1.0 + STRAIN) * band.rest_length:
@@ -125,13 +125,13 @@ def measurement(counted: Yield | Survival) -> Measurement | None:
     the same mechanisms are counted again, and all of them for the best part.
     """
     parts = parts_of(counted)
-    left = {name: _left(counted.tolerances, part.tolerance) for name, part in parts.items()}
-    worth = [name for name in parts if left[name] < 1.0]
-    if counted.successes == counted.samples or not worth:
+    left = {name: _left_of(counted.tolerances, part.tolerance) for name, part in parts.items()}
+    measurable = [name for name in parts if left[name] < 1.0]
+    if counted.successes == counted.samples or not measurable:
         return None
     quickly = isinstance(counted, Yield) and not counted.by_engine
     n = min(counted.samples, _RANKED if quickly else _RANKED_ONE_BY_ONE)
-    best = max(worth, key=lambda name: with_tightened_tolerance(counted, name, left[name], n))
+    best = max(measurable, key=lambda name: with_tightened_tolerance(counted, name, left[name], n))
     after = with_tightened_tolerance(counted, best, left[best], counted.samples) / counted.samples
     if after < counted.share + _GAIN:
         return None
@@ -140,7 +140,7 @@ def measurement(counted: Yield | Survival) -> Measurement | None:
     return Measurement(cell, what, tolerance, now, now * left[best], counted.share, after)
 
 
-def _left(tolerances: Tolerances, name: str) -> float:
+def _left_of(tolerances: Tolerances, name: str) -> float:
     if name == "friction":
         return _OF_FRICTION
     return min(1.0, getattr(MEASURED, name) / getattr(tolerances, name))
@@ -149,8 +149,8 @@ def _left(tolerances: Tolerances, name: str) -> float:
 # How much is tried, in tolerances, until something breaks; and where bisection stops.
 _TRIED = 0.125 * 1.5 ** np.arange(17)
 _HALVINGS = 12
-_WAYS = (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)
-_Way = tuple[int, str, base.Vec2 | float]  # of a cell which part changes, and in which direction
+_AXES = (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)
+_Direction = tuple[int, str, base.Vec2 | float]  # cell, part that changes, direction
 # Farthest that is looked at [m], and [1]: a number that is nearly taken away is no longer one.
 _REACH = {"anchor": base.REACH, "stiffness": 0.95, "force_scale": 0.95, "travel_scale": 0.95}
 
@@ -167,7 +167,7 @@ class ProgramChange(Change):
 def critical_change_of_cycle(chain: Chain, tolerances: Tolerances) -> Change | None:
     """The change of a margin that is fewest tolerances away; None where there is none."""
     changes = margin(chain).changes
-    near = min(changes, key=lambda one: one.distance / _size(one.parameter, tolerances))
+    near = min(changes, key=lambda one: one.distance / _tolerance_of(one.parameter, tolerances))
     return None if math.isinf(near.distance) else near
 
 
@@ -178,15 +178,15 @@ def critical_change_of_program(program: Program, tolerances: Tolerances) -> Chan
     geometric row, and the first that breaks it is bisected.
     """
     chain = program.chain
-    ways = list(_ways(chain))
+    ways = list(_changes(chain))
 
-    def change(way: _Way, tried: float) -> Change:
+    def change(way: _Direction, tried: float) -> Change:
         cell, part, along = way
-        size = tried * _size(part, tolerances)
+        size = tried * _tolerance_of(part, tolerances)
         move = (along[0] * size, along[1] * size) if isinstance(along, tuple) else along * size
         return ProgramChange(chain, cell, part, size, move, move, Method.SEARCH)
 
-    def holds(way: _Way, tried: float) -> bool:
+    def holds(way: _Direction, tried: float) -> bool:
         made = change(way, tried)
         if made.distance > _REACH[made.parameter]:
             return True
@@ -208,15 +208,15 @@ def critical_change_of_program(program: Program, tolerances: Tolerances) -> Chan
     return None
 
 
-def _ways(chain: Chain) -> Iterator[_Way]:
+def _changes(chain: Chain) -> Iterator[_Direction]:
     for cell, one in enumerate(chain.cells):
         numbers = ("force_scale", "travel_scale") if isinstance(one, Element) else ("stiffness",)
         if not isinstance(one, Element):
-            yield from ((cell, "anchor", along) for along in _WAYS)
+            yield from ((cell, "anchor", along) for along in _AXES)
         yield from product([cell], numbers, (1.0, -1.0))
 
 
-def _size(part: str, tolerances: Tolerances) -> float:
+def _tolerance_of(part: str, tolerances: Tolerances) -> float:
     """The tolerance of a part [m] or [1], or the usual one where it has none."""
     if part == "anchor":
         return tolerances.anchor or USUAL.anchor
@@ -298,55 +298,56 @@ def check(
     if isinstance(target, Program):
         if target.chain != chain:
             raise base.InputError("target: must be a program of this chain, and is one of another.")
-        return _of_program(target, tolerances, counted)
+        return _check_program(target, tolerances, counted)
     motion = cycle(chain)
     path, does = motion.path, str(motion.sequence)
     sequence = does if target is None else checked_cycle(target, chain.last_state, "target")
     yield_result = yields(chain, tolerances, target=sequence, **counted)
     critical_change = critical_change_of_cycle(chain, tolerances) if does == sequence else None
-    return _told(path, sequence, does, does == sequence, yield_result, critical_change)
+    return _checked(path, sequence, does, does == sequence, yield_result, critical_change)
 
 
-def _of_program(program: Program, tolerances: Tolerances, counted: dict[str, Any]) -> Check:
+def _check_program(program: Program, tolerances: Tolerances, counted: dict[str, Any]) -> Check:
     chain, points = program.chain, program.turning_points
     start, target = program.start, program.target
-    survival_result = survival(chain, points, target, tolerances, start=start, **counted)
+    result = survival(chain, points, target, tolerances, start=start, **counted)
     meets_target = ends_right(chain, points, start, target)
     critical_change = critical_change_of_program(program, tolerances) if meets_target else None
     does = f"{start} to {target if meets_target else program.arrives}"
-    return _told(program.path, f"{start} to {target}", does, meets_target, survival_result, critical_change)
+    text = f"{start} to {target}"
+    return _checked(program.path, text, does, meets_target, result, critical_change)
 
 
-def _told(
+def _checked(
     path: Path,
     target: str,
     does: str,
     meets_target: bool,
-    made: Yield | Survival,
+    counted: Yield | Survival,
     critical_change: Change | None,
 ) -> Check:
     tied = bool(path.degenerate)
-    verdict = judged(meets_target=meets_target, tied=tied, interval=made.interval)
-    low, high = map(base.percent, made.interval)
+    verdict = verdict_of(meets_target=meets_target, tied=tied, interval=counted.interval)
+    low, high = map(base.percent, counted.interval)
     if not meets_target:
-        reason = f"the drawing itself does {short(does)}"
+        reason = f"the nominal design does not reach the target; its sequence is {short(does)}"
     elif verdict is Verdict.WORKS:
-        reason = f"the drawing does it, and so do at least {low} of those built"
+        reason = f"the nominal design reaches the target; yield ≥ {low} (95 % confidence)"
     elif verdict is Verdict.WONT:
-        reason = f"the drawing does it, but at most {high} of those built do"
+        reason = (
+            f"the nominal design reaches the target, but the yield is ≤ {high} (95 % confidence)"
+        )
     elif tied:
-        reason = "the drawing is a tie: the model cannot tell which of two things it does"
-    elif made.share >= SURE:
-        reason = f"too few were made to be sure: {low} to {high} of those built do it"
+        reason = "degenerate: two events of the nominal design coincide within numerical tolerance"
+    elif counted.share >= SURE:
+        reason = f"too few samples to decide: yield between {low} and {high} (95 % confidence)"
     else:
-        reason = f"the drawing does it, but only {low} to {high} of those built do"
-    if critical_change is not None and len(made.chain) <= LONGEST_FOLLOWED:
+        reason = f"the nominal design reaches the target, but the yield is only {low} to {high}"
+    if critical_change is not None and len(counted.chain) <= LONGEST_FOLLOWED:
         # Found here, once: reports only read it.
         _ = critical_change.becomes
-    worth = measurement(made) if meets_target and not tied else None
-    chain = made.chain
-    # Two bands in one hole are odd once.
-    odd = tuple(dict.fromkeys(_warnings(chain, path)))
-    return Check(
-        chain, verdict, reason, target, does, meets_target, path, made, critical_change, odd, worth
-    )
+    measure = measurement(counted) if meets_target and not tied else None
+    # Two bands in one hole give one warning.
+    warnings = tuple(dict.fromkeys(_warnings(counted.chain, path)))
+    nominal = counted.chain, verdict, reason, target, does, meets_target, path
+    return Check(*nominal, counted, critical_change, warnings, measure)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from stepwell.base import Bools, Floats, InputError, Ints, Progress, join_first
 from stepwell.concave import Simple, end_forces
 from stepwell.design import plane
-from stepwell.design.maps import Axis, anchor, both, require_places
+from stepwell.design.maps import Axis, anchor, axes_of, require_places
 from stepwell.design.outcomes import IMPOSSIBLE, UNSOLVED, Outcomes, Stability
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence
@@ -121,7 +121,7 @@ def parameter_boundaries(
 
     Source: Kamp et al. 2024, Fig. 2C and Eq. 3; curves: theory page, "Two cells".
     """
-    (first, xs), (second, ys) = both(chain, x, y, 2)
+    (first, xs), (second, ys) = axes_of(chain, x, y, 2)
     if search < 2:
         raise InputError(f"search = {search}: must be 2 or more nodes each way.")
     require_places(search, search)

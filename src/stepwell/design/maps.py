@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stepwell import base
 from stepwell.base import Drawn, Floats, InputError, Progress, Shown
-from stepwell.design.outcomes import IMPOSSIBLE, UNSOLVED, Found, Outcomes, Stability
+from stepwell.design.outcomes import IMPOSSIBLE, UNSOLVED, Outcome, Outcomes, Stability
 from stepwell.design.parameters import WAY, Parameter, parameter, parameters
 from stepwell.mechanism import Chain, Element, SlipError
 from stepwell.sequences import Pathway
@@ -49,7 +49,7 @@ class MapView(Shown, Drawn):
 
 Axis = tuple[str | Parameter, ArrayLike]
 Axes = tuple[tuple[Parameter, Floats], tuple[Parameter, Floats]]
-_Notes = dict[str, object]
+_Attributes = dict[str, object]
 
 # Below this gap, in units of k r, no maker and no rounding error can tell the order.
 _TIE = 1e-9
@@ -110,23 +110,23 @@ def parameter_map(chain: Chain, x: Axis, y: Axis, *, progress: Progress = None) 
     Source: Kamp et al. 2024, Fig. 2C, for one anchor of two cells; sorting theorem, theory page.
     """
     base.need("tables")
-    (first, xs), (second, ys) = both(chain, x, y, 1)
+    (first, xs), (second, ys) = axes_of(chain, x, y, 1)
     require_places(len(xs), len(ys))
     outcomes = Outcomes(chain, (first, second), np.array([np.ptp(xs), np.ptp(ys)]))
     nodes = np.stack(np.meshgrid(xs, ys), axis=-1).reshape(-1, 2)
     scale, _ = _scale(outcomes)
     outcome = outcomes.closed_form(nodes, _TIE * scale)
     waiting = np.flatnonzero(outcome.sequence == UNSOLVED)
-    outcomes.ask(waiting, nodes, outcome, progress)
+    outcomes.simulate(waiting, nodes, outcome, progress)
     for cell in outcomes.turned if len(waiting) else ():
         states = Stability(outcomes, cell, nodes[waiting])
         outcome.monostable[waiting] |= states(nodes[waiting]) == 1
-    return _labelled(outcomes, outcome, ((first, xs), (second, ys)), asked=len(waiting))
+    return _dataset(outcomes, outcome, ((first, xs), (second, ys)), asked=len(waiting))
 
 
 def anchor(chain: Chain, cell: int | str, x: ArrayLike, y: ArrayLike) -> tuple[Chain, Axis, Axis]:
     """The chain with all bands of a cell at one anchor q, and q.x and q.y as parameters."""
-    number, cells = _which(chain, cell), list(chain.cells)
+    number, cells = _cell_index(chain, cell), list(chain.cells)
     one = cells[number]
     if isinstance(one, Element):
         name = chain.names[number]
@@ -140,7 +140,7 @@ def anchor(chain: Chain, cell: int | str, x: ArrayLike, y: ArrayLike) -> tuple[C
     return replace(chain, cells=tuple(cells)), (of_cell["q.x"], x), (of_cell["q.y"], y)
 
 
-def both(chain: Chain, x: Axis, y: Axis, least: int) -> Axes:
+def axes_of(chain: Chain, x: Axis, y: Axis, least: int) -> Axes:
     """Two parameters with `least` or more values each; ValueError where they are none."""
     axes: list[tuple[Parameter, Floats]] = []
     for letter, given in (("x", x), ("y", y)):
@@ -172,7 +172,7 @@ def require_places(across: int, up: int) -> None:
     base.require("points", across * up, f"{across} x {up}, which take {memory:.1f} GiB, are")
 
 
-def _which(chain: Chain, cell: int | str) -> int:
+def _cell_index(chain: Chain, cell: int | str) -> int:
     if isinstance(cell, str) and cell in chain.names:
         return chain.names.index(cell)
     if not isinstance(cell, str) and 0 <= cell < len(chain):
@@ -190,7 +190,7 @@ def _scale(outcomes: Outcomes) -> tuple[float, str]:
     return own, name
 
 
-def _labelled(outcomes: Outcomes, outcome: Found, axes: Axes, asked: int) -> xr.Dataset:
+def _dataset(outcomes: Outcomes, outcome: Outcome, axes: Axes, asked: int) -> xr.Dataset:
     import xarray as xr
 
     chain, sequence = outcomes.chain, outcome.sequence
@@ -198,23 +198,23 @@ def _labelled(outcomes: Outcomes, outcome: Found, axes: Axes, asked: int) -> xr.
     scale, staying = _scale(outcomes)
     turned = " or ".join(chain.names[i] for i in outcomes.turned)
     impossible, unsolved = (int(np.sum(sequence == code)) for code in (IMPOSSIBLE, UNSOLVED))
-    about: dict[str, tuple[NDArray[np.generic], _Notes]] = {}
+    about: dict[str, tuple[NDArray[np.generic], _Attributes]] = {}
     if len(chain) == 2:
         # The four pathways come first among the sequences, and OTHER after them.
         pathway = np.minimum(sequence, list(Pathway).index(Pathway.OTHER)).astype(np.int8)
         notes = _flags([p.name.lower() for p in Pathway], np.int8)
-        about["pathway"] = pathway, _noted("order in which the cells load and unload") | notes
+        about["pathway"] = pathway, _attributes("order in which the cells load and unload") | notes
     notes = _flags([outcomes.meaning(i) for i in range(len(outcomes.sequences))], np.int32)
-    about["sequence"] = sequence, _noted("states visited in a full cycle") | notes
+    about["sequence"] = sequence, _attributes("states visited in a full cycle") | notes
     for way, at in zip(("loading", "unloading"), outcome.strokes, strict=True):
-        about[f"snap_{way}"] = at, _noted(f"{stroke} of the first snap while {way}", unit)
+        about[f"snap_{way}"] = at, _attributes(f"{stroke} of the first snap while {way}", unit)
     for way, count in zip(("loading", "unloading"), outcome.snaps, strict=True):
-        about[f"snaps_{way}"] = count, _noted(f"steps that snap while {way}", "1")
+        about[f"snaps_{way}"] = count, _attributes(f"steps that snap while {way}", "1")
     notes = {"k_r_N": scale, "k_r_of": staying}
     words = "smallest gap between two F0 or two F1, over k r"
-    about["margin"] = outcome.gap / scale, _noted(words, "1") | notes
-    about["monostable"] = outcome.monostable, _noted(f"{turned} is stable in one state only")
-    about["degenerate"] = outcome.degenerate, _noted("design on a boundary: a tie decides")
+    about["margin"] = outcome.gap / scale, _attributes(words, "1") | notes
+    about["monostable"] = outcome.monostable, _attributes(f"{turned} is stable in one state only")
+    about["degenerate"] = outcome.degenerate, _attributes("design on a boundary: a tie decides")
     shape = (len(axes[1][1]), len(axes[0][1]))
     # From now on this dataset and all others have `.stepwell`.
     if not hasattr(xr.Dataset, "stepwell"):
@@ -244,12 +244,12 @@ def _labelled(outcomes: Outcomes, outcome: Found, axes: Axes, asked: int) -> xr.
     )
 
 
-def _noted(name: str, unit: str = "") -> _Notes:
-    notes: _Notes = {"long_name": name}
+def _attributes(name: str, unit: str = "") -> _Attributes:
+    notes: _Attributes = {"long_name": name}
     return notes | ({"units": unit} if unit else {})
 
 
-def _flags(words: list[str], kind: type[np.signedinteger]) -> _Notes:
+def _flags(words: list[str], kind: type[np.signedinteger]) -> _Attributes:
     return {
         "flag_values": np.array([*range(len(words)), IMPOSSIBLE, UNSOLVED], kind),
         "flag_meanings": " ".join([*words, "impossible", "unsolved"]),

@@ -81,8 +81,8 @@ def short(sequence: str) -> str:
 
 
 # Many orders may do the same, more or less surely. So many are tried, of so many.
-_TRIED = 24
-_LOOKED_AT = 5000
+_MOST_ORDERS = 24
+_MOST_COMPARED = 5000
 
 
 @dataclass(frozen=True)
@@ -185,8 +185,8 @@ def of_states(states: Iterable[str] | str, cells: int | None, alike: bool) -> Ta
         if cells is None or cells < 1:
             raise InputError(f'states = "all" with cells = {cells}: say how many cells, 1 or more.')
         antichain = [[i == j for j in range(cells)] for i in range(cells)]
-        return _realised(antichain, alike, None)
-    target, n = _listed(states, cells)
+        return _orders_of(antichain, alike, None)
+    target, n = _checked_states(states, cells)
     listed = frozenset(target)
     for name, state in (("0", "0" * n), ("1", "1" * n)):
         if state not in target:
@@ -196,7 +196,7 @@ def of_states(states: Iterable[str] | str, cells: int | None, alike: bool) -> Ta
             )
             return TargetOrders((), states=listed, why=why, never=True)
     try:
-        return _realised(_partial_order(target, n), alike, listed)
+        return _orders_of(_partial_order(target, n), alike, listed)
     except NoOrders as reason:
         return TargetOrders((), states=listed, why=str(reason), stepwise=_stepwise(target, n))
 
@@ -209,7 +209,7 @@ def _stepwise(target: set[str], n: int) -> bool:
     return bool(front)
 
 
-def _realised(below: "Below", alike: bool, states: frozenset[str] | None) -> TargetOrders:
+def _orders_of(below: "Below", alike: bool, states: frozenset[str] | None) -> TargetOrders:
     clash = _clash(below)
     if clash is not None:
         a, b = clash
@@ -224,12 +224,12 @@ def _realised(below: "Below", alike: bool, states: frozenset[str] | None) -> Tar
         different.setdefault(orders.pattern if alike else orders, orders)
         if alike and antichain:
             break  # all others have the same pattern
-        if len(different) == _TRIED or looked_at == _LOOKED_AT:
+        if len(different) == _MOST_ORDERS or looked_at == _MOST_COMPARED:
             return TargetOrders(tuple(different.values()), False, states)
     return TargetOrders(tuple(different.values()), True, states)
 
 
-def _listed(given: Iterable[str] | str, cells: int | None) -> tuple[set[str], int]:
+def _checked_states(given: Iterable[str] | str, cells: int | None) -> tuple[set[str], int]:
     if isinstance(given, str):
         raise InputError(f'states = {given!r}: must be "all" or a list such as ["00", "10", "11"].')
     target = {str(state) for state in given}
@@ -252,9 +252,9 @@ def _partial_order(target: set[str], n: int) -> Below:
     # exactly the ideals of the preorder that it makes.
     numbers = {int(state, 2) for state in target}
     for a, b in combinations(sorted(numbers), 2):
-        for made, words in ((a | b, "either of them"), (a & b, "both")):
-            if made not in numbers:
-                first, second, third = (f"{number:0{n}b}" for number in (a, b, made))
+        for needed, words in ((a | b, "either of them"), (a & b, "both")):
+            if needed not in numbers:
+                first, second, third = (f"{number:0{n}b}" for number in (a, b, needed))
                 raise NoOrders(
                     f"{first} and {second} are wanted, so {third}, with the cells that are at 1 in "
                     f"{words}, comes with them"

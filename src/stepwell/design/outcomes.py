@@ -92,7 +92,7 @@ def sweep(values: Floats, varied: VariedCells, work: _Work, out: Swept) -> int:
     for i in range(len(values)):
         out.run[i] = -1
         vary(work.cells, varied, values, i)
-        holds, lone = _certified(work, varied.turned)
+        holds, monostable = _certified(work, varied.turned)
         if not holds:
             continue
         equal = _have_one_travel(work.full)
@@ -117,7 +117,7 @@ def sweep(values: Floats, varied: VariedCells, work: _Work, out: Swept) -> int:
             same = True
         out.run[i] = runs - 1
         out.gap[i] = closest
-        out.monostable[i] = lone
+        out.monostable[i] = monostable
     return runs
 
 
@@ -135,13 +135,13 @@ def vary(cells: Floats, varied: VariedCells, values: Floats, i: int) -> None:
 def _certified(work: _Work, turned: Ints) -> tuple[bool, bool]:
     """Whether the turned cells are proved, and whether one of them is stable in one state only."""
     cells, force = work.cells, work.force
-    lone = False
+    monostable = False
     for c in turned:
         if not (cells[c, FRICTION] <= 0.0 and concave.certify(simple_of(cells, c), 0.0)):
-            return False, lone
+            return False, monostable
         force[0, c], force[1, c], work.full[c] = numbers(cells, c)
-        lone = lone or force[0, c] <= 0.0 or force[1, c] <= 0.0
-    return True, lone
+        monostable = monostable or force[0, c] <= 0.0 or force[1, c] <= 0.0
+    return True, monostable
 
 
 @leaf
@@ -228,7 +228,7 @@ def sort(order: Ints, force: Floats, side: int) -> bool:
 
 # Instead of a sequence, with those of `cycles_of`: a region where only friction could tell.
 TIED = -3
-_WORDS = {IMPOSSIBLE: "no mechanism", UNSOLVED: "no answer", TIED: "a tie decides"}
+_MEANINGS = {IMPOSSIBLE: "no mechanism", UNSOLVED: "no answer", TIED: "a tie decides"}
 # Longest chain whose sequences are written out; those of longer ones are told by their moves.
 _SHORT = 12
 # Of an axis: a design on a boundary is tied and its neighbours are not; within a region of ties
@@ -239,7 +239,7 @@ _NUMBERS = {"stiffness": 2, "rest_length": 3, "lever": 4, "limit": 5, "friction"
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class Outcome:
     """What is known of m designs; strokes, snaps and the gap as in `Swept`."""
 
     sequence: Codes  # (m,) its number, or `IMPOSSIBLE`, `UNSOLVED` or `TIED`
@@ -250,7 +250,7 @@ class Found:
     degenerate: Bools  # whether a tie decides
 
     @classmethod
-    def nothing(cls, m: int) -> "Found":
+    def unknown(cls, m: int) -> "Outcome":
         """Of m designs."""
         return cls(
             np.full(m, UNSOLVED, np.int32),
@@ -292,17 +292,17 @@ class Outcomes:
             chain = parameter.changed(chain, value)
         return chain
 
-    def closed_form(self, values: Floats, tie: float = 0.0) -> Found:
+    def closed_form(self, values: Floats, tie: float = 0.0) -> Outcome:
         """What the closed form says of (m, 2) values; a gap below `tie` [N] is degenerate."""
-        outcome = Found.nothing(len(values))
+        result = Outcome.unknown(len(values))
         varied, n = self._varied, len(self.chain)
         if varied is None or len(values) == 0:
-            return outcome
-        blocks: dict[int, tuple[Found, Codes]] = {}
+            return result
+        blocks: dict[int, tuple[Outcome, Codes]] = {}
 
         def block(begin: int, end: int) -> None:
             # Machine code is for arrays that are whole, and parts of others would need their own.
-            one, orders = Found.nothing(end - begin), np.empty((end - begin, 2, n), np.int32)
+            one, orders = Outcome.unknown(end - begin), np.empty((end - begin, 2, n), np.int32)
             added = self.added(values[begin:end])
             out = Swept(one.sequence, orders, one.strokes, one.snaps, one.gap, one.monostable)
             runs = sweep(added, varied, _Work.of(varied.base), out)
@@ -312,31 +312,33 @@ class Outcomes:
         for begin, (one, orders) in sorted(blocks.items(), key=itemgetter(0)):
             m = slice(begin, begin + len(one.sequence))
             numbers = [self._of_orders(each) for each in orders] + [UNSOLVED]
-            outcome.sequence[m] = np.array(numbers, np.int32)[one.sequence]
-            outcome.strokes[:, m], outcome.snaps[:, m] = one.strokes, one.snaps
-            outcome.gap[m], outcome.monostable[m] = one.gap, one.monostable
-        outcome.degenerate[:] = outcome.gap < tie
-        return outcome
+            result.sequence[m] = np.array(numbers, np.int32)[one.sequence]
+            result.strokes[:, m], result.snaps[:, m] = one.strokes, one.snaps
+            result.gap[m], result.monostable[m] = one.gap, one.monostable
+        result.degenerate[:] = result.gap < tie
+        return result
 
-    def ask(
-        self, which: NDArray[np.intp], values: Floats, outcome: Found, progress: Progress = None
+    def simulate(
+        self, which: NDArray[np.intp], values: Floats, result: Outcome, progress: Progress = None
     ) -> None:
         """Have the engine follow those of (m, 2) designs, and note what they do."""
-        number, cycles = self._followed(values[which], progress)
-        outcome.sequence[which] = number
+        number, cycles = self._simulated(values[which], progress)
+        result.sequence[which] = number
         known, at = cycles.found[number >= 0], which[number >= 0]
-        outcome.degenerate[at] = cycles.tied[number >= 0] > 0
-        outcome.strokes[:, at] = known[:, [batch.STROKE_UP, batch.STROKE_DOWN]].T
-        outcome.snaps[:, at] = known[:, [batch.STEPS_UP, batch.STEPS_DOWN]].T
+        result.degenerate[at] = cycles.tied[number >= 0] > 0
+        result.strokes[:, at] = known[:, [batch.STROKE_UP, batch.STROKE_DOWN]].T
+        result.snaps[:, at] = known[:, [batch.STEPS_UP, batch.STEPS_DOWN]].T
 
-    def label(self, values: Floats, progress: Progress = None, outcome: Found | None = None) -> Codes:
+    def label(
+        self, values: Floats, progress: Progress = None, result: Outcome | None = None
+    ) -> Codes:
         """Numbers for (m, 2) values, by the engine where the closed form has not `found` them."""
-        number = (outcome or self.closed_form(values)).sequence.copy()
+        number = (result or self.closed_form(values)).sequence.copy()
         waiting = np.flatnonzero(number == UNSOLVED)
-        number[waiting], cycles = self._followed(values[waiting], progress)
+        number[waiting], cycles = self._simulated(values[waiting], progress)
         ties = waiting[cycles.tied > 0]
         if len(ties):
-            beside, cycles = self._followed(values[ties] + _ASIDE * self._spans)
+            beside, cycles = self._simulated(values[ties] + _ASIDE * self._spans)
             unclear = (beside < 0) | (cycles.tied > 0)
             number[ties] = np.where(unclear, TIED, beside)
         return number
@@ -344,7 +346,7 @@ class Outcomes:
     def meaning(self, number: int) -> str:
         """What a number stands for."""
         if number < 0:
-            return _WORDS[number]
+            return _MEANINGS[number]
         sequence = self.sequences[number]
         if len(self.chain) <= _SHORT:
             return str(sequence)
@@ -377,7 +379,7 @@ class Outcomes:
         ends(self.added(values), self._varied, out)
         return out
 
-    def _followed(self, values: Floats, progress: Progress = None) -> tuple[Codes, Cycles]:
+    def _simulated(self, values: Floats, progress: Progress = None) -> tuple[Codes, Cycles]:
         designs = None if self.chain.elements else nominal(self.chain, len(values))
         if designs is not None:
             for parameter, column in zip(self.parameters, values.T, strict=True):
@@ -471,9 +473,9 @@ class Stability:
         """The number of states; `IMPOSSIBLE` where there is no such cell."""
         if self.words:
             return 1 + np.all(self.limits(values) > 0, axis=1).astype(np.int64)
-        return np.array([self._ask(one) for one in values], np.int64)
+        return np.array([self._count_states(one) for one in values], np.int64)
 
-    def _ask(self, values: Floats) -> int:
+    def _count_states(self, values: Floats) -> int:
         try:
             return 1 + int(self._outcomes.design(values).cells[self._cell].is_bistable)
         except ValueError:

@@ -14,7 +14,7 @@ from stepwell.statics import Landing, StaticsError, Tie
 
 # The longest chain whose branches are all followed.
 MOST_CELLS = 8
-_SHOWN = 4
+_LISTED = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,19 +27,19 @@ class Reached(ByValue):
         how: how that is known, or why it is not.
     """
 
-    told: tuple[str, ...] | Orders
+    known: tuple[str, ...] | Orders
     whole: bool
     how: str
 
     @property
     def states(self) -> tuple[str, ...]:
         """Such as "010", by the number of cells at 1; of long chains too many to be listed."""
-        return self.told.states if isinstance(self.told, Orders) else self.told
+        return self.known.states if isinstance(self.known, Orders) else self.known
 
     @property
     def count(self) -> int:
         """How many they are, counted without listing them."""
-        return self.told.count if isinstance(self.told, Orders) else len(self.told)
+        return self.known.count if isinstance(self.known, Orders) else len(self.known)
 
 
 def reached(chain: Chain) -> Reached:
@@ -54,7 +54,7 @@ def reached(chain: Chain) -> Reached:
     why = unsearchable(chain)
     if not why:
         try:
-            states, ties = searched(chain)
+            states, ties = reachable_states(chain)
         except (StaticsError, ValueError) as failure:
             why = f"not all branches could be followed: {failure}"
         else:
@@ -71,7 +71,7 @@ def reached(chain: Chain) -> Reached:
     return Reached(orders, False, why)
 
 
-def searched(chain: Chain) -> tuple[frozenset[str], tuple[Tie, ...]]:
+def reachable_states(chain: Chain) -> tuple[frozenset[str], tuple[Tie, ...]]:
     """All states that can be reached from all cells in their first phase, and ties on the way."""
     from stepwell.sequences import graph
 
@@ -81,7 +81,7 @@ def searched(chain: Chain) -> tuple[frozenset[str], tuple[Tie, ...]]:
     return frozenset(label.partition("#")[0] for label in labels), transitions.ties
 
 
-def landings_of(chain: Chain, ratio: float) -> Iterator[Landing]:
+def landings_of_reachable(chain: Chain, ratio: float) -> Iterator[Landing]:
     """Whether each snap in reach of the first state holds for all mobilities within a ratio."""
     branches = Branches(chain)
     place = branches.vertex(chain.first_state)
@@ -104,15 +104,15 @@ def unsearchable(chain: Chain, friction: float = 0.0) -> str:
     return ""
 
 
-def unlike(reached_states: Iterable[str], target: Iterable[str]) -> str:
+def state_differences(reached_states: Iterable[str], target: Iterable[str]) -> str:
     """What else is reached, and what is not; "" for the same states."""
     reached_states, target = set(reached_states), set(target)
     parts = [("also reaches", reached_states - target), ("does not reach", target - reached_states)]
-    listed = ((words, join_first(by_cells_at_1(states), _SHOWN, between=" ")) for words, states in parts)
+    listed = ((words, join_first(by_cells_at_1(states), _LISTED, between=" ")) for words, states in parts)
     return ", ".join(f"{words} {states}" for words, states in listed if states)
 
 
-class Seen(NamedTuple):
+class Behaviour(NamedTuple):
     """What the engine finds that a chain does."""
 
     sequence: Sequence  # of its full cycle
@@ -126,37 +126,37 @@ class Target:
     """A cycle, or a set of states that shall be in reach and no others."""
 
     text: str  # what is wanted
-    wish: TargetOrders  # the orders of concave cells that do it
+    orders: TargetOrders  # the orders of concave cells that do it
     by_states: bool
 
     @cached_property
     def states(self) -> frozenset[str] | None:
         """The states that shall be reached and no others; None where that is not looked at."""
-        if not self.by_states or self.wish.cells > MOST_CELLS:
+        if not self.by_states or self.orders.cells > MOST_CELLS:
             return None
-        return self.wish.states or frozenset(self.wish.orders[0].states)
+        return self.orders.states or frozenset(self.orders.orders[0].states)
 
     @property
-    def twins(self) -> bool:
+    def has_equal_cells(self) -> bool:
         """Whether two cells are always in the same state, as two equal ones are until they tie."""
         columns = list(zip(*(self.states or ()), strict=True))
         return len(set(columns)) < len(columns)
 
-    def look(self, chain: Chain) -> Seen:
+    def simulate(self, chain: Chain) -> Behaviour:
         """What a chain does, by the engine."""
         result = cycle(chain)
-        states, ties = (None, ()) if self.states is None else searched(chain)
+        states, ties = (None, ()) if self.states is None else reachable_states(chain)
         tied = bool(result.degenerate or ties)
-        return Seen(result.sequence, states, tied, abs(result.peak_force))
+        return Behaviour(result.sequence, states, tied, abs(result.peak_force))
 
     def fault(self, chain: Chain, orders: Orders) -> str:
         """What is wrong with a chain built for orders, by the engine; "" where all is as wanted."""
         try:
-            seen = self.look(chain)
+            behaviour = self.simulate(chain)
         except (StaticsError, ValueError) as failure:
             return str(failure)
-        if seen.tied:
+        if behaviour.tied:
             return "a tie"
-        if self.states is not None and seen.states is not None:
-            return short(unlike(seen.states, self.states))
-        return "" if seen.sequence == orders.sequence else short(str(seen.sequence))
+        if self.states is not None and behaviour.states is not None:
+            return short(state_differences(behaviour.states, self.states))
+        return "" if behaviour.sequence == orders.sequence else short(str(behaviour.sequence))

@@ -171,7 +171,7 @@ def margin(chain: Chain, *, reach: float = REACH, progress: Progress = None) -> 
             changes.append(Change(chain, cell, part, *nearest_change))
         else:
             changes.append(number_change(chain, forces, now, cell, part))
-    return _told(chain, forces, changes, ways)
+    return _assembled_margin(chain, forces, changes, ways)
 
 
 def proved_margin(chain: Chain) -> Margin | None:
@@ -188,10 +188,10 @@ def proved_margin(chain: Chain) -> Margin | None:
             return None
         changes.append(Change(chain, cell, "anchor", *nearest_change))
         changes.append(number_change(chain, forces, now, cell, "stiffness"))
-    return _told(chain, forces, changes, ways)
+    return _assembled_margin(chain, forces, changes, ways)
 
 
-def _told(
+def _assembled_margin(
     chain: Chain, forces: SortedChain | None, changes: list[Change], ways: Displacements
 ) -> Margin:
     travel, _, force = chain.measure.words

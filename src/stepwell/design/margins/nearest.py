@@ -151,9 +151,9 @@ def _settled(cell: Simple, search: _Search, x: float, y: float, out: Floats) -> 
         for j in range(len(side) - 1, i - 1, -1):
             if j > i and (side[i] == side[j] or frame.shape[1] == 1):
                 continue
-            met, at_x, at_y = _met(cell, search, i, j, x, y)
+            is_met, at_x, at_y = _meeting_place(cell, search, i, j, x, y)
             away = math.sqrt(at_x * at_x + at_y * at_y)
-            if not met or not away < best * _NEARER or away > search.within:
+            if not is_met or not away < best * _NEARER or away > search.within:
                 continue
             if search.one_way and frame[0, 0] * at_x + frame[1, 0] * at_y < 0.0:
                 continue
@@ -188,7 +188,7 @@ def _inward(
 
 
 @leaf
-def _met(
+def _meeting_place(
     cell: Simple, search: _Search, i: int, j: int, x: float, y: float
 ) -> tuple[bool, float, float]:
     """Where one end force is met by the shortest displacement near (x, y), or two at once.
@@ -261,19 +261,19 @@ class Aim:
     anchor: Parameter
     target: Sequence | None  # None for anything else than now
 
-    def met(self, done: Sequence) -> bool:
+    def is_met(self, done: Sequence) -> bool:
         """Whether this is what is wanted."""
         return done != self.now if self.target is None else done == self.target
 
-    def met_at(self, move: Floats) -> bool:
+    def is_met_at(self, move: Floats) -> bool:
         """Whether the chain with its anchor displaced by (2,) [m] does what is wanted."""
         # A design that cannot be made, or that the engine cannot follow, does nothing.
         try:
-            return self.met(sequence(self.anchor.displaced(self.chain, move)))
+            return self.is_met(sequence(self.anchor.displaced(self.chain, move)))
         except (ValueError, StaticsError):
             return False
 
-    def met_at_each(self, moves: Floats) -> Bools:
+    def is_met_at_each(self, moves: Floats) -> Bools:
         """The same of (m, 2) displacements [m] at once, where that is possible."""
         anchor, chain = self.anchor, self.chain
         designs = nominal(chain, len(moves))
@@ -281,7 +281,7 @@ class Aim:
         anchor.put(designs, chain, np.array(anchor.value(chain)) + moves)
         cycles = cycles_of(lambda i: anchor.displaced(chain, moves[i]), len(moves), designs)
         # A design without a number does nothing.
-        return np.array([*map(self.met, cycles.sequences), False])[np.maximum(cycles.number, -1)]
+        return np.array([*map(self.is_met, cycles.sequences), False])[np.maximum(cycles.number, -1)]
 
 
 def nearest(
@@ -298,31 +298,31 @@ def nearest(
     if known is not None:
         # Where any other sequence will do, the closed form is proof enough.
         sure = proved and aim.target is None
-        past = next((at for at in _just_past(known) if sure or aim.met_at(at)), None)
+        past = next((at for at in _just_past(known) if sure or aim.is_met_at(at)), None)
     if not proved:
         within = ways.reach if known is None or past is None else known.distance
         at_once = forces is None and not aim.chain.elements and nominal(aim.chain, 0) is not None
         displacement = nearest_found(
-            lambda u: aim.met_at(ways.frame @ u),
+            lambda u: aim.is_met_at(ways.frame @ u),
             ways,
             within,
             aim.target is not None,
             progress,
-            (lambda us: aim.met_at_each(us @ ways.frame.T)) if at_once else None,
+            (lambda us: aim.is_met_at_each(us @ ways.frame.T)) if at_once else None,
         )
         if displacement is not None and float(np.linalg.norm(displacement)) < within:
             move = _vec(ways.frame @ displacement)
             return Nearest(float(np.linalg.norm(displacement)), move, move, Method.SEARCH)
-    return _told(known, past, Method.EXACT if proved else Method.SEARCH)
+    return _assembled(known, past, Method.EXACT if proved else Method.SEARCH)
 
 
 def nearest_proved(forces: SortedChain, anchor: Parameter, ways: Displacements) -> Nearest | None:
     """The nearest displacement that changes anything; None where no closed form proves it."""
     known, proved = _in_closed_form(forces, anchor, None, ways)
-    return _told(known, known and _just_past(known)[0], Method.EXACT) if proved else None
+    return _assembled(known, known and _just_past(known)[0], Method.EXACT) if proved else None
 
 
-def _told(known: Place | None, past: Floats | None, method: Method) -> Nearest:
+def _assembled(known: Place | None, past: Floats | None, method: Method) -> Nearest:
     if known is None or past is None:
         return Nearest(math.inf, (math.nan, math.nan), (math.nan, math.nan), method)
     return Nearest(known.distance, _vec(known.move), _vec(past), method)

@@ -285,15 +285,15 @@ def reprogram(
             after, there = (numbers.changed_by(chain, moved, part) for part in (past, change))
             change = float(moved.value(there)) - float(moved.value(chain))  # type: ignore[arg-type]
             distance = abs(change)
-        usual = numbers.resolution(moved.part, chain.measure.force)
-        missed = usual if wanted is None else numbers.RESOLUTION_FINE
+        standard = numbers.resolution(moved.part, chain.measure.force)
+        resolution = standard if wanted is None else numbers.RESOLUTION_FINE
     else:
         distance, change, past, reach = 0.0, (0.0, 0.0), (0.0, 0.0), ways.reach
         if before != wanted:
             aim, forces = nearest.Aim(chain, before, moved, wanted), concave.SortedChain.of(chain)
             distance, change, past, method = nearest.nearest(aim, forces, ways, progress)
         after = moved.displaced(chain, past) if math.isfinite(distance) else None
-        missed = search.resolution(ways, wanted is not None)
+        resolution = search.resolution(ways, wanted is not None)
     return Reprogramming(
         chain,
         text,
@@ -305,5 +305,5 @@ def reprogram(
         str(before),
         "" if after is None else str(cycle(after).sequence),
         method,
-        missed if method is Method.SEARCH else "",
+        resolution if method is Method.SEARCH else "",
     )

@@ -112,14 +112,14 @@ def nearest_found(
     for number, (radius, count) in enumerate(rings):
         ring = _ring(ways, radius, count, number % 2)
         notify(progress, min(done, total), total)
-        best = _behind(does, ring, asked(ring), None)
+        best = _nearest_behind(does, ring, asked(ring), None)
         done += len(ring)
         if best is not None:
             break
     while best is not None and ways.dimensions == 2:
         before = float(np.linalg.norm(best))
         ring = _ring(ways, min(_BEYOND * before, within), _AROUND, 0)
-        best = _behind(does, ring, asked(ring), best)
+        best = _nearest_behind(does, ring, asked(ring), best)
         assert best is not None
         if float(np.linalg.norm(best)) > _SETTLED * before:
             break
@@ -145,7 +145,7 @@ def _ring(ways: Displacements, radius: float, count: int, turned: int) -> Floats
     return radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
 
-def _behind(does: Does, ring: Floats, hits: Bools, best: Floats | None) -> Floats | None:
+def _nearest_behind(does: Does, ring: Floats, hits: Bools, best: Floats | None) -> Floats | None:
     """The nearest place behind the places of a ring that do it, or `best` if that is nearer."""
     plane = ring.shape[1] == 2
     for arc in _arcs(hits) if plane else np.flatnonzero(hits)[:, None].tolist():

@@ -18,10 +18,10 @@ from stepwell.mechanism import Cell, Chain
 _MOST_NODES = 3_000_000
 _START_NODES = 100_000
 # Candidates of a first look: at most of one kind in one region, about of all, at least.
-_LOOK, _LOOK_AT_ALL, _LOOK_LEAST = 150, 240, 24
-_LOOK_MOST = 20_000  # places, where few of them will do
+_LATTICE, _LATTICE_OF_ALL, _LATTICE_LEAST = 150, 240, 24
+_LATTICE_MOST = 20_000  # places, where few of them will do
 _ROUNDS = 200
-_DRAWN = 6  # decimals of a metre
+_DECIMALS = 6  # decimals of a metre
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,12 +47,12 @@ class Attempt:
         return self.best.quality(self.rule.worst)
 
     @property
-    def works(self) -> bool:
+    def meets_orders(self) -> bool:
         """Whether the best placement meets both orders."""
         return self.best is not None and self.best.smallest > 0.0
 
     @property
-    def left_out(self) -> str:
+    def excluded(self) -> str:
         """Of how many places the band is not proved, or too strong for the actuator."""
         if self.holes is None:
             return ""
@@ -72,11 +72,11 @@ class Attempt:
             return self
         search = placement.Search(self.rule, self.orders, self.regions)
         best = search.refine(self.best, self.pitch / 2)
-        q = np.round(best.cells.q, _DRAWN) + 0.0  # no -0
+        q = np.round(best.cells.q, _DECIMALS) + 0.0  # no -0
         q = np.concatenate([r.clamped(q[i : i + 1]) for i, r in enumerate(self.regions)])
-        drawn = self.rule.these(q, best.cells.kind)
-        if len(drawn.q) == len(self.orders):
-            best = search.renewed(placement.measured(self.rule, self.orders, drawn))
+        rounded = self.rule.these(q, best.cells.kind)
+        if len(rounded.q) == len(self.orders):
+            best = search.recomputed(placement.measured(self.rule, self.orders, rounded))
         return replace(self, best=best)
 
     def chain(self, actuator_stiffness: float, title: str) -> Chain:
@@ -84,7 +84,7 @@ class Attempt:
         assert self.best is not None
         q, kinds = self.best.cells.q.tolist(), self.best.cells.kind.tolist()
         cells = [self.rule.cell((x, y), k) for (x, y), k in zip(q, kinds, strict=True)]
-        return named(cells, actuator_stiffness, title)
+        return named_chain(cells, actuator_stiffness, title)
 
     def smallest_gap(self) -> float:
         """The smallest gap between neighbours in the wanted orders, as found [N]."""
@@ -110,15 +110,17 @@ class Attempt:
         return tuple(curve for one in different for curve in placement.outlines(self.rule, one))
 
 
-def named(cells: Sequence[Cell], actuator_stiffness: float, title: str) -> Chain:
+def named_chain(cells: Sequence[Cell], actuator_stiffness: float, title: str) -> Chain:
     """A chain of cells with names."""
     n = len(cells)
     names = ("inner", "outer") if n == 2 else tuple(f"cell {i + 1}" for i in range(n))
-    called = tuple(replace(cell, name=name) for cell, name in zip(cells, names, strict=True))
-    return Chain(called, actuator_stiffness, title)
+    named = tuple(replace(cell, name=name) for cell, name in zip(cells, names, strict=True))
+    return Chain(named, actuator_stiffness, title)
 
 
-def look(rule: Rule, orders: Orders, regions: tuple[Region, ...], holes: float | None) -> Attempt:
+def from_lattice(
+    rule: Rule, orders: Orders, regions: tuple[Region, ...], holes: float | None
+) -> Attempt:
     """The best choice from a lattice, or from all holes, by complete search where that is few."""
     different = list(dict.fromkeys(regions))
     pitch, tables = _tables(rule, different, holes)
@@ -134,7 +136,7 @@ def look(rule: Rule, orders: Orders, regions: tuple[Region, ...], holes: float |
         best = search.pattern(mine)
         best, _ = search.settle(best, lambda i, now: mine[i], rounds=_ROUNDS)
         if holes is not None:
-            best = search.renewed(best)
+            best = search.recomputed(best)
     return Attempt(rule, orders, regions, holes, tables, owner, best, complete, nodes, pitch)
 
 
@@ -144,19 +146,19 @@ def _tables(
     """The pitch [m] of the lattice or the holes, and the candidates of each region."""
     if holes is not None:
         return holes, [rule.everything(region, lattice(region, holes)) for region in regions]
-    share = _LOOK_AT_ALL / (len(rule.kinds) * len(regions))
-    places = min(_LOOK, max(_LOOK_LEAST, share))
-    pitches, tables = zip(*(_look_round(rule, region, places) for region in regions), strict=True)
+    share = _LATTICE_OF_ALL / (len(rule.kinds) * len(regions))
+    places = min(_LATTICE, max(_LATTICE_LEAST, share))
+    pitches, tables = zip(*(_lattice(rule, region, places) for region in regions), strict=True)
     return max(pitches), list(tables)
 
 
-def _look_round(rule: Rule, region: Region, places: float) -> tuple[float, Candidates]:
+def _lattice(rule: Rule, region: Region, places: float) -> tuple[float, Candidates]:
     """The pitch [m] of a lattice with about so many places to build at, and its candidates."""
     box = region.bounds
     pitch = max(box.right - box.left, box.top - box.bottom)
     while True:
         q = lattice(region, pitch)
         table = rule.everything(region, q)
-        if len(table.q) >= 0.8 * places * len(rule.kinds) or len(q) >= _LOOK_MOST:
+        if len(table.q) >= 0.8 * places * len(rule.kinds) or len(q) >= _LATTICE_MOST:
             return pitch, table
         pitch /= 1.1

@@ -143,11 +143,11 @@ class Design(ByValue, Drawn):
     def __repr__(self):
         if self.chain.elements:
             scales = ", ".join(f"{cell.force_scale:.4g}" for cell in self.chain.elements)
-            made = f"force scales {scales}"
+            parts = f"force scales {scales}"
         else:
             places = to_unit(self.anchors, "mm").tolist()
-            made = f"q {', '.join(f'({x:.4g}, {y:.4g})' for x, y in places)} mm"
-        return f"Design({short(self.sequence)}: {made}, yield {self.yield_.share * 100:.4g} %)"
+            parts = f"q {', '.join(f'({x:.4g}, {y:.4g})' for x, y in places)} mm"
+        return f"Design({short(self.sequence)}: {parts}, yield {self.yield_.share * 100:.4g} %)"
 
 
 class Impossible(Shown, StepwellError, ValueError):
@@ -185,12 +185,12 @@ class Impossible(Shown, StepwellError, ValueError):
         super().__init__(f"{short(target)}: {verdict}: {why}.")
 
 
-def nothing_works(
-    target: Target, attempts: list[Attempt], missed: str, rest: str, allowed: str, *, proved: bool
+def explained(
+    target: Target, attempts: list[Attempt], mismatch: str, rest: str, allowed: str, *, proved: bool
 ) -> Impossible:
     """Why nothing does what is wanted, of attempts to have the end forces in its orders."""
     if not attempts:
-        return Impossible(target.text, _with(target.wish.why, rest, proved), proved=proved)
+        return Impossible(target.text, _and_rest(target.orders.why, rest, proved), proved=proved)
     nearest = max(attempts, key=lambda attempt: attempt.quality[1])
     kind = "lattice places" if nearest.holes is None else "holes"
     region: Sequence[Floats] = ()
@@ -205,9 +205,9 @@ def nothing_works(
     else:
         region = nearest.region()
         needed = TIED * max(float(np.max(np.abs(table.force))) for table in nearest.tables)
-        if missed:
+        if mismatch:
             largest = nearest.smallest_gap()
-            does = missed if target.states is not None else f"does {missed}"
+            does = mismatch if target.states is not None else f"does {mismatch}"
             why = (
                 f"with F0 and F1 in the wanted orders the engine finds that it {does}, as can be "
                 f"with unequal levers, or where a cell overtakes another in a snap"
@@ -234,7 +234,7 @@ def nothing_works(
             advice = "allow more places or other bands"
     return Impossible(
         target.text,
-        f"{_with(why, rest, proved)}: {advice}",
+        f"{_and_rest(why, rest, proved)}: {advice}",
         proved=proved,
         allowed=allowed,
         region=region,
@@ -243,7 +243,7 @@ def nothing_works(
     )
 
 
-def _with(why: str, rest: str, proved: bool) -> str:
+def _and_rest(why: str, rest: str, proved: bool) -> str:
     if rest:
         return f"{why}; {rest}, and none does it"
     return why if proved else f"{why}; other cells than these were not tried"

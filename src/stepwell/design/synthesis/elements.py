@@ -11,7 +11,7 @@ from stepwell.base import Floats, InputError, Ints, Progress, bisected, display_
 from stepwell.design.orders import TargetOrders, checked_cycle, of_states, orders_of, short
 from stepwell.design.switches import Switches, is_relay, switching_forces
 from stepwell.design.synthesis.designed import Impossible
-from stepwell.design.targets import searched, unlike
+from stepwell.design.targets import reachable_states, state_differences
 from stepwell.design.tolerances.draws import Tolerances
 from stepwell.design.tolerances.yields import yields
 from stepwell.mechanism import Chain, Element
@@ -33,7 +33,7 @@ class Scales:
 
     gaps: Floats  # (m, N) between neighbours of different cells in both orders
     sizes: Floats  # (m, N)
-    rub: Floats  # (m,) what friction adds
+    offset: Floats  # (m,) what friction adds
     bounds: Floats  # (N, 2) of the scales
 
     @classmethod
@@ -59,15 +59,15 @@ class Scales:
         first, second, unit = cell[before[apart]], cell[after[apart]], np.eye(len(elements))
         less, more = low[apart, None] * unit[first], high[apart, None] * unit[second]
         table = more - less, np.abs(more) + np.abs(less), friction[second] - friction[first]
-        gaps, sizes, rub = (part / np.max(strongest * bounds[:, 1]) for part in table)
-        return cls(gaps, sizes, rub, bounds)
+        gaps, sizes, offset = (part / np.max(strongest * bounds[:, 1]) for part in table)
+        return cls(gaps, sizes, offset, bounds)
 
     @property
     def largest_gap(self) -> float:
         """The largest that the smallest gap can be, over the largest force; not above 0: none."""
         return self._best(0.0)[1]
 
-    def surest(self, least: float) -> tuple[tuple[float, ...] | None, float]:
+    def most_robust(self, least: float) -> tuple[tuple[float, ...] | None, float]:
         """The scales for which all forces may be off by most, if above a share, and that share."""
         if not self._best(least)[1] > 0.0:
             return None, least
@@ -85,7 +85,7 @@ class Scales:
         table = np.column_stack([share * self.sizes - self.gaps, np.ones(len(self.gaps))])
         cost = np.zeros(table.shape[1])
         cost[-1] = -1.0
-        solution = linprog(cost, table, self.rub, bounds=[*self.bounds.tolist(), (None, None)])
+        solution = linprog(cost, table, self.offset, bounds=[*self.bounds.tolist(), (None, None)])
         if solution.x is None:
             return None, -math.inf
         return np.asarray(solution.x[:-1]), float(solution.x[-1])
@@ -93,8 +93,8 @@ class Scales:
 
 _MOST_CHOICES = 2000  # of shapes for all cells: some seconds
 # Of the best choices by switching forces, and at random: what the engine follows, in cells.
-_ASKED, _FOLLOWED = 24, 2400
-_COMPARED, _MADE = 4, 40
+_SIMULATED, _RANDOM_CELLS = 24, 2400
+_COMPARED, _SAMPLES = 4, 40
 
 _RELAYS = (
     "under a prescribed force no element feels another, and the order of their switching forces "
@@ -133,19 +133,19 @@ class ElementTarget:
                 )
             return cls(text, last, (orders,), True, text, None)
         target = states if isinstance(states, str) else tuple(states or ())
-        wish: TargetOrders = of_states(target, cells, True)
-        listed = wish.states or frozenset(wish.orders[0].states)
+        wanted: TargetOrders = of_states(target, cells, True)
+        listed = wanted.states or frozenset(wanted.orders[0].states)
         text = f"states {' '.join(target)}" if target != "all" else f"all states of {cells} cells"
-        last = "1" * wish.cells
-        orders = tuple(np.array([one.loading, one.unloading]) for one in wish.orders)
-        return cls(text, last, orders, wish.complete, "", listed, wish.why, wish.never)
+        last = "1" * wanted.cells
+        orders = tuple(np.array([one.loading, one.unloading]) for one in wanted.orders)
+        return cls(text, last, orders, wanted.complete, "", listed, wanted.why, wanted.never)
 
-    def done_by(self, chain: Chain) -> bool:
+    def is_met_by(self, chain: Chain) -> bool:
         """Whether a chain does it, by the engine."""
         try:
             if self.states is not None:
-                states, ties = searched(chain)
-                return not ties and not unlike(states, self.states)
+                states, ties = reachable_states(chain)
+                return not ties and not state_differences(states, self.states)
             result = cycle(chain)
         except (StaticsError, ValueError):
             return False
@@ -207,12 +207,12 @@ def scaled(
         raise Impossible(goal.text, goal.why, proved=goal.never or relays)
     rng = np.random.default_rng(seed)
     whole = math.prod(map(len, sets)) <= _MOST_CHOICES
-    choices = list(product(*sets)) if whole else _some(sets, rng)
-    candidates, closest = _programmed(goal, allowed, choices, progress, best_only=relays)
+    choices = list(product(*sets)) if whole else _random_choices(sets, rng)
+    candidates, closest = _scalable(goal, allowed, choices, progress, best_only=relays)
     complete = relays and whole and goal.complete
-    for share, these in candidates[: 1 if relays else _ASKED]:
-        chain = _named(goal, these, actuator_stiffness)
-        if goal.done_by(chain):
+    for share, these in candidates[: 1 if relays else _SIMULATED]:
+        chain = _named_chain(goal, these, actuator_stiffness)
+        if goal.is_met_by(chain):
             return (
                 chain,
                 len(choices),
@@ -226,11 +226,11 @@ def scaled(
     other = None if relays else _at_random(goal, allowed, sets, actuator_stiffness, rng)
     if other is None:
         proved = complete and not candidates
-        raise _impossible(goal, allowed, sets, closest, proved, len(choices))
+        raise _refusal(goal, allowed, sets, closest, proved, len(choices))
     return other
 
 
-def _programmed(
+def _scalable(
     goal: ElementTarget,
     allowed: Allowed,
     choices: Sequence[tuple[int, ...]],
@@ -251,7 +251,7 @@ def _programmed(
         closest = max(closest, gap)
         if program is None or not gap > LEAST:
             continue
-        scales, share = program.surest(candidates[0][0] if candidates and best_only else 0.0)
+        scales, share = program.most_robust(candidates[0][0] if candidates and best_only else 0.0)
         if scales is not None:
             elements = [allowed.elements[k] for k in shapes]
             pairs = zip(elements, scales, strict=True)
@@ -261,7 +261,7 @@ def _programmed(
     return candidates, closest
 
 
-def _some(sets: Sets, rng: np.random.Generator) -> list[tuple[int, ...]]:
+def _random_choices(sets: Sets, rng: np.random.Generator) -> list[tuple[int, ...]]:
     return [tuple(int(rng.choice(one)) for one in sets) for _ in range(_MOST_CHOICES)]
 
 
@@ -278,21 +278,21 @@ def _fitting(goal: ElementTarget, elements: Sequence[Element]) -> list[list[int]
     return sets
 
 
-def _named(goal: ElementTarget, cells: Sequence[Element], stiffness: float) -> Chain:
+def _named_chain(goal: ElementTarget, cells: Sequence[Element], stiffness: float) -> Chain:
     names = [cell.name for cell in cells]
-    called = [
+    named = [
         cell.renamed(f"{name} {i + 1}" if name and names.count(name) > 1 else name)
         for i, (cell, name) in enumerate(zip(cells, names, strict=True))
     ]
-    return Chain(called, stiffness, f"Designed for {short(goal.text)}")
+    return Chain(named, stiffness, f"Designed for {short(goal.text)}")
 
 
 def _at_random(
     goal: ElementTarget, allowed: Allowed, sets: Sets, stiffness: float, rng: np.random.Generator
 ) -> Scaled | None:
-    done: list[Chain] = []
+    matches: list[Chain] = []
     looked_at = 0
-    while looked_at < _FOLLOWED // len(sets) and len(done) < _COMPARED:
+    while looked_at < _RANDOM_CELLS // len(sets) and len(matches) < _COMPARED:
         looked_at += 1
         cells: list[Element] = []
         for fitting in sets:
@@ -306,23 +306,23 @@ def _at_random(
                     one, force_scale=one.force_scale * force, travel_scale=one.travel_scale * travel
                 )
             )
-        chain = _named(goal, cells, stiffness)
-        if goal.done_by(chain):
-            done.append(chain)
-    if not done:
+        chain = _named_chain(goal, cells, stiffness)
+        if goal.is_met_by(chain):
+            matches.append(chain)
+    if not matches:
         return None
-    counted = {"samples": _MADE, "target": goal.cycle or sorted(goal.states or ())}
+    counted = {"samples": _SAMPLES, "target": goal.cycle or sorted(goal.states or ())}
     return (
-        max(done, key=lambda chain: yields(chain, allowed.tolerances, **counted).share),
+        max(matches, key=lambda chain: yields(chain, allowed.tolerances, **counted).share),
         looked_at,
         False,
         f"searched: {looked_at} random choices of elements and scales followed by the engine; the "
-        f"one of {len(done)} that do it which works most often of {_MADE} built",
+        f"one of {len(matches)} that do it which works most often of {_SAMPLES} built",
         _FOLLOWS,
     )
 
 
-def _impossible(
+def _refusal(
     goal: ElementTarget, allowed: Allowed, sets: Sets, closest: float, proved: bool, choices: int
 ) -> Impossible:
     elements, scale = allowed.elements, allowed.force_scale

@@ -88,7 +88,7 @@ def best_choice(
 
 
 @leaf
-def _with(a: float, b: float, add: bool) -> float:
+def _plus(a: float, b: float, add: bool) -> float:
     return a + b if add else min(a, b)
 
 
@@ -108,7 +108,7 @@ def _best_paths(gap, allowed, add: bool, begin: int, out):
                     if so_far > -np.inf:
                         for b in range(m):
                             if allowed[v, b]:
-                                value = _with(so_far, gap[c, b], add)
+                                value = _plus(so_far, gap[c, b], add)
                                 if value > out[u, v, a, b]:
                                     out[u, v, a, b] = value
 
@@ -125,11 +125,11 @@ def _best_ends(gap, allowed, add: bool, out):
         for a in range(m):
             if allowed[u, a]:
                 for b in range(m):
-                    out[u, a] = max(out[u, a], _with(gap[a, b], out[u + 1, b], add))
+                    out[u, a] = max(out[u, a], _plus(gap[a, b], out[u + 1, b], add))
 
 
 @leaf
-def _next(ranks, depth: int, rank: int, way: int) -> int:
+def _next_to(ranks, depth: int, rank: int, way: int) -> int:
     """Of the placed cells the one with the next rank above or below, -1 where there is none."""
     nearest = -1
     for k in range(depth):
@@ -157,41 +157,41 @@ def _bounds(tables: _Tables, depth: int, picks: Ints, value: float, out: Floats)
     ranks, segments, edges, add = tables.ranks, tables.segments, tables.edges, tables.add
     rank = ranks[depth]
     # The placed cells next to it in F1, and what all other stretches between placed cells give.
-    below, above = _next(ranks, depth, rank, -1), _next(ranks, depth, rank, 1)
+    below, above = _next_to(ranks, depth, rank, -1), _next_to(ranks, depth, rank, 1)
     rest = 0.0 if add else np.inf
     for k in range(depth):
         # The stretch from k upwards, unless it is the one that is to be divided.
         at: int = ranks[k]
         own: int = picks[k]
         if k != below:
-            after = _next(ranks, depth, at, 1)
+            after = _next_to(ranks, depth, at, 1)
             if after < 0:
-                rest = _with(rest, edges[1, at, own], add)
+                rest = _plus(rest, edges[1, at, own], add)
             else:
-                rest = _with(rest, segments[at, ranks[after], own, picks[after]], add)
-        if k != above and _next(ranks, depth, at, -1) < 0:
-            rest = _with(rest, edges[0, at, own], add)
+                rest = _plus(rest, segments[at, ranks[after], own, picks[after]], add)
+        if k != above and _next_to(ranks, depth, at, -1) < 0:
+            rest = _plus(rest, edges[0, at, own], add)
     for c in range(len(out)):
         out[c] = -np.inf
         if not tables.allowed[depth, c]:
             continue
-        bound = _with(rest, tables.ahead[depth, c], add)
+        bound = _plus(rest, tables.ahead[depth, c], add)
         if depth > 0:
             last: int = picks[depth - 1]
-            bound = _with(bound, _with(value, tables.gap[last, c], add), add)
+            bound = _plus(bound, _plus(value, tables.gap[last, c], add), add)
         if below < 0:
-            bound = _with(bound, edges[0, rank, c], add)
+            bound = _plus(bound, edges[0, rank, c], add)
         else:
-            bound = _with(bound, segments[ranks[below], rank, picks[below], c], add)
+            bound = _plus(bound, segments[ranks[below], rank, picks[below], c], add)
         if above < 0:
-            bound = _with(bound, edges[1, rank, c], add)
+            bound = _plus(bound, edges[1, rank, c], add)
         else:
-            bound = _with(bound, segments[rank, ranks[above], c, picks[above]], add)
+            bound = _plus(bound, segments[rank, ranks[above], c, picks[above]], add)
         out[c] = bound
 
 
 @entry()
-def _search(tables: _Tables, floor: float, effort: Ints, best_picks: Ints) -> tuple[float, int, bool]:
+def _search(tables: _Tables, floor: float, effort: Ints, best_of: Ints) -> tuple[float, int, bool]:
     """Search choices worth more than `floor`: the best, how many were looked at, and if all."""
     gap, add = tables.gap, tables.add
     n, m = tables.allowed.shape
@@ -207,11 +207,11 @@ def _search(tables: _Tables, floor: float, effort: Ints, best_picks: Ints) -> tu
     while depth >= 0:
         if at[depth] < m:
             c = order[depth, at[depth]]
-            worth = bound[depth, c]
+            ceiling = bound[depth, c]
         else:
-            worth = -np.inf
+            ceiling = -np.inf
         # A hair more is not better, only rounded differently.
-        if not worth > best + 1e-12 * abs(best) if best > -np.inf else worth == -np.inf:
+        if not ceiling > best + 1e-12 * abs(best) if best > -np.inf else ceiling == -np.inf:
             at[depth] = 0
             depth -= 1
             continue
@@ -221,13 +221,13 @@ def _search(tables: _Tables, floor: float, effort: Ints, best_picks: Ints) -> tu
         at[depth] += 1
         picks[depth] = c
         if depth == n - 1:
-            best = worth
-            best_picks[:] = picks
+            best = ceiling
+            best_of[:] = picks
             continue
         before = value[depth]
-        value[depth + 1] = _with(before, gap[picks[depth - 1], c], add) if depth > 0 else before
+        value[depth + 1] = _plus(before, gap[picks[depth - 1], c], add) if depth > 0 else before
         depth += 1
         at[depth] = 0
         _bounds(tables, depth, picks, value[depth], bound[depth])
         order[depth] = np.argsort(-bound[depth], kind="mergesort")
-    return (best if best_picks[0] >= 0 else -np.inf), nodes, True
+    return (best if best_of[0] >= 0 else -np.inf), nodes, True

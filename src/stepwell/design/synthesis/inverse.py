@@ -23,7 +23,7 @@ from stepwell.design.synthesis.region import (
     Region,
     usual_box,
 )
-from stepwell.design.synthesis.tries import Placed, Tries
+from stepwell.design.synthesis.tries import Placed, TargetSearch
 from stepwell.design.targets import Target, unsearchable
 from stepwell.design.tolerances.draws import USUAL, Tolerances, levers_of, refuse_slips
 from stepwell.design.tolerances.yields import Yield, yields
@@ -120,54 +120,55 @@ def design(
 
     Source: sorting theorem, theory page; defaults from Kamp et al. 2024, Figs. 1 and 2.
     """
-    _refuse_wish(sequence, states, samples)
+    _one_target(sequence, states, samples)
     if elements:
         if within is not None or holes is not None:
             raise InputError("elements have no anchors: leave `within` and `holes` out.")
         allowed = Allowed(elements, force_scale, travel_scale, most_force, tolerances)
         goal = ElementTarget.of(sequence, states, cells)
-        made = scaled(goal, allowed, actuator_stiffness, seed, progress)
-        return _of_elements(goal, made, allowed, samples, seed)
+        choice = scaled(goal, allowed, actuator_stiffness, seed, progress)
+        return _design_of_elements(goal, choice, allowed, samples, seed)
     levers = list(map(float, np.atleast_1d(lever)))
-    _refuse_anchors(p, q, free)
-    _refuse_sizes(bands, levers, limit)
-    _refuse_aims(tolerances, objective, bands, most_force)
+    _check_anchors(p, q, free)
+    _check_sizes(bands, levers, limit)
+    _check_objective(tolerances, objective, bands, most_force)
     fixed = q if free == "p" else p
     within = usual_box(max(levers), free) if within is None else within
-    target, regions = _wanted(sequence, states, cells, within)
+    target, regions = _target_and_regions(sequence, states, cells, within)
     rule = Rule(
         (float(fixed[0]), float(fixed[1])),
         tuple(Kind(band, r, float(limit), unusual) for r in levers for band in bands),
         tolerances,
         float(most_force),
         objective == "worst",
-        _round(regions),
+        _enclosing_box(regions),
         free=free,
     )
     if not unusual:
-        _refuse_slips(rule, holes)
+        _check_units(rule, holes)
     mixed = not equal_levers and len(levers) > 1
     # Kinds with all bands on one lever follow each other.
     starts = range(0, len(rule.kinds), len(bands))
     each = [replace(rule, kinds=rule.kinds[k : k + len(bands)]) for k in starts]
     rules = [rule] * mixed + each
-    tries = Tries(target, regions, holes, actuator_stiffness, seed, progress, len(rules), free)
-    placed = tries.placed(rules)
-    attempt = placed.found
+    n = len(rules)
+    search = TargetSearch(target, regions, holes, actuator_stiffness, seed, progress, n, free)
+    placed = search.placed(rules)
+    attempt = placed.best
     if attempt is not None:
         chain = attempt.chain(actuator_stiffness, f"Designed for {target.text}")
         how = _method(attempt, placed)
     else:
         # The union of all levers holds what each of them alone can do.
-        chain, how = tries.rest(rules[:1] if mixed else rules, placed, tolerances)
+        chain, how = search.simulated(rules[:1] if mixed else rules, placed, tolerances)
     result = cycle(chain)
-    counted = _counted(target.states, result, tolerances)
+    criterion = _success_criterion(target.states, result, tolerances)
     # More are made where end forces decide what they do.
     by_forces = attempt is not None and not (attempt.rule.as_drawn or attempt.rule.bends)
-    usual = QUICKLY if by_forces and isinstance(counted, str) else ONE_BY_ONE
-    widest = _widest(attempt, chain, bands, tolerances)
-    share = yields(chain, widest, samples=samples or usual, seed=seed, target=counted)
-    tries.end()
+    few = QUICKLY if by_forces and isinstance(criterion, str) else ONE_BY_ONE
+    largest = _largest_tolerances(attempt, chain, bands, tolerances)
+    share = yields(chain, largest, samples=samples or few, seed=seed, target=criterion)
+    search.end()
     return Design(
         chain,
         result,
@@ -181,37 +182,37 @@ def design(
     )
 
 
-def _of_elements(
-    goal: ElementTarget, made: Scaled, allowed: Allowed, n: int | None, seed: int
+def _design_of_elements(
+    goal: ElementTarget, choice: Scaled, allowed: Allowed, n: int | None, seed: int
 ) -> Design:
-    chain = made[0]
+    chain = choice[0]
     result = cycle(chain)
-    counted = _counted(goal.states, result, allowed.tolerances)
+    criterion = _success_criterion(goal.states, result, allowed.tolerances)
     ranges = [switching_forces(Chain([replace(one, friction=0.0)])) for one in allowed.elements]
     low, high = allowed.force_scale
     return Design(
         chain,
         result,
-        yields(chain, allowed.tolerances, samples=n, seed=seed, target=counted),
+        yields(chain, allowed.tolerances, samples=n, seed=seed, target=criterion),
         # All forces of an element grow together: a line from the least to the largest.
         tuple(np.array([low * one, high * one]) for forces in ranges for one in forces),
         None,
-        *made[1:],
+        *choice[1:],
     )
 
 
-def _wanted(
+def _target_and_regions(
     sequence: str | None,
     states: Iterable[str] | str | None,
     cells: int | None,
     within: Region | Sequence[Region],
 ) -> tuple[Target, tuple[Region, ...]]:
-    some = (within,) if isinstance(within, AnchorBox | AnchorPolygon) else tuple(within)
-    if not some or not all(isinstance(region, AnchorBox | AnchorPolygon) for region in some):
+    given = (within,) if isinstance(within, AnchorBox | AnchorPolygon) else tuple(within)
+    if not given or not all(isinstance(region, AnchorBox | AnchorPolygon) for region in given):
         raise InputError(
             f"within = {within!r}: must be an AnchorBox or an AnchorPolygon, or one for each cell."
         )
-    alike = len(set(some)) == 1
+    alike = len(set(given)) == 1
     if states is None:
         orders = of_sequence(str(sequence))
         target = Target(short(str(orders.sequence)), TargetOrders((orders,)), by_states=False)
@@ -220,15 +221,15 @@ def _wanted(
         every = f"all states of {cells} cells"
         text = every if states == "all" else f"states {' '.join(states)}"
         target = Target(short(text), of_states(states, cells, alike), by_states=True)
-    if len(some) not in (1, target.wish.cells):
+    if len(given) not in (1, target.orders.cells):
         raise InputError(
-            f"within has {len(some)} regions for {target.wish.cells} cells: must be one for all, "
-            f"or one each."
+            f"within has {len(given)} regions for {target.orders.cells} cells: must be one for "
+            f"all, or one each."
         )
-    return target, some if len(some) == target.wish.cells else some * target.wish.cells
+    return target, given if len(given) == target.orders.cells else given * target.orders.cells
 
 
-def _refuse_wish(sequence: str | None, states: Iterable[str] | str | None, n: int | None) -> None:
+def _one_target(sequence: str | None, states: Iterable[str] | str | None, n: int | None) -> None:
     if n is not None and n < 1:
         raise InputError(f"samples = {n}: must be 1 mechanism or more.")
     if (sequence is None) == (states is None):
@@ -238,7 +239,7 @@ def _refuse_wish(sequence: str | None, states: Iterable[str] | str | None, n: in
         )
 
 
-def _counted(
+def _success_criterion(
     states: frozenset[str] | None, result: Cycle, tolerances: Tolerances
 ) -> str | tuple[str, ...]:
     """What counts as success of what is built: the states wanted, or where not, the cycle."""
@@ -254,7 +255,7 @@ def _not_searched(target: Target, share: Yield) -> str:
     return f"; the yield counts those that make the drawing's cycle, because {why}"
 
 
-def _refuse_anchors(p: tuple[float, float], q: tuple[float, float], free: str) -> None:
+def _check_anchors(p: tuple[float, float], q: tuple[float, float], free: str) -> None:
     for name, place in (("p", p), ("q", q)):
         if len(place) != 2 or not all(math.isfinite(x) for x in place):
             raise InputError(f"{name} = {place!r}: must be two finite numbers (x, y) [m].")
@@ -262,7 +263,7 @@ def _refuse_anchors(p: tuple[float, float], q: tuple[float, float], free: str) -
         raise InputError(f"free = {free!r}: must be one of {_FREE}.")
 
 
-def _refuse_sizes(bands: Sequence[BandType], levers: Sequence[float], limit: float) -> None:
+def _check_sizes(bands: Sequence[BandType], levers: Sequence[float], limit: float) -> None:
     if not bands or not all(isinstance(band, BandType) for band in bands):
         raise InputError(
             f"bands = {bands!r}: must be one BandType or more, as (BandType(28.5, 0.010),)."
@@ -273,7 +274,7 @@ def _refuse_sizes(bands: Sequence[BandType], levers: Sequence[float], limit: flo
         raise InputError(f"limit = {limit} rad: must be between 0 and π/2.")
 
 
-def _refuse_aims(
+def _check_objective(
     tolerances: Tolerances, objective: str, bands: Sequence[BandType], most_force: float
 ) -> None:
     if not isinstance(tolerances, Tolerances):
@@ -289,7 +290,7 @@ def _refuse_aims(
         raise InputError(f"most_force = {most_force} N: must be > 0.")
 
 
-def _refuse_slips(rule: Rule, holes: float | None) -> None:
+def _check_units(rule: Rule, holes: float | None) -> None:
     name, around = "q" if rule.free == "p" else "p", rule.looked_at
     levers = list(dict.fromkeys(kind.lever for kind in rule.kinds))
     bands = list(dict.fromkeys(kind.band for kind in rule.kinds))
@@ -312,14 +313,14 @@ def _refuse_slips(rule: Rule, holes: float | None) -> None:
     refuse_slips(rule.tolerances, travel, strongest, _WAY)
 
 
-def _round(regions: tuple[Region, ...]) -> Box:
+def _enclosing_box(regions: tuple[Region, ...]) -> Box:
     boxes = [region.bounds for region in regions]
     sides = ((box.left, box.right, box.bottom, box.top) for box in boxes)
     left, right, bottom, top = zip(*sides, strict=True)
     return Box(min(left), max(right), min(bottom), max(top))
 
 
-def _widest(
+def _largest_tolerances(
     attempt: Attempt | None, chain: Chain, bands: Sequence[BandType], tolerances: Tolerances
 ) -> Tolerances:
     if attempt is not None and attempt.best is not None:
@@ -357,15 +358,16 @@ def _method(attempt: Attempt, placed: Placed) -> str:
         "same with larger tolerances"
     )
     how = "the best of all choices, by complete search," if attempt.complete else "the best found"
-    how += f" among {attempt.candidates} {'places' if attempt.holes is None else 'holes'} for a band"
+    places = "places" if attempt.holes is None else "holes"
+    how += f" among {attempt.candidates} {places} for a band"
     if attempt.holes is None:
         how += "; from there each cell in turn on finer and finer lattices: a local optimum"
-    if attempt.left_out:
-        how += f"; {attempt.left_out} where the band is not proved taut and concave were left out"
+    if attempt.excluded:
+        how += f"; {attempt.excluded} where the band is not proved taut and concave were left out"
     if len(placed.attempts) > 1:
         how += f"; the best of {len(placed.attempts)} combinations of orders and levers"
-    if placed.missed:
-        how += f"; what seemed better does not by the engine ({placed.missed})"
+    if placed.mismatch:
+        how += f"; what seemed better does not by the engine ({placed.mismatch})"
     if placed.others:
         how += f"; the surest of {placed.others} random choices looked at that does it"
     if len({kind.band.spread for kind in attempt.rule.kinds}) > 1:

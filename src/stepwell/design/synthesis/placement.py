@@ -78,8 +78,8 @@ Offer = Callable[[int, "Placement"], Candidates]
 
 _FINEST_STEP = 1e-6  # m, where refining stops
 _MOST_ROUNDS = 1000
-_WORTH_IT = 1e-4  # of a score, for a cell to move
-_AROUND = np.stack(np.meshgrid(*[np.arange(-2.0, 3.0)] * 2), axis=-1).reshape(-1, 2)
+_LEAST_GAIN = 1e-4  # of a score, for a cell to move
+_LATTICE = np.stack(np.meshgrid(*[np.arange(-2.0, 3.0)] * 2), axis=-1).reshape(-1, 2)
 # Where nothing can fail the chances of all designs are 1 and say nothing. So gaps are counted in
 # units that make the smallest of them at most this: the question becomes what happens at larger
 # tolerances. The more, the less do the other gaps count.
@@ -143,13 +143,15 @@ def choose(
         return None, proved, nodes
     picks = selection.picks
     if not rule.worst and len(orders) > 1:
-        worth = np.where(gaps > -np.inf, log_ndtr(gaps / max(selection.value / _SURE, 1.0)), -np.inf)
+        chance = np.where(
+            gaps > -np.inf, log_ndtr(gaps / max(selection.value / _SURE, 1.0)), -np.inf
+        )
         floor = sum(
-            float(worth[end, a, b])
+            float(chance[end, a, b])
             for end, order in enumerate(orders.rising)
             for a, b in zip(picks[list(order)], picks[list(order)][1:], strict=False)
         )
-        better = best_choice(worth, allowed, orders, add=True, floor=floor, most_nodes=most_nodes)
+        better = best_choice(chance, allowed, orders, add=True, floor=floor, most_nodes=most_nodes)
         proved, nodes = proved and better.complete, nodes + better.nodes
         picks = better.picks if len(better.picks) else picks
     return measured(rule, orders, table.take(picks)), proved, nodes
@@ -189,9 +191,9 @@ class Search:
                 if not len(offered.q):
                     continue
                 score = self._score(now.cells, i, offered, unit)
-                kept = self._score(now.cells, i, now.cells.take(np.array([i])), unit)[0]
+                current = self._score(now.cells, i, now.cells.take(np.array([i])), unit)[0]
                 best = int(np.argmax(score))
-                if score[best] > kept + _WORTH_IT * abs(kept):
+                if score[best] > current + _LEAST_GAIN * abs(current):
                     cells = Candidates._make(column.copy() for column in now.cells)
                     for column, value in zip(cells, offered, strict=True):
                         column[i] = value[best]
@@ -226,19 +228,19 @@ class Search:
         for turn, sure in enumerate(_SURER if self.rule.worst else (_SURE,)):
             step = pitch * _SHORTER**turn
             while step >= _FINEST_STEP and left > 0:
-                now = self.renewed(now)
+                now = self.recomputed(now)
 
                 def offer(i: int, now: Placement, step: float = step) -> Candidates:
                     radius = max(now.smallest, 0.0) if self.rule.worst else 0.0
-                    around = now.cells.q[i] + step * _AROUND
+                    around = now.cells.q[i] + step * _LATTICE
                     return self.rule.everything(self.regions[i], around, radius)
 
                 now, used = self.settle(now, offer, left, sure)
                 left -= used
                 step /= 2
-        return self.renewed(now)
+        return self.recomputed(now)
 
-    def renewed(self, now: Placement) -> Placement:
+    def recomputed(self, now: Placement) -> Placement:
         """The same places looked at anew: the worst case is exact for one displacement only."""
         if not self.rule.worst:
             return now

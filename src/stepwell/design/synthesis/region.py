@@ -187,7 +187,7 @@ def usual_box(lever: float, free: str = "q") -> AnchorBox:
 _FREE = {"q": "anchors q", "p": "anchors p", "both": "anchors q, and p = -q,"}
 
 
-def told(regions: Sequence[Region], holes: float | None, free: str = "q") -> str:
+def allowed_text(regions: Sequence[Region], holes: float | None, free: str = "q") -> str:
     """Where anchors may be, in a few words with units."""
     places: list[str] = []
     for region in regions:

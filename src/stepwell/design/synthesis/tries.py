@@ -13,24 +13,24 @@ import numpy as np
 
 from stepwell.base import Floats, Ints, Progress, notify
 from stepwell.concave import TIED, closed
-from stepwell.design.synthesis.attempt import Attempt, look, named
+from stepwell.design.synthesis.attempt import Attempt, from_lattice, named_chain
 from stepwell.design.synthesis.candidates import Candidates, Rule, joined
-from stepwell.design.synthesis.designed import Impossible, nothing_works
+from stepwell.design.synthesis.designed import Impossible, explained
 from stepwell.design.synthesis.placement import all_proved, measured
-from stepwell.design.synthesis.region import Region, lattice, told
-from stepwell.design.targets import Seen, Target
+from stepwell.design.synthesis.region import Region, allowed_text, lattice
+from stepwell.design.targets import Behaviour, Target
 from stepwell.design.tolerances.draws import Tolerances
 from stepwell.design.tolerances.yields import yields
 from stepwell.mechanism import Cell, Chain
 from stepwell.statics import StaticsError
 
-_DRAWN = 5000  # placements of each attempt
-_NEAR = 200  # places round the best one of each cell
+_RANDOM = 5000  # placements of each attempt
+_NEARBY = 200  # places round the best one of each cell
 # Cells of the chains that the engine looks at in all: some seconds.
 _LOOKED_AT = 2400
 
 
-def another(
+def random_placement(
     target: Target, attempts: list[Attempt], actuator_stiffness: float, seed: int
 ) -> tuple[Attempt | None, int]:
     """The surest of some random placements that does what is wanted, and how many were looked at.
@@ -41,48 +41,49 @@ def another(
     """
     rng = np.random.default_rng(seed)
     pool: list[tuple[float, Attempt, Candidates]] = []
-    for attempt in [one for given in attempts for one in (given, _near(given, rng))]:
+    for attempt in [one for given in attempts for one in (given, _nearby(given, rng))]:
         if not attempt.tables or not all(len(table.q) for table in attempt.tables):
             continue
         table = joined(attempt.tables)
-        picks = _drawn(attempt, rng)
-        sure = _surety(attempt, table, picks)
+        picks = _random_picks(attempt, rng)
+        sure = _log_chance(attempt, table, picks)
         rows = np.flatnonzero(sure > -np.inf).tolist()
         pool += [(float(sure[row]), attempt, table.take(picks[row])) for row in rows]
     pool.sort(key=lambda one: -one[0])
-    most = _LOOKED_AT // target.wish.cells
+    most = _LOOKED_AT // target.orders.cells
     for looked_at, (_, attempt, cells) in enumerate(pool[:most], 1):
         placed = replace(attempt, best=measured(attempt.rule, attempt.orders, cells))
-        if _does(target, placed, actuator_stiffness):
+        if _meets(target, placed, actuator_stiffness):
             finer = placed.refined()
-            return (finer if _does(target, finer, actuator_stiffness) else placed), looked_at
+            return (finer if _meets(target, finer, actuator_stiffness) else placed), looked_at
     return None, min(most, len(pool))
 
 
-def _does(target: Target, attempt: Attempt, actuator_stiffness: float) -> bool:
+def _meets(target: Target, attempt: Attempt, actuator_stiffness: float) -> bool:
     return not target.fault(attempt.chain(actuator_stiffness, ""), attempt.orders)
 
 
-def _near(attempt: Attempt, rng: np.random.Generator) -> Attempt:
+def _nearby(attempt: Attempt, rng: np.random.Generator) -> Attempt:
     if attempt.best is None or attempt.holes is not None:
         return replace(attempt, tables=[])
     tables: list[Candidates] = []
     best = attempt.best.cells
     for region, q, kind in zip(attempt.regions, best.q, best.kind, strict=True):
-        away = attempt.pitch * rng.uniform(0.01, 4.0, (_NEAR, 1)) * rng.standard_normal((_NEAR, 2))
-        tables.append(attempt.rule.these(region.clamped(q + away), np.full(_NEAR, kind)))
+        away = attempt.pitch * rng.uniform(0.01, 4.0, (_NEARBY, 1))
+        away = away * rng.standard_normal((_NEARBY, 2))
+        tables.append(attempt.rule.these(region.clamped(q + away), np.full(_NEARBY, kind)))
     return replace(attempt, tables=tables, owner=tuple(range(len(tables))))
 
 
-def _drawn(attempt: Attempt, rng: np.random.Generator) -> Ints:
+def _random_picks(attempt: Attempt, rng: np.random.Generator) -> Ints:
     """(m, N) numbers of candidates, each cell's from its own table."""
     sizes = np.array([len(table.q) for table in attempt.tables])
     first = np.cumsum(sizes) - sizes
     owner = np.array(attempt.owner)
-    return first[owner] + rng.integers(sizes[owner], size=(_DRAWN, len(owner)))
+    return first[owner] + rng.integers(sizes[owner], size=(_RANDOM, len(owner)))
 
 
-def _surety(attempt: Attempt, table: Candidates, picks: Ints) -> Floats:
+def _log_chance(attempt: Attempt, table: Candidates, picks: Ints) -> Floats:
     """(m,) logarithm of the chance that no gap closes; -inf where an order is not met."""
     from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
 
@@ -109,7 +110,7 @@ class Buildable(NamedTuple):
     concave: bool  # proved, as drawn
 
 
-def _ways(rule: Rule, region: Region, holes: float) -> list[Buildable]:
+def _buildable(rule: Rule, region: Region, holes: float) -> list[Buildable]:
     buildable: list[Buildable] = []
     for x, y in region.clamped(lattice(region, holes)).tolist():
         for k in range(len(rule.kinds)):
@@ -122,22 +123,22 @@ def _ways(rule: Rule, region: Region, holes: float) -> list[Buildable]:
     return sorted(buildable, key=lambda way: way.concave)
 
 
-def _count(tables: list[list[Buildable]], alike: bool, again: bool, settled: bool) -> int:
-    """How many choices there are; equal cells never part without a tie, `again` if they may."""
+def _count(tables: list[list[Buildable]], alike: bool, repeats: bool, settled: bool) -> int:
+    """How many choices there are; equal cells never part without a tie, `repeats` if they may."""
 
     def all_of(sizes: list[int]) -> int:
         n, m = len(sizes), sizes[0]
-        return math.comb(m + (n - 1) * again, n) if alike else math.prod(sizes)
+        return math.comb(m + (n - 1) * repeats, n) if alike else math.prod(sizes)
 
     concave = all_of([sum(way.concave for way in table) for table in tables])
     return all_of([len(table) for table in tables]) - settled * concave
 
 
-def _every(
-    tables: list[list[Buildable]], alike: bool, again: bool, settled: bool
+def _all_choices(
+    tables: list[list[Buildable]], alike: bool, repeats: bool, settled: bool
 ) -> Iterator[tuple[Buildable, ...]]:
     if alike:
-        every = (combinations_with_replacement if again else combinations)(tables[0], len(tables))
+        every = (combinations_with_replacement if repeats else combinations)(tables[0], len(tables))
         # Those that are not proved concave come first, so one of them leads.
         yield from takewhile(lambda cells: not (settled and cells[0].concave), every)
         return
@@ -150,7 +151,7 @@ def _every(
         yield from product(*before, here, *tables[k + 1 :])
 
 
-def _some(
+def _random_choices(
     tables: list[list[Buildable]], settled: bool, most: int, rng: np.random.Generator
 ) -> Iterator[tuple[Buildable, ...]]:
     seen: set[tuple[int, ...]] = set()
@@ -165,7 +166,7 @@ def _some(
         yield cells
 
 
-def _as_wanted(target: Target, seen: Seen, alike: bool) -> tuple[int, ...] | None:
+def _matching_order(target: Target, seen: Behaviour, alike: bool) -> tuple[int, ...] | None:
     """Which cell of a chain has to be which wanted one; None where it does something else.
 
     The order of cells along a chain changes nothing but their names: where all may be built alike
@@ -175,12 +176,12 @@ def _as_wanted(target: Target, seen: Seen, alike: bool) -> tuple[int, ...] | Non
         return None
     if target.states is not None:
         assert seen.states is not None
-        return _by_states(target.states, seen.states, alike)
+        return _matching_by_states(target.states, seen.states, alike)
     orders_seen = seen.sequence.orders
     if orders_seen is None:
         return None
-    for wanted in target.wish.orders:
-        same = tuple(range(target.wish.cells))
+    for wanted in target.orders.orders:
+        same = tuple(range(target.orders.cells))
         place = tuple(orders_seen[0][wanted.loading.index(k)] for k in same) if alike else same
         orders = (wanted.loading, wanted.unloading)
         if tuple(tuple(place[k] for k in order) for order in orders) == orders_seen:
@@ -188,7 +189,9 @@ def _as_wanted(target: Target, seen: Seen, alike: bool) -> tuple[int, ...] | Non
     return None
 
 
-def _by_states(wanted: frozenset[str], seen: frozenset[str], alike: bool) -> tuple[int, ...] | None:
+def _matching_by_states(
+    wanted: frozenset[str], seen: frozenset[str], alike: bool
+) -> tuple[int, ...] | None:
     """Which cell has to be which wanted one for these states; None where no order will do."""
     if Counter(s.count("1") for s in seen) != Counter(s.count("1") for s in wanted):
         return None
@@ -201,17 +204,17 @@ def _by_states(wanted: frozenset[str], seen: frozenset[str], alike: bool) -> tup
 
 _REFINED = 3  # attempts
 # Of choices that do it, so many are made so often, to see which does it most surely.
-_COMPARED, _MADE = 24, 40
+_COMPARED, _SAMPLES = 24, 40
 
 
 @dataclass(frozen=True, eq=False)
 class Placed:
     """What came of choosing from what the closed form decides."""
 
-    found: Attempt | None  # the best that does it by the engine
+    best: Attempt | None  # the best that does it by the engine
     attempts: list[Attempt]
     complete: bool  # no choice was left out: none is better, or none does it
-    missed: str  # what the engine finds of a better one
+    mismatch: str  # what the engine finds of a better one
     others: int  # random choices in the wanted orders looked at
 
     @property
@@ -221,7 +224,7 @@ class Placed:
 
 
 @dataclass
-class Tries:
+class TargetSearch:
     """The tries at one target, with their progress."""
 
     target: Target
@@ -236,58 +239,58 @@ class Tries:
 
     @property
     def _total(self) -> int:
-        once = self.rules * len(self.target.wish.orders) + _REFINED
+        once = self.rules * len(self.target.orders.orders) + _REFINED
         # Among holes there may be a second round, and then the rest.
         return once + 1 if self.holes is None else 2 * once + 100 + 1
 
-    def _tell(self, step: int = 1) -> None:
+    def _advance(self, step: int = 1) -> None:
         self._done = min(self._done + step, self._total)
         notify(self.progress, self._done, self._total)
 
     def end(self) -> None:
         """Nothing is left to be tried."""
-        self._tell(self._total)
+        self._advance(self._total)
 
     def placed(self, rules: list[Rule]) -> Placed:
         """The best choice by the objective that does what is wanted."""
-        placed = self._placed(rules)
-        if placed.found is None and self.holes is not None:
+        placed = self._best_of_rules(rules)
+        if placed.best is None and self.holes is not None:
             # As drawn more cells are proved concave than within all tolerances.
-            placed = self._placed([replace(rule, as_drawn=True) for rule in rules])
+            placed = self._best_of_rules([replace(rule, as_drawn=True) for rule in rules])
         return placed
 
-    def _placed(self, rules: list[Rule]) -> Placed:
+    def _best_of_rules(self, rules: list[Rule]) -> Placed:
         target, attempts = self.target, self._attempts(rules)
-        complete = target.wish.complete and self.holes is not None
+        complete = target.orders.complete and self.holes is not None
         complete = complete and not any(rule.bends for rule in rules)
         complete = complete and all(attempt.complete for attempt in attempts)
-        missed, best, others = "", None, 0
-        for attempt in filter(lambda attempt: attempt.works, attempts):
+        mismatch, best, others = "", None, 0
+        for attempt in filter(lambda attempt: attempt.meets_orders, attempts):
             fault = target.fault(attempt.chain(self.actuator_stiffness, ""), attempt.orders)
             if not fault:
                 best = attempt
                 break
-            missed = missed or fault
-        if missed and best is None:
-            best, others = another(target, attempts, self.actuator_stiffness, self.seed)
-        return Placed(best, attempts, complete and not missed, missed, others)
+            mismatch = mismatch or fault
+        if mismatch and best is None:
+            best, others = random_placement(target, attempts, self.actuator_stiffness, self.seed)
+        return Placed(best, attempts, complete and not mismatch, mismatch, others)
 
     def _attempts(self, rules: list[Rule]) -> list[Attempt]:
         attempts: list[Attempt] = []
-        for rule, orders in product(rules, self.target.wish.orders):
-            self._tell()
-            attempts.append(look(rule, orders, self.regions, self.holes))
+        for rule, orders in product(rules, self.target.orders.orders):
+            self._advance()
+            attempts.append(from_lattice(rule, orders, self.regions, self.holes))
         attempts.sort(key=lambda attempt: attempt.quality, reverse=True)
         for k in range(min(_REFINED, len(attempts))):
-            self._tell()
+            self._advance()
             attempts[k] = attempts[k].refined()
         attempts.sort(key=lambda attempt: attempt.quality, reverse=True)
         return attempts
 
-    def _most(self) -> int:
+    def _most_cells(self) -> int:
         return _THROUGH_A_CYCLE if self.target.states is None else _ALONG_ALL_BRANCHES
 
-    def _tried(
+    def _simulated_choices(
         self, rules: list[Rule], holes: float, *, decided: bool
     ) -> tuple[list[Chain], bool, str]:
         """Follow every choice of holes that is left, or as many as take some seconds.
@@ -297,70 +300,72 @@ class Tries:
         what was tried.
         """
         target, regions, before = self.target, self.regions, self._done
-        alike, again = len(set(regions)) == 1, target.twins
-        most = self._most() // target.wish.cells
+        alike, repeats = len(set(regions)) == 1, target.has_equal_cells
+        most = self._most_cells() // target.orders.cells
         chains: list[Chain] = []
         left = done = unanswered = 0
         for rule in rules:
-            ways = {region: _ways(rule, region, holes) for region in dict.fromkeys(regions)}
+            ways = {region: _buildable(rule, region, holes) for region in dict.fromkeys(regions)}
             tables = [ways[region] for region in regions]
             settled = decided and len({kind.lever for kind in rule.kinds}) == 1
-            count = _count(tables, alike, again, settled)
+            count = _count(tables, alike, repeats, settled)
             left += count
             room = most - done
             picked = (
-                _every(tables, alike, again, settled)
+                _all_choices(tables, alike, repeats, settled)
                 if count <= room
-                else _some(tables, settled, room, np.random.default_rng(self.seed))
+                else _random_choices(tables, settled, room, np.random.default_rng(self.seed))
             )
             for cells in picked:
-                self._tell(max(0, before + 100 * done // max(min(most, left), 1) - self._done))
+                self._advance(max(0, before + 100 * done // max(min(most, left), 1) - self._done))
                 done += 1
                 chain = Chain([way.cell for way in cells], self.actuator_stiffness)
                 try:
-                    seen = target.look(chain)
+                    seen = target.simulate(chain)
                 except (StaticsError, ValueError):
                     unanswered += 1
                     continue
-                order = _as_wanted(target, seen, alike)
+                order = _matching_order(target, seen, alike)
                 if order is not None and seen.peak <= rule.most_force * (1 + 1e-9):
                     these = [cells[k].cell for k in order]
                     title = f"Designed for {target.text}"
-                    chains.append(named(these, self.actuator_stiffness, title))
+                    chains.append(named_chain(these, self.actuator_stiffness, title))
         choices = f"{left} choices that no closed form decides were run"
         if done == left and not unanswered:
             return chains, True, f"all {choices} by the engine"
-        missed = f", {unanswered} of them without an answer" * (unanswered > 0)
-        return chains, False, f"{done} of {choices}{missed}"
+        mismatch = f", {unanswered} of them without an answer" * (unanswered > 0)
+        return chains, False, f"{done} of {choices}{mismatch}"
 
-    def rest(self, rules: list[Rule], placed: Placed, tolerances: Tolerances) -> tuple[Chain, str]:
+    def simulated(
+        self, rules: list[Rule], placed: Placed, tolerances: Tolerances
+    ) -> tuple[Chain, str]:
         """A chain that no closed form decides, and how it was found; raises Impossible for none."""
         target = self.target
         if self.holes is None:
-            concave = not target.wish.stepwise and all(
+            concave = not target.orders.stepwise and all(
                 all_proved(rule, region) for rule in rules for region in set(self.regions)
             )
-            looked = f"{placed.others} random choices in the wanted orders were looked at"
-            looked *= placed.others > 0
-            raise self._refusal(placed, looked, proved=target.wish.never or concave)
-        if target.wish.never or (not target.wish.orders and target.states is None):
-            raise self._refusal(placed, "", proved=target.wish.never)
+            report = f"{placed.others} random choices in the wanted orders were looked at"
+            report *= placed.others > 0
+            raise self._impossible(placed, report, proved=target.orders.never or concave)
+        if target.orders.never or (not target.orders.orders and target.states is None):
+            raise self._impossible(placed, "", proved=target.orders.never)
         decided = placed.complete and target.states is None
-        chains, whole, report = self._tried(rules, self.holes, decided=decided)
+        chains, whole, report = self._simulated_choices(rules, self.holes, decided=decided)
         if not chains:
-            raise self._refusal(placed, report, proved=whole)
+            raise self._impossible(placed, report, proved=whole)
         counted = None if tolerances.friction else target.states
 
         def share(chain: Chain) -> float:
-            return yields(chain, tolerances, samples=_MADE, seed=self.seed, target=counted).share
+            return yields(chain, tolerances, samples=_SAMPLES, seed=self.seed, target=counted).share
 
         return max(chains[:_COMPARED], key=share), (
             f"searched: no choice of {placed.candidates} holes for a band that is proved taut and "
             f"concave does it; {report}, and {len(chains)} of them do it; the one of "
-            f"{min(len(chains), _COMPARED)} of these that works most often of {_MADE} built"
+            f"{min(len(chains), _COMPARED)} of these that works most often of {_SAMPLES} built"
         )
 
-    def _refusal(self, placed: Placed, rest: str, *, proved: bool) -> Impossible:
-        allowed = told(self.regions, self.holes, self.free)
-        attempts, missed = placed.attempts, placed.missed
-        return nothing_works(self.target, attempts, missed, rest, allowed, proved=proved)
+    def _impossible(self, placed: Placed, rest: str, *, proved: bool) -> Impossible:
+        allowed = allowed_text(self.regions, self.holes, self.free)
+        attempts, mismatch = placed.attempts, placed.mismatch
+        return explained(self.target, attempts, mismatch, rest, allowed, proved=proved)

@@ -92,7 +92,7 @@ def refuse_slips(tolerances: Tolerances, travel: float, force: float, way: str =
         raise SlipError(slips, way)
 
 
-def meet(tolerances: Tolerances, chain: Chain) -> None:
+def validate(tolerances: Tolerances, chain: Chain) -> None:
     """Refuse tolerances that this chain cannot have, or that are probably in another unit."""
     (least, most), wide = MOBILITIES, math.sqrt(tolerances.mobility)
     for name, cell in zip(chain.names, chain.cells, strict=True):
@@ -309,7 +309,7 @@ class Draws(base.ByValue):
         # Evenly on a scale of logarithms, as far up as down.
         faster = t.mobility ** (draw[self.mobilities :] - 0.5)
 
-        def made(number: int, band: Band) -> Band:
+        def sampled_band(number: int, band: Band) -> Band:
             where = draw[4 * number : 4 * number + 4].tolist()
             (px, py), (qx, qy) = (concave.in_disc(t.anchor, *one) for one in (where[:2], where[2:]))
             return replace(
@@ -331,7 +331,7 @@ class Draws(base.ByValue):
                     "travel_scale": cell.travel_scale * (1.0 + t.travel * travel),
                 }
             else:
-                bands = tuple(made(first + j, band) for j, band in enumerate(cell.bands))
+                bands = tuple(sampled_band(first + j, band) for j, band in enumerate(cell.bands))
                 first += len(bands)
                 longer = cell.lever + t.lever * (2.0 * lever[i] - 1.0)
                 changed = {"band": bands, "lever": longer}

@@ -6,8 +6,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from stepwell.base import ONE_BY_ONE, InputError, Progress, require, tracked
-from stepwell.design.tolerances.draws import USUAL, Draws, Tolerances, frictionless, meet
-from stepwell.design.tolerances.tally import Counted, varied
+from stepwell.design.tolerances.draws import USUAL, Draws, Tolerances, frictionless, validate
+from stepwell.design.tolerances.tally import Counted, sampling_text
 from stepwell.mechanism import Chain, SlipError, Stretch, sizes
 from stepwell.sequences import checked_state
 from stepwell.statics import StaticsError, drive_range
@@ -35,7 +35,7 @@ class Survival(Counted):
     def assumptions(self) -> str:
         """Under which all this holds."""
         assumed = (
-            varied(self.chain),
+            sampling_text(self.chain),
             "a mechanism that cannot be built or followed counts as a failure",
             frictionless(self.tolerances, self.chain),
         )
@@ -70,7 +70,7 @@ def survival(
     if samples < 1:
         raise InputError(f"samples = {samples}: must be 1 or more.")
     require("samples", samples, "samples =")
-    meet(tolerances, chain)
+    validate(tolerances, chain)
     slips = sizes.drives(chain, turning_points)
     if slips:
         raise SlipError(slips, "")
@@ -91,17 +91,17 @@ def count_ends(
     return successes
 
 
-def ends_right(made: Chain, points: tuple[float, ...], start: str, ends: str) -> bool:
+def ends_right(sample: Chain, points: tuple[float, ...], start: str, ends: str) -> bool:
     """Whether a program, its points [m] or [N], ends with every cell in or nearest to its phase."""
-    if math.isinf(made.actuator_stiffness):
-        if not made.elements:
-            full = made.full_travels
+    if math.isinf(sample.actuator_stiffness):
+        if not sample.elements:
+            full = sample.full_travels
             begin = math.fsum(f for f, c in zip(full, start, strict=True) if c == "1")
             points = (begin, *points[1:])
-        low, high = drive_range(made)
+        low, high = drive_range(sample)
         points = (points[0], *(min(max(point, low), high) for point in points[1:]))
-    path = made.path(points, start=start)
-    ending = zip(made.stretches, path.end_sheet, path.end.tolist(), ends, strict=True)
+    path = sample.path(points, start=start)
+    ending = zip(sample.stretches, path.end_sheet, path.end.tolist(), ends, strict=True)
     return all(_nearest(own, sheet, travel) == int(digit) for own, sheet, travel, digit in ending)
 
 

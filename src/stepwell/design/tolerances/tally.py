@@ -14,7 +14,7 @@ from stepwell.base import Bools, ByValue, Floats, Ints, Progress, notify, tracke
 from stepwell.concave import ASK, DOES, OTHER, TIE, DrawJudge, Judged, one_travel
 from stepwell.design.orders import numbered_cycle, orders_of, short
 from stepwell.design.switches import Switches, are_relays, relay_cycle
-from stepwell.design.targets import landings_of, searched, unlike
+from stepwell.design.targets import landings_of_reachable, reachable_states, state_differences
 from stepwell.design.tolerances.draws import Draws, Tolerances
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle, cycles_of
@@ -24,7 +24,7 @@ _LEVERS = "anchors, levers and friction evenly within their tolerance, k and ℓ
 _ELEMENTS = "all forces of an element alike and all its travels alike, normally"
 
 
-def varied(chain: Chain) -> str:
+def sampling_text(chain: Chain) -> str:
     """How mechanisms after a drawing are made, in words."""
     how = _LEVERS
     if chain.elements:
@@ -126,14 +126,14 @@ TIED = "a tie"
 NOT_BUILT = "cannot be built"
 NO_ANSWER = "no answer"
 ANOTHER = "another sequence"
-HANGS = "hangs on the mobilities"
+BY_MOBILITY = "hangs on the mobilities"
 
 States = frozenset[str] | None  # that shall be reached; None for a cycle
 _MOST_CELLS = 9  # the two orders of more are no longer one 64-bit number
-_KEPT = 100  # outcomes told apart
+_MOST_OUTCOMES = 100  # outcomes told apart
 
 
-def followed(
+def simulated_outcomes(
     draws: Draws, drawn: Floats, states: States = None, progress: Progress = None
 ) -> Iterator[str]:
     """What the mechanisms of (m, columns) draws do, by the engine: cycles, or what is unlike."""
@@ -147,28 +147,28 @@ def followed(
             yield TIED if tied and number >= 0 else texts[number]
         return
     for draw in tracked(drawn, progress):
-        yield _one(draws, draw, states)
+        yield _simulated_outcome(draws, draw, states)
 
 
-def _one(draws: Draws, draw: Floats, states: States) -> str:
+def _simulated_outcome(draws: Draws, draw: Floats, states: States) -> str:
     try:
-        made = draws.built(draw)
+        sample = draws.built(draw)
     except ValueError:
         return NOT_BUILT
     try:
         if states is not None:
-            reached_states, ties = searched(made)
-            return TIED if ties else unlike(reached_states, states)
-        by_forces = relay_cycle(made)
+            reached_states, ties = reachable_states(sample)
+            return TIED if ties else state_differences(reached_states, states)
+        by_forces = relay_cycle(sample)
         if by_forces is not None:
             return by_forces
-        result = cycle(made)
+        result = cycle(sample)
     except (StaticsError, ValueError):
         return NO_ANSWER
     return TIED if result.degenerate else str(result.sequence)
 
 
-def landings_on_the_way(
+def landings_to_target(
     draws: Draws, draw: Floats, states: States, ratio: float
 ) -> Iterable[Landing]:
     """Whether snaps of the mechanism of one draw hold for all mobilities within a ratio.
@@ -176,10 +176,10 @@ def landings_on_the_way(
     Those of its cycle, or where states are wanted, all on the way to them. None under a prescribed
     force where switching forces decide: there no cell feels another, however mobile.
     """
-    made = draws.built(draw)
+    sample = draws.built(draw)
     if states is not None:
-        return landings_of(made, ratio)
-    return () if relay_cycle(made) is not None else cycle(made).path.landings(ratio)
+        return landings_of_reachable(sample, ratio)
+    return () if relay_cycle(sample) is not None else cycle(sample).path.landings(ratio)
 
 
 class OutcomeCounter:
@@ -205,11 +205,11 @@ class OutcomeCounter:
             self.judge = RelayJudge(draws, target, self.orders)
         # Successes are proved where no landing was only sampled: none that the closed form has
         # judged hangs on the mobilities, whatever they are.
-        self.successes = self.proved = self.judged = self.by_engine = 0
-        self.followed_well: list[bool] = []  # of each that the engine followed, in order
+        self.successes = self.proved = self.by_form = self.by_engine = 0
+        self.succeeded: list[bool] = []  # of each that the engine followed, in order
         self.wrong = np.zeros((2, max(count - 1, 0)), np.int64)  # as `Judge` counts them
         self.narrowest = self.wrong.copy()
-        self._told_apart = len(chain) <= _MOST_CELLS
+        self._numbered = len(chain) <= _MOST_CELLS
         self._texts: Counter[str] = Counter()
         self._numbers: list[Ints] = [np.empty(0, np.int64)]
 
@@ -217,24 +217,24 @@ class OutcomeCounter:
         """Count the first n; `progress` is called with (done, n)."""
         done = 0
         for drawn in self.draws.chunks(n):
-            waiting = drawn if self.judge is None else drawn[self._judged(drawn, self.judge)]
+            waiting = drawn if self.judge is None else drawn[self._count_proved(drawn, self.judge)]
             done += len(drawn) - len(waiting)
 
             def tell(m: int, _: int, begun: int = done) -> None:
                 notify(progress, begun + m, n)
 
             tell(0, n)
-            outcomes = followed(self.draws, waiting, self.states, tell)
+            outcomes = simulated_outcomes(self.draws, waiting, self.states, tell)
             for draw, does in zip(waiting, outcomes, strict=True):
-                self._note(draw, does)
+                self._count_one(draw, does)
             done += len(waiting)
             tell(len(waiting), n)
 
-    def _judged(self, drawn: Floats, judge: DrawJudge | RelayJudge) -> Bools:
+    def _count_proved(self, drawn: Floats, judge: DrawJudge | RelayJudge) -> Bools:
         """Count what the closed form can judge; returns which ones it cannot."""
         verdicts = judge(drawn)
         ask = verdicts.verdict == ASK
-        self.judged += int(np.sum(~ask))
+        self.by_form += int(np.sum(~ask))
         if verdicts.wrong.size:
             self.wrong += verdicts.wrong
             self.narrowest += verdicts.narrowest
@@ -250,28 +250,28 @@ class OutcomeCounter:
         if self.orders is None and isinstance(judge, DrawJudge):
             does, other = np.zeros_like(does), does | other
         self._succeed(int(np.sum(does)))
-        if self._told_apart:
+        if self._numbered:
             self._numbers.append(verdicts.does[other])
         else:
             self._texts[ANOTHER] += int(np.sum(other))
         return ask
 
-    def _note(self, draw: Floats, does: str) -> None:
+    def _count_one(self, draw: Floats, does: str) -> None:
         self.by_engine += 1
         proved = True
         # A gap between forces tells what a mechanism does, and nothing of its mobilities.
-        self.followed_well.append(does == self._success)
+        self.succeeded.append(does == self._success)
         if does == self._success and self.robust is not None:
-            for landing in landings_on_the_way(self.draws, draw, self.states, self.robust):
+            for landing in landings_to_target(self.draws, draw, self.states, self.robust):
                 if not landing.holds:
-                    does = HANGS
+                    does = BY_MOBILITY
                     break
                 proved = proved and landing.proof is not None
         if does == self._success:
             self._succeed(1, proved=proved)
         else:
-            kinds = (TIED, NOT_BUILT, NO_ANSWER, HANGS)
-            known = self._told_apart or self.states is not None or does in kinds
+            kinds = (TIED, NOT_BUILT, NO_ANSWER, BY_MOBILITY)
+            known = self._numbered or self.states is not None or does in kinds
             self._texts[does if known else ANOTHER] += 1
 
     def _succeed(self, times: int, *, proved: bool = True) -> None:
@@ -283,12 +283,12 @@ class OutcomeCounter:
         counts = +self._texts  # without what came 0 times
         numbers, times = np.unique(np.concatenate(self._numbers), return_counts=True)
         often = np.argsort(-times, kind="stable")
-        for i in often[:_KEPT]:
+        for i in often[:_MOST_OUTCOMES]:
             counts[self._cycle(int(numbers[i]))] += int(times[i])
-        rest = int(np.sum(times[often[_KEPT:]])) + counts.pop(ANOTHER, 0)
+        rest = int(np.sum(times[often[_MOST_OUTCOMES:]])) + counts.pop(ANOTHER, 0)
         listed = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
-        rest += sum(times for _, times in listed[_KEPT:])
-        return dict(listed[:_KEPT]) | ({ANOTHER: rest} if rest else {})
+        rest += sum(times for _, times in listed[_MOST_OUTCOMES:])
+        return dict(listed[:_MOST_OUTCOMES]) | ({ANOTHER: rest} if rest else {})
 
     def _cycle(self, number: int) -> str:
         if isinstance(self.judge, RelayJudge):
@@ -296,10 +296,10 @@ class OutcomeCounter:
         return numbered_cycle(number, len(self.draws.chain))
 
 
-def why_none(chain: Chain, target: str, concave: bool) -> str:
+def zero_yield_reason(chain: Chain, target: str, concave: bool) -> str:
     """The reason why none makes a cycle, and advice; `concave` if all cells made are proved so."""
     if chain.elements:
-        return f"none of those made does it. Ask for another cycle, {_instead(chain)}"
+        return f"none of those made does it. Ask for another cycle, {_alternative(chain)}"
     states = Sequence.parse(target).states
     strokes = [
         math.fsum(full for full, s in zip(chain.full_travels, state, strict=True) if s == "1")
@@ -320,12 +320,12 @@ def why_none(chain: Chain, target: str, concave: bool) -> str:
             return (
                 f"one stroke out and back cannot do it: {a}>{b} moves {len(flips)} cells at once, "
                 f"and cells of falling force go one after the other. Name every step, "
-                f"{_instead(chain)}; a program that ends in {b} is `stepwell program --target {b}`"
+                f"{_alternative(chain)}; for a program that ends in {b}: `stepwell program --target {b}`"
             )
-    return f"none of those made does it. Ask for another cycle, {_instead(chain)}"
+    return f"none of those made does it. Ask for another cycle, {_alternative(chain)}"
 
 
-def _instead(chain: Chain) -> str:
+def _alternative(chain: Chain) -> str:
     try:
         return f"such as {short(str(cycle(chain).sequence))}, which the drawing makes"
     except StaticsError:

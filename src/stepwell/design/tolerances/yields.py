@@ -16,12 +16,12 @@ from stepwell.design.tolerances import draws, survival
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.sensitivity import Sensitivities, gaps_of_built, sensitivities
 from stepwell.design.tolerances.tally import (
-    HANGS,
+    BY_MOBILITY,
     Counted,
     OutcomeCounter,
     RelayJudge,
-    varied,
-    why_none,
+    sampling_text,
+    zero_yield_reason,
 )
 from stepwell.mechanism import Chain
 
@@ -200,9 +200,9 @@ def yields(
 
     All else as for `Chain.yields`.
     """
-    _refuse(chain, tolerances, base.ONE_BY_ONE if samples is None else samples, seed)
+    _check_arguments(chain, tolerances, base.ONE_BY_ONE if samples is None else samples, seed)
     robust = None if robust is None else statics.checked_ratio("robust", robust)
-    states = _states(chain, tolerances, target)
+    states = _checked_states(chain, tolerances, target)
     drawing = sequences.cycle(chain) if target is None or states is not None else None
     sequence = str(drawing.sequence) if drawing else checked_cycle(str(target), chain.last_state)
     tally = OutcomeCounter(Draws(chain, tolerances, seed), sequence, states, robust)
@@ -232,7 +232,7 @@ def yields(
     )
 
 
-def _states(
+def _checked_states(
     chain: Chain, tolerances: draws.Tolerances, target: str | Iterable[str] | None
 ) -> frozenset[str] | None:
     if target is None or isinstance(target, str):
@@ -252,7 +252,7 @@ def _states(
     return states
 
 
-def _refuse(chain: Chain, tolerances: draws.Tolerances, samples: int, seed: int) -> None:
+def _check_arguments(chain: Chain, tolerances: draws.Tolerances, samples: int, seed: int) -> None:
     if not isinstance(tolerances, draws.Tolerances):
         raise base.InputError(
             f"tolerances = {tolerances!r}: must be Tolerances, for example "
@@ -267,19 +267,19 @@ def _refuse(chain: Chain, tolerances: draws.Tolerances, samples: int, seed: int)
             f"lever = {tolerances.lever} m: must be smaller than the shortest lever, "
             f"{shortest:.6g} m, or nothing is left of it."
         )
-    draws.meet(tolerances, chain)
+    draws.validate(tolerances, chain)
 
 
 def _advice(tally: OutcomeCounter, target: str) -> str:
     if tally.successes:
         return ""
-    if tally.outcomes().get(HANGS):
+    if tally.outcomes().get(BY_MOBILITY):
         return (
             "none of those made does it whatever the mobilities of its cells: ask for a smaller "
             "ratio; or in Python, with Tolerances(mobility=...), how often it works"
         )
     if tally.states is None:
-        return why_none(tally.draws.chain, target, tally.by_engine == 0)
+        return zero_yield_reason(tally.draws.chain, target, tally.by_engine == 0)
     states = reached(tally.draws.chain)
     return f"none of those made does it; the drawing reaches {short(' '.join(states.states))}"
 
@@ -291,14 +291,14 @@ def _sensitivities(tally: OutcomeCounter, n: int) -> Sensitivities:
     assert orders is not None
     indices = sensitivities(draws, lambda rows: gaps_of_built(draws, orders, rows), built=True)
     # The engine followed every one, so it can be asked how far the gap is to be believed.
-    some = np.array(tally.followed_well[:_COMPARED])
+    some = np.array(tally.succeeded[:_COMPARED])
     gaps = gaps_of_built(draws, orders, next(draws.chunks(n))[: len(some)])
     return replace(indices, agreed=float(np.mean((gaps > 0) == some[: len(gaps)])))
 
 
 def _critical(tally: OutcomeCounter) -> Critical | None:
     """The pair most often in the other order; of several, the one most often the nearest."""
-    if not tally.judged or tally.orders is None or not tally.wrong.size:
+    if not tally.by_form or tally.orders is None or not tally.wrong.size:
         return None
     wrong, narrowest = tally.wrong.ravel(), tally.narrowest.ravel()
     worst = int(np.lexsort((narrowest, wrong))[-1])
@@ -309,7 +309,7 @@ def _critical(tally: OutcomeCounter) -> Critical | None:
     cell, names = switches.cell.tolist(), switches.names(chain)
     way = ("loading", "unloading")[side]
     by = ("the forces up", "the forces down") if chain.elements else ("F0", "F1")
-    shares = int(wrong[worst]) / tally.judged, int(narrowest[worst]) / tally.judged
+    shares = int(wrong[worst]) / tally.by_form, int(narrowest[worst]) / tally.by_form
     pair = names[first], names[second]
     return Critical(cell[first], cell[second], pair, way, *shares, by[side])
 
@@ -323,7 +323,7 @@ def _assumptions(tally: OutcomeCounter, n: int, drawing: sequences.Cycle | None)
         )
     elif isinstance(tally.judge, RelayJudge):
         how = (
-            f"{tally.judged} judged by their switching forces, which decide under a prescribed "
+            f"{tally.by_form} judged by their switching forces, which decide under a prescribed "
             f"force, where no element feels another"
         )
     elif tally.judge is None and tally.draws.chain.elements:
@@ -335,12 +335,12 @@ def _assumptions(tally: OutcomeCounter, n: int, drawing: sequences.Cycle | None)
         )
     else:
         how = (
-            f"{tally.judged} judged in closed form, every cell being proved taut with falling "
+            f"{tally.by_form} judged in closed form, every cell being proved taut with falling "
             f"force, and {tally.by_engine} followed by the general engine"
         )
-    made = varied(tally.draws.chain) + " full cycle" * (tally.states is None)
+    sampling = sampling_text(tally.draws.chain) + " full cycle" * (tally.states is None)
     fails = "a tie, or a mechanism that cannot be built or followed, counts as a failure"
-    yield f"{made}; {fails}; {how}"
+    yield f"{sampling}; {fails}; {how}"
     if tally.robust is not None:
         sampled = tally.successes - tally.proved
         rest = f", and {sampled} had landings that were only sampled" * (sampled > 0)
