@@ -1,4 +1,4 @@
-"""A design checked: will the real one do it, what breaks it first, and what to measure next."""
+"""Check of a design: yield verdict, smallest critical change, and most useful measurement."""
 
 import math
 from collections.abc import Iterator
@@ -22,12 +22,12 @@ from stepwell.mechanism import Band, Cell, Chain, Element, sizes
 from stepwell.sequences import Program, cycle
 from stepwell.statics import Path, StaticsError
 
-# Of those built: what has to work for "works", and what has to fail for "won't".
+# Yield: lower bound for "works", upper bound for "won't".
 SURE, HALF = 0.95, 0.5
 
 
 class Verdict(StrEnum):
-    """Whether the real one will do it, from the best to the worst."""
+    """Verdict on the yield, from the best to the worst."""
 
     WORKS = "works"
     FRAGILE = "fragile"
@@ -37,9 +37,9 @@ class Verdict(StrEnum):
 def verdict_of(*, meets_target: bool, tied: bool, interval: tuple[float, float]) -> Verdict:
     """The verdict; the [decision](decisions/verdict.md) says why its bounds are where they are.
 
-    `WONT` where the drawing, which may be a tie, does not do what is wanted, or the 95 % confidence
-    interval of the share of those built that do it ends below one half; `WORKS` where it does,
-    without a tie, and the interval begins at 95 % or above; else `FRAGILE`.
+    `WONT` if the nominal design, which may be a tie, misses the target, or the 95 % confidence
+    interval of the yield ends below one half; `WORKS` if it reaches the target without a tie and
+    the interval begins at 95 % or above; else `FRAGILE`.
     """
     low, high = interval
     if not meets_target or high < HALF:
@@ -49,21 +49,21 @@ def verdict_of(*, meets_target: bool, tied: bool, interval: tuple[float, float])
 
 # The largest strain of a rubber band in use: natural rubber breaks at about 6 to 7.
 STRAIN = 5.0
-# What a hobby servo of 2 kg cm pulls on a horn of 10 mm [N], the air that a hand presses [Pa], and
-# what that servo turns [N m].
+# Force of a hobby servo of 2 kg cm on a horn of 10 mm [N], air pressure by hand [Pa], and torque of
+# that servo [N m].
 PULLS = {base.Measure.TRAVEL: 20.0, base.Measure.VOLUME: 1e5, base.Measure.ANGLE: 0.2}
-_ANGLES = 91  # at which a band is measured, its ends and the middle included
+_ANGLES = 91  # at which the length of a band is evaluated, with both ends and the middle
 _EDGE = 1e-9  # of the lever: an anchor this far outside is on the edge
 
 
 def _warnings(chain: Chain, path: Path) -> Iterator[str]:
-    """What is out of the ordinary, a sentence each; none where all is usual."""
+    """Warnings on unusual forces and sizes, one sentence each."""
     unit, most = chain.measure.force_unit, PULLS[chain.measure]
     pull = abs(path.peak_force)
     if pull > most:
         yield (
             f"the actuator needs {base.amount(pull, unit)}: "
-            f"hobby drives give about {base.amount(most, unit)}"
+            f"hobby actuators give about {base.amount(most, unit)}"
         )
     for name, cell in zip(chain.names, chain.cells, strict=True):
         if not isinstance(cell, Cell):
@@ -85,28 +85,28 @@ def _band_warnings(name: str, cell: Cell, band: Band) -> Iterator[str]:
         outside = usual_box(cell.lever, which).clamped(np.array([place])) - place
         if np.max(np.abs(outside)) > _EDGE * cell.lever:
             at = ", ".join(base.number(base.to_unit(part, "mm")) for part in place)
-            yield f"anchor {which} of {name} at ({at}) mm lies outside the block of a usual build"
+            yield f"anchor {which} of {name} at ({at}) mm lies outside the block of the paper's design"
 
 
-# What a kitchen scale and callipers give; friction is known to a fifth of its tolerance.
+# Tolerances after measurement by scale and callipers; friction to a fifth of its tolerance.
 MEASURED = Tolerances(anchor=1e-4, stiffness=0.02, rest_length=0.02, lever=1e-4, travel=0.02)
 _OF_FRICTION = 0.2
-# Mechanisms that rank the parts: judged in closed form, or followed one by one by the engine.
+# Samples that rank the parts: in closed form, or simulated one by one.
 _RANKED, _RANKED_ONE_BY_ONE = 4_000, 60
-_GAIN = 0.005  # a smaller one is not worth a measurement
+_GAIN = 0.005  # smallest increase of the yield that is reported
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Measurement(base.ByValue):
-    """A part that is worth being measured, and made or chosen as drawn.
+    """The part whose measurement raises the yield most.
 
     Attributes:
-        cell: whose part it is, 0 the innermost.
+        cell: the cell of the part, 0 the innermost.
         what: "d" (all anchors of its bands), "stiffness", "rest_length", "lever", "friction", or
-            of an element "force_scale", "travel_scale".
+            for an element "force_scale", "travel_scale".
         tolerance: its field of `Tolerances`.
-        now, then: that tolerance as it is, and once it is measured, in SI.
-        before, after: share of those built that do what is wanted.
+        now, then: that tolerance before and after the measurement, in SI.
+        before, after: the yield before and after.
     """
 
     cell: int
@@ -119,10 +119,10 @@ class Measurement(base.ByValue):
 
 
 def measurement(counted: Yield | Survival) -> Measurement | None:
-    """The part whose measurement raises a yield most; None where none is worth it.
+    """The part whose measurement raises a yield most; None if no gain is large enough.
 
-    Each part in turn has only the tolerance that a scale and callipers leave of it, and a few of
-    the same mechanisms are counted again, and all of them for the best part.
+    For each part in turn a few of the same samples are recounted with its tolerance after
+    measurement by scale and callipers; for the best part all samples are.
     """
     parts = parts_of(counted)
     left = {name: _left_of(counted.tolerances, part.tolerance) for name, part in parts.items()}
@@ -146,36 +146,36 @@ def _left_of(tolerances: Tolerances, name: str) -> float:
     return min(1.0, getattr(MEASURED, name) / getattr(tolerances, name))
 
 
-# How much is tried, in tolerances, until something breaks; and where bisection stops.
+# Sizes of changes tried, in tolerances, until one changes the outcome; halvings of bisection.
 _TRIED = 0.125 * 1.5 ** np.arange(17)
 _HALVINGS = 12
 _AXES = (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)
 _Direction = tuple[int, str, base.Vec2 | float]  # cell, part that changes, direction
-# Farthest that is looked at [m], and [1]: a number that is nearly taken away is no longer one.
+# Largest changes that are tried [m], and [1]: a number reduced to nearly zero has no meaning.
 _REACH = {"anchor": base.REACH, "stiffness": 0.95, "force_scale": 0.95, "travel_scale": 0.95}
 
 
 class ProgramChange(Change):
-    """A change after which a program ends in another state: no sequence describes that."""
+    """A change after which a program ends in another state, without a sequence."""
 
     @cached_property
     def becomes(self) -> str:
-        """Nothing."""
+        """Empty."""
         return ""
 
 
 def critical_change_of_cycle(chain: Chain, tolerances: Tolerances) -> Change | None:
-    """The change of a margin that is fewest tolerances away; None where there is none."""
+    """The smallest change of a margin in units of tolerances; None if there is none."""
     changes = margin(chain).changes
     near = min(changes, key=lambda one: one.distance / _tolerance_of(one.parameter, tolerances))
     return None if math.isinf(near.distance) else near
 
 
 def critical_change_of_program(program: Program, tolerances: Tolerances) -> Change | None:
-    """The same of a program that ends where it should; None where nothing within reach breaks it.
+    """The same for a program that ends in its target state; None if no change tried breaks it.
 
-    Anchors are moved along x and y, numbers made more and less: of each the amounts tried are a
-    geometric row, and the first that breaks it is bisected.
+    Anchors are moved along x and y, numbers increased and decreased, by a geometric series of
+    amounts. The first amount that breaks the program is bisected.
     """
     chain = program.chain
     ways = list(_changes(chain))
@@ -217,7 +217,7 @@ def _changes(chain: Chain) -> Iterator[_Direction]:
 
 
 def _tolerance_of(part: str, tolerances: Tolerances) -> float:
-    """The tolerance of a part [m] or [1], or the usual one where it has none."""
+    """The tolerance of a part [m] or [1], or the default one if it is zero."""
     if part == "anchor":
         return tolerances.anchor or USUAL.anchor
     own = tolerances.travel if part == "travel_scale" else tolerances.stiffness
@@ -226,20 +226,20 @@ def _tolerance_of(part: str, tolerances: Tolerances) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Check(base.ByValue):
-    """One verdict on a design, and what it rests on.
+    """The verdict on a design, with its reasons.
 
     Attributes:
         chain: the design.
-        verdict, reason: whether the real one will do what is wanted, and why, in a sentence.
-        target: the full cycle that counts; or where its program begins and where it shall end.
-        does, meets_target: what the drawing does, and whether that is what is wanted.
-        path: what the actuator does with the drawing, with forces, energy and ties.
-        yield_: how many of those built within tolerances do it.
+        verdict, reason: verdict on the yield, and its reason in a sentence.
+        target: the target cycle; or the first and the target state of a program.
+        does, meets_target: the sequence of the nominal design, and whether it is the target.
+        path: equilibrium path of the nominal design, with forces, energy and ties.
+        yield_: yield within tolerances.
         critical_change: the smallest change of one parameter, in tolerances, after which the
-            nominal design does something else; None where none is within reach, or where the
-            nominal design misses the target.
-        warnings: what is out of the ordinary, a sentence each.
-        measure: the one measurement after which it is surest to work; None where none is worth it.
+            nominal design does something else; None if none was found, or if the nominal design
+            misses the target.
+        warnings: unusual forces and sizes, one sentence each.
+        measure: the measurement that raises the yield most; None if no gain is large enough.
     """
 
     chain: Chain = field(repr=False)
@@ -256,12 +256,12 @@ class Check(base.ByValue):
 
     @property
     def peak_force(self) -> float:
-        """Largest force of the actuator in size [N], with its sign."""
+        """Actuator force of the largest magnitude [N], with its sign."""
         return self.path.peak_force
 
     @property
     def dissipated(self) -> float:
-        """Energy lost in the cycle or the program [J]: snaps and friction."""
+        """Energy dissipated in the cycle or the program [J], by snaps and friction."""
         return self.path.dissipated
 
     def __repr__(self):
@@ -277,31 +277,34 @@ def check(
     seed: int = 0,
     progress: base.Progress = None,
 ) -> Check:
-    """Say whether the real one will do what is wanted, what breaks it, and what to measure next.
+    """Check a design: yield verdict, smallest critical change, and most useful measurement.
 
     Args:
         chain: the design.
-        target: the full cycle that counts, such as "00>10>11>01>00", or a program of this chain;
-            the cycle of the drawing by default.
-        tolerances: how far the parts may be from the drawing; as for `yields` by default.
-        samples: how many mechanisms are made at random; by default as for `yields` or `survival`.
-        seed: which ones.
-        progress: called with (done, samples) while they are counted.
+        target: the target cycle, such as "00>10>11>01>00" or "1-2/1-2", or a program of this
+            chain; the cycle of the nominal design by default.
+        tolerances: manufacturing tolerances; as for `yields` by default.
+        samples: number of random samples; by default as for `yields` or `survival`.
+        seed: random seed.
+        progress: called with (done, samples).
 
     Raises:
         ValueError: no such cycle, a program of another chain, or tolerances as for `yields`.
-        StaticsError: the engine could not follow the drawing; the text says where and what to do.
+        StaticsError: the engine could not follow the nominal design; the text states where.
 
     Source: ours; the rule is the decision "A verdict is an interval's".
     """
     counted: dict[str, Any] = {"samples": samples, "seed": seed, "progress": progress}
     if isinstance(target, Program):
         if target.chain != chain:
-            raise base.InputError("target: must be a program of this chain, and is one of another.")
+            raise base.InputError(
+                "target is a program of another chain: use one of this chain, by chain.program."
+            )
         return _check_program(target, tolerances, counted)
     motion = cycle(chain)
     path, does = motion.path, str(motion.sequence)
-    sequence = does if target is None else checked_cycle(target, chain.last_state, "target")
+    last, names = chain.last_state, chain.names
+    sequence = does if target is None else checked_cycle(target, last, "target", names)
     yield_result = yields(chain, tolerances, target=sequence, **counted)
     critical_change = critical_change_of_cycle(chain, tolerances) if does == sequence else None
     return _checked(path, sequence, does, does == sequence, yield_result, critical_change)
@@ -344,7 +347,7 @@ def _checked(
     else:
         reason = f"the nominal design reaches the target, but the yield is only {low} to {high}"
     if critical_change is not None and len(counted.chain) <= LONGEST_FOLLOWED:
-        # Found here, once: reports only read it.
+        # Computed once here; reports only read it.
         _ = critical_change.becomes
     measure = measurement(counted) if meets_target and not tied else None
     # Two bands in one hole give one warning.

@@ -1,8 +1,10 @@
-"""From what a chain shall do to the orders of its end forces that do it."""
+"""Orders of the critical forces that give a target sequence or a target set of states."""
 
+import math
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import combinations, pairwise, product
+from itertools import combinations, islice, pairwise, permutations, product
 
 import numpy as np
 
@@ -11,28 +13,33 @@ from stepwell.concave import ideals
 from stepwell.sequences import Sequence
 
 
-def checked_cycle(target: str, last: str, name: str = "target") -> str:
-    """A full cycle such as "00>10>11>01>00" without its spaces; messages call it `name`.
+def checked_cycle(target: str, last: str, name: str = "target", names: tuple[str, ...] = ()) -> str:
+    """The full cycle of a target without spaces; messages call it `name`.
 
-    `last` is the state with every cell in its last phase. ValueError for a text that is no cycle.
+    A target is a state sequence such as "00>10>11>01>00", or for cells of two phases the orders of
+    loading and unloading such as "1-2/2-1" or, with cell `names`, "inner-outer/outer-inner". `last`
+    is the state with every cell in its last phase. ValueError for any other text.
     """
+    cycle = _cycle_of_orders(str(target), last, name, names)
+    if cycle:
+        return cycle
     states, two = target.replace(" ", "").split(">"), set(last) == {"1"}
     wrong = next((state for state in states if not is_state(state, last)), None)
     problem = ""
     if wrong is not None:
         digits = "characters 0 or 1" if two else f"digits up to {last}"
         problem = (
-            f"state {short(wrong)!r} must be {len(last)} {digits}, one a cell, inner first, with > "
-            f"between states;"
+            f"state {short(wrong)!r} must be {len(last)} {digits}, one per cell, cell 1 (the inner "
+            f"one) first, with > between states;"
         )
     elif {states[0], states[-1]} != {"0" * len(last)} or last not in states:
         ends = ("at 0", "at 1") if two else ("in their first phase", "in their last")
         problem = (
-            f"a full cycle begins and ends with all cells {ends[0]} and passes the state with all "
-            f"{ends[1]};"
+            f"a full cycle begins and ends with all cells {ends[0]} and includes the state with "
+            f"all {ends[1]};"
         )
     elif any(a == b for a, b in pairwise(states)):
-        problem = "the same state twice in a row; name it once a visit,"
+        problem = "the same state twice in a row; write it once per visit,"
     if problem:
         example = short(_example(last))
         raise InputError(f"{name} = {short(target)!r}: {problem} for example {example!r}.")
@@ -40,7 +47,7 @@ def checked_cycle(target: str, last: str, name: str = "target") -> str:
 
 
 def is_state(state: str, last: str) -> bool:
-    """Whether a text is a state of cells of which `last` is the last one."""
+    """Whether a text is a state of cells whose last state is `last`."""
     return len(state) == len(last) and all("0" <= a <= b for a, b in zip(state, last, strict=True))
 
 
@@ -54,10 +61,10 @@ def _example(last: str) -> str:
 
 
 def orders_of(target: str) -> Ints | None:
-    """(2, T) the switches of a full cycle in the order in which they go up, and come down.
+    """Switches of a full cycle (2, T), in the order in which they go up and come down.
 
-    None unless each goes up once and then comes down once, one by one. Of cells with two phases,
-    each is the number of its cell.
+    None unless each switch goes up once and then comes down once, one at a time. For cells with two
+    phases, the number of a switch is that of its cell.
     """
     states = np.array([[int(digit) for digit in state] for state in target.split(">")], np.int64)
     last, steps = np.max(states, axis=0), np.diff(states, axis=0)
@@ -70,17 +77,18 @@ def orders_of(target: str) -> Ints | None:
 
 
 def numbered_cycle(number: int, cells: int) -> str:
-    """The cycle whose two orders are the digits of a number in base `cells`."""
+    """Full cycle whose two orders are the digits of a number in base `cells`."""
     digits = [number // cells**place % cells for place in reversed(range(2 * cells))]
     return str(Sequence.full_cycle(digits[:cells], digits[cells:]))
 
 
 def short(sequence: str) -> str:
-    """A sequence that fits on a line."""
+    """The sequence, cut to fit on a line."""
     return sequence if len(sequence) <= 80 else f"{sequence[:60]}..."
 
 
-# Many orders may do the same, more or less surely. So many are tried, of so many.
+# Several pairs of orders may give one set of states, with different yields: at most this many are
+# tried, out of at most this many that are compared.
 _MOST_ORDERS = 24
 _MOST_COMPARED = 5000
 
@@ -107,12 +115,12 @@ class Orders:
 
     @property
     def pattern(self) -> tuple[int, ...]:
-        """Places in ascending F1 of the cells taken in ascending F0: alike but for labels."""
+        """Ranks in F1 of cells in ascending F0: equal for chains that differ in names."""
         return tuple(self.rising[1].index(cell) for cell in self.loading)
 
     @property
     def states(self) -> tuple[str, ...]:
-        """What can be reached from all cells at 0, by the number of cells at 1."""
+        """States reachable from all cells at 0, by the number of cells at 1."""
         ideals = {frozenset[int]()}
         for k, j in enumerate(self.loading):
             # A cell is at 1 only where all that load before it and unload after it are.
@@ -122,68 +130,106 @@ class Orders:
 
     @property
     def count(self) -> int:
-        """How many these states are, counted without listing them (theory page)."""
+        """Number of these states, counted without listing them (theory page)."""
         return ideals((k, -self.unloading.index(cell)) for k, cell in enumerate(self.loading))
 
     @property
     def nested(self) -> bool:
-        """Whether of every two cells the one that loads first unloads first: 2^N states."""
+        """Whether the cells unload in the order in which they load: 2^N states."""
         return self.loading == self.unloading
 
 
 def by_cells_at_1(states: Iterable[str]) -> tuple[str, ...]:
-    """States in the order in which they are listed everywhere: by the switches that are up."""
+    """States in the order of all lists: by the number of switches that are up."""
     return tuple(sorted(set(states), key=lambda s: (sum(map(int, s)), s[::-1])))
 
 
+def order_of(text: str, names: tuple[str, ...] = ()) -> tuple[int, ...]:
+    """Cells, 0 the innermost, of an order such as "2-1-3" of numbers or names; () for no order."""
+    parts = [part.strip() for part in re.split("[->,]", text) if part.strip()] or [""]
+    parts = text.split() if len(parts) == 1 else parts
+    numbers = [str(names.index(one) + 1) if one in names else one for one in parts]
+    if len(numbers) < 2 or set(numbers) != {str(cell + 1) for cell in range(len(numbers))}:
+        return ()
+    return tuple(int(number) - 1 for number in numbers)
+
+
+def _cycle_of_orders(target: str, last: str, name: str, names: tuple[str, ...]) -> str:
+    """The cycle of a target given as "loading/unloading"; "" for one given as states."""
+    loading, *unloading = (order_of(half, names) for half in target.split("/"))
+    if set(last) != {"1"} or {*map(len, (loading, *unloading))} != {len(last)}:
+        return ""
+    back = unloading[0] if len(unloading) == 1 else loading
+    cycle = str(Sequence.full_cycle(loading, back))
+    if len(unloading) == 1 and ">" not in target:
+        return cycle
+    first, second = ("-".join(str(cell + 1) for cell in order) for order in (loading, back))
+    half = cycle[: (len(last) + 1) ** 2 - 1]
+    raise InputError(
+        f"{name} = {short(target)!r} is not a state sequence (one digit per cell, cell 1 first). "
+        f"For the loading order {first} write {short(half)} and then the states of unloading; with "
+        f"the unloading order {second}: {short(cycle)!r}, or {f'{first}/{second}'!r}."
+    )
+
+
 class NoOrders(Exception):
-    """No two orders do what is wanted; the text says why."""
-
-
-def of_sequence(text: str) -> Orders:
-    """The orders of a cycle in which every cell loads once and unloads once, or ValueError."""
-    cells = len(str(text).partition(">")[0].strip())
-    if cells == 0:
-        raise InputError(f'sequence = {text!r}: must be a cycle such as "00>10>11>01>00".')
-    text = checked_cycle(str(text), "1" * cells, "sequence")
-    orders = Sequence.parse(text).orders
-    if orders is None:
-        raise InputError(
-            f"sequence = {short(text)!r}: chains of concave cells load one cell at a time until "
-            f"all are at 1, then unload one at a time, as in 00>10>11>01>00. For states beside "
-            f"such a cycle, design(states=[...])."
-        )
-    return Orders(*orders)
+    """No two orders give the target; the text states the reason."""
 
 
 @dataclass(frozen=True)
 class TargetOrders:
-    """Orders that do what is wanted."""
+    """Orders that give the target."""
 
-    orders: tuple[Orders, ...]  # different ones; any will do
+    orders: tuple[Orders, ...]  # different ones; each of them gives the target
     complete: bool = True  # whether there are no others
-    states: frozenset[str] | None = None  # those wanted, where they were listed
-    why: str = ""  # why there are no orders, where there are none
-    never: bool = False  # whether that forbids it to every chain, of whatever cells
+    states: frozenset[str] | None = None  # target states, if they were listed
+    why: str = ""  # reason if there are no orders
+    never: bool = False  # whether the reason holds for every chain of any cells
     stepwise: bool = True  # whether states lead from all cells at 0 to all at 1, one by one
 
     @property
     def cells(self) -> int:
-        """How many cells are wanted."""
+        """Number of cells of the target."""
         return len(self.orders[0]) if self.orders else len(next(iter(self.states or ("",))))
+
+
+def of_sequence(text: str) -> TargetOrders:
+    """Orders of a cycle in which every cell loads once and unloads once, or ValueError.
+
+    The text is a state sequence, "loading/unloading" such as "2-1-3/1-2-3", or a loading order
+    such as "2-1-3", for which any unloading order will do.
+    """
+    pair = ("inner", "outer")
+    loading = order_of(text.partition("/")[0], pair)
+    if loading and not {">", "/", ","} & {*text}:
+        back = islice(permutations(loading[::-1]), _MOST_ORDERS)
+        complete = math.factorial(len(loading)) <= _MOST_ORDERS
+        return TargetOrders(tuple(Orders(loading, unloading) for unloading in back), complete)
+    cells = len(loading) or len(text.partition(">")[0].strip())
+    if cells == 0:
+        raise InputError(f'sequence = {text!r}: must be a cycle such as "00>10>11>01>00".')
+    text = checked_cycle(text, "1" * cells, "sequence", pair if cells == 2 else ())
+    orders = Sequence.parse(text).orders
+    if orders is None:
+        raise InputError(
+            f"sequence = {short(text)!r}: concave cells load one at a time until all are at 1 "
+            f"and then unload one at a time, as in 00>10>11>01>00. For a set of "
+            f"reachable states use design(states=[...])."
+        )
+    return TargetOrders((Orders(*orders),))
 
 
 def of_states(states: Iterable[str] | str, cells: int | None, alike: bool) -> TargetOrders:
     """Orders for which exactly these states, or "all", can be reached from all cells at 0.
 
-    What two orders tell that can be reached are the order ideals of i < j where F0_i < F0_j and
-    F1_i < F1_j. So the wanted ones must be all ideals of some partial order, which is that of "j is
-    at 1 only where i is", and it must be met by two orders of the cells. Orders that differ only in
-    which cell is which count as one where cells may be built `alike`.
+    Two orders make the order ideals of i < j reachable, where F0_i < F0_j and F1_i < F1_j. So the
+    target states must be all ideals of one partial order, "j is at 1 only where i is", and two
+    orders of the cells must realise it. Orders that differ only in the labels of the cells count as
+    one if cells may be built `alike`.
     """
     if states == "all":
         if cells is None or cells < 1:
-            raise InputError(f'states = "all" with cells = {cells}: say how many cells, 1 or more.')
+            raise InputError(f'states = "all" with cells = {cells}: give the number, cells=3.')
         antichain = [[i == j for j in range(cells)] for i in range(cells)]
         return _orders_of(antichain, alike, None)
     target, n = _checked_states(states, cells)
@@ -191,8 +237,8 @@ def of_states(states: Iterable[str] | str, cells: int | None, alike: bool) -> Ta
     for name, state in (("0", "0" * n), ("1", "1" * n)):
         if state not in target:
             why = (
-                f"{state} is not among the wanted states, but a chain has all its cells at {name} "
-                f"in every full cycle: add it"
+                f"{state} is not among the target states, but all cells of a chain are at {name} "
+                f"once in every full cycle: add {state}"
             )
             return TargetOrders((), states=listed, why=why, never=True)
     try:
@@ -214,9 +260,9 @@ def _orders_of(below: "Below", alike: bool, states: frozenset[str] | None) -> Ta
     if clash is not None:
         a, b = clash
         raise NoOrders(
-            f"no two orders of end forces do this, as cell {a + 1} would have to come both before "
-            f"and after cell {b + 1} in one of them (the states make a partial order of a "
-            f"dimension above two)"
+            f"no two orders of the critical forces give these states, since cell {a + 1} would "
+            f"have to be both before and after cell {b + 1} in one of them (the states make a "
+            f"partial order of a dimension above two)"
         )
     different: dict[tuple[int, ...] | Orders, Orders] = {}
     antichain = sum(map(sum, below)) == len(below)
@@ -236,8 +282,8 @@ def _checked_states(given: Iterable[str] | str, cells: int | None) -> tuple[set[
     n = len(next(iter(target), ""))
     if n == 0 or any(len(s) != n or set(s) - {"0", "1"} for s in target):
         raise InputError(
-            f"states = {sorted(target)}: must be states of 0 and 1, one a cell, inner first, and "
-            f"as long as each other."
+            f"states = {sorted(target)}: must be states of 0 and 1, one digit per cell, cell 1 "
+            f"(the inner one) first, and all of one length."
         )
     if cells not in (None, n):
         raise InputError(f"cells = {cells}, but the states have {n} cells: leave `cells` out.")
@@ -256,15 +302,15 @@ def _partial_order(target: set[str], n: int) -> Below:
             if needed not in numbers:
                 first, second, third = (f"{number:0{n}b}" for number in (a, b, needed))
                 raise NoOrders(
-                    f"{first} and {second} are wanted, so {third}, with the cells that are at 1 in "
-                    f"{words}, comes with them"
+                    f"a chain that reaches {first} and {second} also reaches {third}, with the "
+                    f"cells that are at 1 in {words}: add {third}, or leave out one of the two"
                 )
     below = [[all(s[i] == "1" for s in target if s[j] == "1") for j in range(n)] for i in range(n)]
     for i, j in combinations(range(n), 2):
         if below[i][j] and below[j][i]:
             raise NoOrders(
-                f"cells {i + 1} and {j + 1} are in the same state in all that is wanted, but a "
-                f"chain moves one cell at a time: add a state with only one of them at 1"
+                f"cells {i + 1} and {j + 1} are in the same state in all target states, but one "
+                f"cell at a time changes its state: add a state with only one of them at 1"
             )
     return below
 
@@ -272,11 +318,10 @@ def _partial_order(target: set[str], n: int) -> Below:
 def _clash(below: Below) -> tuple[int, int] | None:
     """Two cells that no pair of orders can place, or None if there are none.
 
-    Of two cells that are not compared, F0 has one first and F1 the other. If F0 has a before b, and
-    c is compared with a but not with b, then F0 has c before b as well, or b would lie between a
-    and c. Such consequences are followed; where they come back to b before a, no orders exist, and
-    else they do (Gallai 1967; Golumbic, Algorithmic Graph Theory and Perfect Graphs, 1980, Theorem
-    5.27).
+    For two cells that are not compared, one is first in F0 and the other in F1. If a is before b in
+    F0, and c is compared with a but not with b, then c is before b in F0 as well, or b would lie
+    between a and c. These consequences are followed; no orders exist if they lead to b before a
+    (Gallai 1967; Golumbic, Algorithmic Graph Theory and Perfect Graphs, 1980, Theorem 5.27).
     """
     free: Below = (~(np.array(below) | np.array(below).T)).tolist()
     for a, b in combinations(range(len(below)), 2):
@@ -286,7 +331,7 @@ def _clash(below: Below) -> tuple[int, int] | None:
 
 
 def _following(free: Below, a: int, b: int) -> set[tuple[int, int]]:
-    """Pairs of cells that F0 has in this order if it has a before b."""
+    """Pairs of cells whose order in F0 follows from a before b."""
     n = len(free)
     seen, waiting = {(a, b)}, [(a, b)]
     while waiting:
@@ -299,7 +344,7 @@ def _following(free: Below, a: int, b: int) -> set[tuple[int, int]]:
 
 
 def _realisers(below: Below) -> Iterator[Orders]:
-    """Every pair of orders that agree exactly on what the partial order says.
+    """All pairs of orders that agree exactly on the pairs that the partial order compares.
 
     F0 must be a linear extension in which no b stands between a and c > a without being compared
     with either (Dushnik & Miller 1941); F1 is then the other way round wherever the partial order
@@ -321,7 +366,7 @@ def _realisers(below: Below) -> Iterator[Orders]:
     def grow() -> Iterator[Orders]:
         if len(line) == n:
             place = np.argsort(line)
-            # How many cells come before each in ascending F1.
+            # Number of cells before each in ascending F1.
             before = np.sum(np.where(free, place[:, None] > place, below), axis=0)
             yield Orders(tuple(line), tuple(np.argsort(before)[::-1].tolist()))
             return

@@ -1,4 +1,4 @@
-"""What a chain shall do, whether one does it, and the states that an actuator can reach."""
+"""Targets of a chain, whether a chain reaches them, and the reachable states."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -12,19 +12,19 @@ from stepwell.mechanism import Chain
 from stepwell.sequences import Branches, Sequence, cycle
 from stepwell.statics import Landing, StaticsError, Tie
 
-# The longest chain whose branches are all followed.
+# Longest chain whose branches are all followed.
 MOST_CELLS = 8
 _LISTED = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reached(ByValue):
-    """States with every cell in a phase that can be reached from all cells in their first.
+    """States with every cell in a phase that are reachable from all cells in their first phase.
 
     Attributes:
-        told: those that were looked at, or two orders of concave cells whose ideals they are.
+        known: the states, or two orders of concave cells whose ideals they are.
         whole: whether these are all; if not, there may be more.
-        how: how that is known, or why it is not.
+        how: the proof that these are all, or the reason why there is none.
     """
 
     known: tuple[str, ...] | Orders
@@ -33,21 +33,21 @@ class Reached(ByValue):
 
     @property
     def states(self) -> tuple[str, ...]:
-        """Such as "010", by the number of cells at 1; of long chains too many to be listed."""
+        """States such as "010" by the number of cells at 1; too many to list for long chains."""
         return self.known.states if isinstance(self.known, Orders) else self.known
 
     @property
     def count(self) -> int:
-        """How many they are, counted without listing them."""
+        """Number of the states, counted without listing them."""
         return self.known.count if isinstance(self.known, Orders) else len(self.known)
 
 
 def reached(chain: Chain) -> Reached:
-    """What can be reached: exactly where all can be looked at, else what surely can.
+    """Reachable states of a chain: exact if all branches can be followed, else a lower bound.
 
-    Up to eight cells are followed along every branch. Of more, concave cells reach the ideals of
-    their two orders under a force, and with one full travel surely those under a stroke, which are
-    all states where every two loops are nested; any others, what one full cycle passes.
+    Up to eight cells are followed along every branch. More concave cells reach the ideals of their
+    two orders under a force. With one full travel they reach at least these under a stroke, and
+    all states if every two loops are nested. Other chains: the states of one full cycle.
 
     Source: theory page, "Transition graphs" and "Stroke programs" (a, b).
     """
@@ -62,17 +62,17 @@ def reached(chain: Chain) -> Reached:
             return Reached(by_cells_at_1(states), not ties, how)
     sequence = cycle(chain).sequence
     if sequence.orders is not None and chain.actuator_stiffness == 0 and relays(chain) is not None:
-        return Reached(Orders(*sequence.orders), True, "under a force no cell feels another")
+        return Reached(Orders(*sequence.orders), True, "under a force the cells are independent")
     if sequence.orders is None or not (one_travel(chain) and proved_cells(chain)):
         return Reached(by_cells_at_1(sequence.states), False, why)
     orders = Orders(*sequence.orders)
     if orders.nested:
-        return Reached(orders, True, "every two loops are nested, so all are reached")
+        return Reached(orders, True, "all loops are nested, so all states are reached")
     return Reached(orders, False, why)
 
 
 def reachable_states(chain: Chain) -> tuple[frozenset[str], tuple[Tie, ...]]:
-    """All states that can be reached from all cells in their first phase, and ties on the way."""
+    """All states reachable from all cells in their first phase, and ties on the way."""
     from stepwell.sequences import graph
 
     transitions = graph(chain, start=chain.first_state)
@@ -82,7 +82,7 @@ def reachable_states(chain: Chain) -> tuple[frozenset[str], tuple[Tie, ...]]:
 
 
 def landings_of_reachable(chain: Chain, ratio: float) -> Iterator[Landing]:
-    """Whether each snap in reach of the first state holds for all mobilities within a ratio."""
+    """Landings of all snaps reachable from the first state, for all mobilities within a ratio."""
     branches = Branches(chain)
     place = branches.vertex(chain.first_state)
     assert place is not None
@@ -93,19 +93,19 @@ def landings_of_reachable(chain: Chain, ratio: float) -> Iterator[Landing]:
 
 
 def unsearchable(chain: Chain, friction: float = 0.0) -> str:
-    """Why not all that can be reached can be looked at, with more friction [N]; "" where it can."""
+    """Reason why not all branches can be followed, with added friction [N]; "" if they can."""
     if friction > 0 or any(cell.friction > 0 for cell in chain.cells):
         return (
-            "with friction a chain stops wherever it is turned back, so what it can reach is not "
-            "told by finitely many branches"
+            "with friction a chain stops at every reversal, so finitely many branches do not "
+            "contain all reachable states"
         )
     if len(chain) > MOST_CELLS:
-        return f"the branches of more than {MOST_CELLS} cells are not all followed"
+        return f"all branches are followed for up to {MOST_CELLS} cells only"
     return ""
 
 
 def state_differences(reached_states: Iterable[str], target: Iterable[str]) -> str:
-    """What else is reached, and what is not; "" for the same states."""
+    """States reached in addition to the target, and those not reached; "" for the same states."""
     reached_states, target = set(reached_states), set(target)
     parts = [("also reaches", reached_states - target), ("does not reach", target - reached_states)]
     listed = ((words, join_first(by_cells_at_1(states), _LISTED, between=" ")) for words, states in parts)
@@ -113,44 +113,44 @@ def state_differences(reached_states: Iterable[str], target: Iterable[str]) -> s
 
 
 class Behaviour(NamedTuple):
-    """What the engine finds that a chain does."""
+    """Simulated behaviour of a chain."""
 
     sequence: Sequence  # of its full cycle
-    states: frozenset[str] | None  # all that can be reached from all cells at 0; None for a cycle
-    tied: bool  # whether the model cannot tell
+    states: frozenset[str] | None  # all reachable from all cells at 0; None for a cycle
+    tied: bool  # whether events are degenerate
     peak: float  # largest force of the actuator in the cycle, in size [N]
 
 
 @dataclass(frozen=True)
 class Target:
-    """A cycle, or a set of states that shall be in reach and no others."""
+    """A target cycle, or the set of all reachable states."""
 
-    text: str  # what is wanted
-    orders: TargetOrders  # the orders of concave cells that do it
+    text: str
+    orders: TargetOrders  # orders of concave cells that give the target
     by_states: bool
 
     @cached_property
     def states(self) -> frozenset[str] | None:
-        """The states that shall be reached and no others; None where that is not looked at."""
+        """The target states and no others; None if they are not checked."""
         if not self.by_states or self.orders.cells > MOST_CELLS:
             return None
         return self.orders.states or frozenset(self.orders.orders[0].states)
 
     @property
     def has_equal_cells(self) -> bool:
-        """Whether two cells are always in the same state, as two equal ones are until they tie."""
+        """Whether two cells are always in the same state, as two equal cells until they tie."""
         columns = list(zip(*(self.states or ()), strict=True))
         return len(set(columns)) < len(columns)
 
     def simulate(self, chain: Chain) -> Behaviour:
-        """What a chain does, by the engine."""
+        """The behaviour of a chain by the engine."""
         result = cycle(chain)
         states, ties = (None, ()) if self.states is None else reachable_states(chain)
         tied = bool(result.degenerate or ties)
         return Behaviour(result.sequence, states, tied, abs(result.peak_force))
 
     def fault(self, chain: Chain, orders: Orders) -> str:
-        """What is wrong with a chain built for orders, by the engine; "" where all is as wanted."""
+        """How a simulated chain designed for orders misses the target; "" if it does not."""
         try:
             behaviour = self.simulate(chain)
         except (StaticsError, ValueError) as failure:

@@ -272,7 +272,8 @@ def reprogram(
     refuse_reach(chain, reach)
     wanted = None
     if target is not None:
-        wanted = Sequence.parse(checked_cycle(str(target), chain.last_state, "target"))
+        text = checked_cycle(str(target), chain.last_state, "target", chain.names)
+        wanted = Sequence.parse(text)
     before = cycle(chain).sequence
     text = None if wanted is None else str(wanted)
     after, method = None, Method.EXACT

@@ -1,4 +1,4 @@
-"""One try at a design, with given orders, bands and levers."""
+"""One attempt at a design with given orders, bands and levers."""
 
 import math
 from collections.abc import Sequence
@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stepwell.base import Floats
+from stepwell.base import Floats, to_unit
 from stepwell.design.orders import Orders
 from stepwell.design.synthesis import placement
 from stepwell.design.synthesis.candidates import Candidates, Rule, differences, joined
@@ -14,34 +14,34 @@ from stepwell.design.synthesis.holes import best_choice, fits
 from stepwell.design.synthesis.region import Region, lattice
 from stepwell.mechanism import Cell, Chain
 
-# Where a complete search among holes gives up, after some ten seconds, and one for a start.
+# Node limits of a complete search among holes (some ten seconds), and of a first search.
 _MOST_NODES = 3_000_000
 _START_NODES = 100_000
-# Candidates of a first look: at most of one kind in one region, about of all, at least.
+# Candidates of the first step: at most of one kind in one region, about of all, at least.
 _LATTICE, _LATTICE_OF_ALL, _LATTICE_LEAST = 150, 240, 24
-_LATTICE_MOST = 20_000  # places, where few of them will do
+_LATTICE_MOST = 20_000  # places, if few of them are allowed
 _ROUNDS = 200
 _DECIMALS = 6  # decimals of a metre
 
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """What was tried and what was found."""
+    """An attempt and its best placement."""
 
     rule: Rule
     orders: Orders
     regions: tuple[Region, ...]
     holes: float | None
-    tables: list[Candidates]  # candidates looked at first, of every different region
-    owner: tuple[int, ...]  # for every cell the number of its table
+    tables: list[Candidates]  # candidates of the first step, for every different region
+    owner: tuple[int, ...]  # number of the table of every cell
     best: placement.Placement | None
     complete: bool  # whether all choices from the tables were compared
-    nodes: int  # partial choices that took
+    nodes: int  # number of partial choices
     pitch: float  # of the lattice or the holes [m]
 
     @property
     def quality(self) -> tuple[float, float]:
-        """The larger the better."""
+        """Quality of the best placement; larger is better."""
         if self.best is None:
             return -math.inf, -math.inf
         return self.best.quality(self.rule.worst)
@@ -53,7 +53,7 @@ class Attempt:
 
     @property
     def excluded(self) -> str:
-        """Of how many places the band is not proved, or too strong for the actuator."""
+        """Number of holes where the band is not proved, or too strong for the actuator."""
         if self.holes is None:
             return ""
         every = [lattice(region, self.holes) for region in dict.fromkeys(self.regions)]
@@ -63,11 +63,11 @@ class Attempt:
 
     @property
     def candidates(self) -> int:
-        """How many ways to build a cell were looked at first."""
+        """Number of candidates for a cell in the first step."""
         return sum(len(table.q) for table in self.tables)
 
     def refined(self) -> "Attempt":
-        """With anchors anywhere, not only on the lattice of the first look."""
+        """The attempt with anchors anywhere, not only on the lattice of the first step."""
         if self.best is None or self.holes is not None:
             return self
         search = placement.Search(self.rule, self.orders, self.regions)
@@ -86,8 +86,14 @@ class Attempt:
         cells = [self.rule.cell((x, y), k) for (x, y), k in zip(q, kinds, strict=True)]
         return named_chain(cells, actuator_stiffness, title)
 
+    @property
+    def bands(self) -> str:
+        """The rest lengths of the bands, in words."""
+        rest = {f"{to_unit(kind.band.rest_length, 'mm'):.4g}" for kind in self.rule.kinds}
+        return f"band (rest length {' or '.join(sorted(rest, key=float))} mm)"
+
     def smallest_gap(self) -> float:
-        """The smallest gap between neighbours in the wanted orders, as found [N]."""
+        """Smallest gap between neighbours in the target orders of the best placement [N]."""
         if self.best is None:
             return math.nan
         force = self.best.cells.force
@@ -95,7 +101,7 @@ class Attempt:
         return float(np.min(gaps, initial=math.inf))
 
     def largest_gap(self) -> float:
-        """The largest that the smallest gap can be where no choice meets the orders [N]."""
+        """Upper bound of the smallest gap if no choice meets the orders [N]."""
         if len(self.tables) == 1:
             return 0.0  # all cells in one hole
         gaps, allowed = differences(joined(self.tables)), placement.shared(self.tables, self.owner)
@@ -103,7 +109,7 @@ class Attempt:
         return selection.value
 
     def region(self) -> tuple[Floats, ...]:
-        """The pairs (F0, F1) [N] that a cell can have: closed curves, or those of all holes."""
+        """Feasible pairs (F0, F1) [N] of a cell: closed curves, or those of all holes."""
         if self.holes is not None:
             return tuple(table.force for table in self.tables)
         different = dict.fromkeys(self.regions)
@@ -121,7 +127,7 @@ def named_chain(cells: Sequence[Cell], actuator_stiffness: float, title: str) ->
 def from_lattice(
     rule: Rule, orders: Orders, regions: tuple[Region, ...], holes: float | None
 ) -> Attempt:
-    """The best choice from a lattice, or from all holes, by complete search where that is few."""
+    """The best choice from a lattice or from all holes, by complete search if these are few."""
     different = list(dict.fromkeys(regions))
     pitch, tables = _tables(rule, different, holes)
     owner = tuple(different.index(region) for region in regions)
@@ -153,7 +159,7 @@ def _tables(
 
 
 def _lattice(rule: Rule, region: Region, places: float) -> tuple[float, Candidates]:
-    """The pitch [m] of a lattice with about so many places to build at, and its candidates."""
+    """Pitch [m] of a lattice with about `places` allowed places, and its candidates."""
     box = region.bounds
     pitch = max(box.right - box.left, box.top - box.bottom)
     while True:

@@ -1,4 +1,4 @@
-"""A chain designed for a purpose, with how surely it serves it, or why none does."""
+"""Result of the inverse design: a chain with its yield, or the reason why there is none."""
 
 import math
 from collections.abc import Sequence
@@ -31,19 +31,20 @@ from stepwell.sequences import Cycle
 
 @dataclass(frozen=True, eq=False)
 class Design(ByValue, Drawn):
-    """A chain that does what is wanted, and how surely.
+    """A chain that reaches the target, with its yield.
 
     Attributes:
-        chain: its cycle is verified by the engine, and where states were wanted, what it reaches.
-        cycle: what it does.
-        yield_: the share of built mechanisms that do what was wanted, and its tolerances.
-        region: the pairs (F0, F1) [N] that a cell can have: closed curves (m, 2) round them, or
-            where there are holes all of them.
-        holes: pitch of the drilled holes [m]; None where anchors may be anywhere.
-        candidates: how many ways to build a cell were looked at first.
-        proved: whether no other choice of holes is better, of those where the cell is proved.
-        method: what was searched, by which objective, and what of it is proved.
-        standing: what is known of the cells.
+        chain: the nominal design. Its cycle, and for target states its reachable states, are
+            verified by simulation.
+        cycle: its full cycle.
+        yield_: fraction of samples that reach the target, with the tolerances.
+        region: feasible pairs (F0, F1) [N] of a cell: closed curves (m, 2) around them, or all of
+            them for holes.
+        holes: pitch of the drilled holes [m]; None for anchors anywhere.
+        candidates: number of candidates for a cell in the first step.
+        proved: whether no other choice of holes with proved cells is better.
+        method: what was searched, the objective, and what is proved.
+        standing: what is proved or assumed for the cells.
     """
 
     chain: Chain
@@ -83,33 +84,33 @@ class Design(ByValue, Drawn):
 
     @cached_property
     def reached(self) -> Reached:
-        """The states that can be reached from all cells at 0, and whether these are all."""
+        """States reachable from all cells at 0, and whether the list is complete."""
         return reached(self.chain)
 
     @property
     def states(self) -> tuple[str, ...]:
-        """What can surely be reached from all cells at 0; `reached` tells whether it is all."""
+        """States proved reachable from all cells at 0; `reached` states whether these are all."""
         return self.reached.states
 
     @property
     def critical(self) -> Critical | None:
-        """The two cells whose order goes wrong first."""
+        """The two cells whose order is most often reversed."""
         return self.yield_.critical
 
     @cached_property
     def robustness(self) -> Robustness | None:
-        """How far all anchors, or all forces, may be off at once; None without a closed form."""
+        """Largest deviation of all anchors, or forces, at once; None without a closed form."""
         relays = self.chain.elements and are_relays(self.chain)
         return robustness(self.chain) if relays or SortedChain.of(self.chain) else None
 
     @property
     def assumptions(self) -> str:
-        """Under which all this holds."""
+        """Assumptions of the design and its yield."""
         return f"{self.standing}; yield: {self.yield_.assumptions}"
 
     def __str__(self):
-        surely = "" if self.reached.whole else " surely"
-        lines = [f"{short(self.sequence)}, {self.reached.count} states{surely} in reach"]
+        least = "" if self.reached.whole else "at least "
+        lines = [f"{short(self.sequence)}, {least}{self.reached.count} reachable states"]
         placed = len({cell.bands[0].p for cell in levers_of(self.chain)}) > 1
         force, factor = display_unit(self.chain.measure.force_unit)
         for name, cell in zip(self.chain.names, self.chain.cells, strict=True):
@@ -151,19 +152,19 @@ class Design(ByValue, Drawn):
 
 
 class Impossible(Shown, StepwellError, ValueError):
-    """What is wanted cannot be had within what is allowed; `str` of it says why.
+    """No allowed design reaches the target; its text states the reason.
 
     Attributes:
         target: as text.
-        proved: True for a proof, which then covers all that is allowed, as it is drawn: no choice
-            does it without a tie. False where something was not tried, and the text says what.
-        region: the pairs (F0, F1) [N] that a cell can have: closed curves round them, or with holes
-            all of them; empty where there are none, or none was looked at.
-        largest_gap: the largest smallest gap between neighbours in the wanted orders of F0 and
-            F1 that can be had, or was found where nothing is proved [N]: zero where two cells
-            tie, less where they change places; NaN where there are no cells to compare.
-        gap_needed: it would have to be more than this, or the engine finds a tie [N].
-        measure: what the forces are.
+        proved: True for a proof, which covers all allowed nominal designs: none reaches the target
+            without a tie. False if some were not tried; the text states which.
+        region: feasible pairs (F0, F1) [N] of a cell: closed curves around them, or all of them
+            for holes; empty if there are none, or none was computed.
+        largest_gap: the largest smallest gap between neighbours in the target orders of F0 and
+            F1, or the largest found if nothing is proved [N]: zero if two cells tie, negative if
+            they are in the other order; NaN without cells to compare.
+        gap_needed: the gap has to be larger than this, or the engine reports a tie [N].
+        measure: kind of the forces.
     """
 
     def __init__(
@@ -188,7 +189,7 @@ class Impossible(Shown, StepwellError, ValueError):
 def explained(
     target: Target, attempts: list[Attempt], mismatch: str, rest: str, allowed: str, *, proved: bool
 ) -> Impossible:
-    """Why nothing does what is wanted, of attempts to have the end forces in its orders."""
+    """The error that states why no attempt brings the critical forces into the target orders."""
     if not attempts:
         return Impossible(target.text, _and_rest(target.orders.why, rest, proved), proved=proved)
     nearest = max(attempts, key=lambda attempt: attempt.quality[1])
@@ -197,41 +198,45 @@ def explained(
     largest = needed = math.nan
     if any(not len(table.q) for table in nearest.tables):
         # Elsewhere than on holes there may be a place between those looked at.
+        within = "" if nearest.rule.as_drawn else " within the tolerances"
         why = (
-            f"at none of the {kind} of some cell is the band proved taut with falling force and "
-            f"weak enough for the actuator"
+            f"for some cell, at none of the {kind} is the {nearest.bands} proved to stay in "
+            f"tension with falling force{within}, below the force limit of the actuator"
         )
-        advice = "allow other places or another band, tighter tolerances or a stronger actuator"
+        advice = "use longer levers, a larger region, another band or a stronger actuator"
     else:
         region = nearest.region()
         needed = TIED * max(float(np.max(np.abs(table.force))) for table in nearest.tables)
         if mismatch:
             largest = nearest.smallest_gap()
-            does = mismatch if target.states is not None else f"does {mismatch}"
+            does = mismatch if target.states is not None else f"gives {mismatch}"
             why = (
-                f"with F0 and F1 in the wanted orders the engine finds that it {does}, as can be "
-                f"with unequal levers, or where a cell overtakes another in a snap"
+                f"the chain with F0 and F1 in the target orders {does} in the simulation, because "
+                f"of unequal levers or a snap in which a cell passes another"
             )
-            advice = "allow equal_levers=True, other places or other levers"
+            levers = {kind.lever for kind in nearest.rule.kinds}
+            advice = "equal_levers=True, " * (len(levers) > 1) + "another region or other levers"
+            advice = f"try {advice}"
         else:
             if nearest.holes is not None and all(attempt.complete for attempt in attempts):
                 largest = nearest.largest_gap()
                 nodes = sum(attempt.nodes for attempt in attempts)
                 holes = f"{nearest.candidates} hole{'s' * (nearest.candidates != 1)}"
-                how = f"none of all choices among {holes} and bands proved concave puts"
+                how = f"no choice among {holes} and bands proved concave gives"
                 evidence = f"complete search, {nodes} partial choices; the largest smallest gap is"
             else:
                 largest = max(attempt.smallest_gap() for attempt in attempts)
-                how = f"a search from {nearest.candidates} {kind} and bands has not put"
+                how = f"a search from {nearest.candidates} {kind} and bands has not found"
                 evidence = "not a proof; the largest smallest gap found is"
             rising = nearest.orders.rising
             first, second = (" < ".join(str(cell + 1) for cell in order) for order in rising)
             why = (
                 f"{how} F0 in the order {first} and F1 in the order {second} of cells ({evidence} "
-                f"{to_unit(largest, 'mN'):.4g} mN, and more than {to_unit(needed, 'mN'):.2g} mN is "
+                f"{to_unit(largest, 'mN'):.4g} mN; more than {to_unit(needed, 'mN'):.2g} mN is "
                 "needed)"
             )
-            advice = "allow more places or other bands"
+            advice = "allow a larger region, a smaller pitch of the holes or other bands"
+            advice = advice if nearest.holes else "allow a larger region or other bands"
     return Impossible(
         target.text,
         f"{_and_rest(why, rest, proved)}: {advice}",
@@ -245,5 +250,5 @@ def explained(
 
 def _and_rest(why: str, rest: str, proved: bool) -> str:
     if rest:
-        return f"{why}; {rest}, and none does it"
-    return why if proved else f"{why}; other cells than these were not tried"
+        return f"{why}; {rest}, and none reaches the target"
+    return why if proved else f"{why}; other cells were not tried"

@@ -1,4 +1,4 @@
-"""Elements chosen, scaled and put in order so that their chain does what is wanted."""
+"""Inverse design with elements: their kinds, scales and order along the chain."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -8,7 +8,14 @@ from itertools import combinations, product
 import numpy as np
 
 from stepwell.base import Floats, InputError, Ints, Progress, bisected, display_unit, tracked
-from stepwell.design.orders import TargetOrders, checked_cycle, of_states, orders_of, short
+from stepwell.design.orders import (
+    TargetOrders,
+    checked_cycle,
+    of_states,
+    order_of,
+    orders_of,
+    short,
+)
 from stepwell.design.switches import Switches, is_relay, switching_forces
 from stepwell.design.synthesis.designed import Impossible
 from stepwell.design.targets import reachable_states, state_differences
@@ -20,7 +27,7 @@ from stepwell.statics import StaticsError
 
 Range = tuple[float, float]
 
-LEAST = 1e-6  # of the largest force: what a linear program can tell from nothing
+LEAST = 1e-6  # of the largest force: smallest gap that a linear program resolves
 _HALVINGS = 30
 
 
@@ -28,19 +35,19 @@ _HALVINGS = 30
 class Scales:
     """Linear inequalities in the scales c (N,): gaps @ c + rub > share * sizes @ c.
 
-    All forces are counted in the largest there can be.
+    All forces are in units of the largest possible force.
     """
 
     gaps: Floats  # (m, N) between neighbours of different cells in both orders
     sizes: Floats  # (m, N)
-    offset: Floats  # (m,) what friction adds
+    offset: Floats  # (m,) contribution of friction
     bounds: Floats  # (N, 2) of the scales
 
     @classmethod
     def of(
         cls, elements: Sequence[Element], orders: Ints, scale: Range, most_force: float
     ) -> "Scales | None":
-        """None where no scales can do it: phases in another order, or too strong at any scale."""
+        """None if no scales are possible: phases in another order, or too strong at any scale."""
         chain = Chain([one.renamed("") for one in elements])
         cell = Switches.of(chain.last_state).cell
         friction = np.array([one.friction for one in elements])
@@ -64,11 +71,11 @@ class Scales:
 
     @property
     def largest_gap(self) -> float:
-        """The largest that the smallest gap can be, over the largest force; not above 0: none."""
+        """Largest possible smallest gap over the largest force; 0 or less if there is none."""
         return self._best(0.0)[1]
 
     def most_robust(self, least: float) -> tuple[tuple[float, ...] | None, float]:
-        """The scales for which all forces may be off by most, if above a share, and that share."""
+        """Scales with the largest deviation of all forces, if above `least`, and that deviation."""
         if not self._best(least)[1] > 0.0:
             return None, least
         share, _ = bisected(lambda at: self._best(at)[1] >= 0.0, least, 1.0, _HALVINGS)
@@ -76,7 +83,7 @@ class Scales:
         return None if scales is None else tuple(scales.tolist()), share
 
     def _best(self, share: float) -> tuple[Floats | None, float]:
-        """The scales with the largest smallest gap beyond a share of the forces, and that gap."""
+        """Scales with the largest smallest gap beyond a share of the forces, and that gap."""
         if not len(self.gaps):
             return self.bounds.mean(axis=1), math.inf
         from scipy.optimize import linprog  # pyright: ignore[reportMissingTypeStubs]
@@ -92,29 +99,29 @@ class Scales:
 
 
 _MOST_CHOICES = 2000  # of shapes for all cells: some seconds
-# Of the best choices by switching forces, and at random: what the engine follows, in cells.
+# Number of choices simulated, the best by switching forces, and number of cells at random.
 _SIMULATED, _RANDOM_CELLS = 24, 2400
 _COMPARED, _SAMPLES = 4, 40
 
 _RELAYS = (
-    "under a prescribed force no element feels another, and the order of their switching forces "
-    "is all that they do, which the engine has confirmed for the drawing"
+    "under a prescribed force elements are independent, and the order of their switching forces "
+    "decides the sequence, confirmed by simulation of the nominal design"
 )
-_FOLLOWS = "elements move together under this drive, and the engine has followed the drawing"
+_FOLLOWS = "elements interact under this drive; the nominal design was simulated"
 
 
 @dataclass(frozen=True)
 class ElementTarget:
-    """What a chain of elements shall do."""
+    """The target of a chain of elements."""
 
     text: str
     last: str  # state with every cell in its last phase
-    orders: tuple[Ints, ...]  # (2, T) each, of its switches, that do it under a prescribed force
+    orders: tuple[Ints, ...]  # (2, T) each, of its switches, that give it under a prescribed force
     complete: bool  # whether there are no others
-    cycle: str  # the full cycle wanted; "" where states are
-    states: frozenset[str] | None  # that shall be reached and no others; None for a cycle
-    why: str = ""  # why there are no orders, where there are none
-    never: bool = False  # whether that forbids it to every chain
+    cycle: str  # the target cycle; "" for states
+    states: frozenset[str] | None  # the target states and no others; None for a cycle
+    why: str = ""  # reason if there are no orders
+    never: bool = False  # whether the reason holds for every chain
 
     @classmethod
     def of(
@@ -124,12 +131,13 @@ class ElementTarget:
         if sequence is not None:
             given = str(sequence).replace(" ", "").split(">")
             last = "".join(max(digits) for digits in zip(*given, strict=False))
+            last = "1" * len(order_of(given[0].partition("/")[0])) or last
             text = checked_cycle(str(sequence), last, "sequence")
             orders = orders_of(text)
             if orders is None:
                 raise InputError(
-                    f"sequence = {short(text)!r}: must go phase by phase and cell by cell until "
-                    f"all are in their last one, and back, as in 00>10>11>01>00."
+                    f"sequence = {short(text)!r}: one cell at a time must go to its next phase "
+                    f"until all are in the last one, and back, as in 00>10>11>01>00."
                 )
             return cls(text, last, (orders,), True, text, None)
         target = states if isinstance(states, str) else tuple(states or ())
@@ -141,7 +149,7 @@ class ElementTarget:
         return cls(text, last, orders, wanted.complete, "", listed, wanted.why, wanted.never)
 
     def is_met_by(self, chain: Chain) -> bool:
-        """Whether a chain does it, by the engine."""
+        """Whether a simulated chain reaches the target."""
         try:
             if self.states is not None:
                 states, ties = reachable_states(chain)
@@ -152,17 +160,17 @@ class ElementTarget:
         return not result.degenerate and str(result.sequence) == self.cycle
 
 
-# A chain that does it, how many choices of shapes were looked at, whether none is better, proved,
-# how it was found, and what is known of its motion.
+# A chain that reaches the target, the number of choices of shapes, whether none is better (proved),
+# the method, and what is known of its motion.
 Scaled = tuple[Chain, int, bool, str, str]
 Sets = list[list[int]]  # for every cell the elements that it can be
 
 
 @dataclass(frozen=True, eq=False)
 class Allowed:
-    """What a chain of elements may be made of."""
+    """Available elements and ranges of their scales."""
 
-    elements: Sequence[Element]  # each can be had as often as it is needed
+    elements: Sequence[Element]  # each as often as needed
     force_scale: Range  # least and largest, times the element's own
     travel_scale: Range
     most_force: float  # no switching force is larger [N]
@@ -179,7 +187,7 @@ class Allowed:
             if not 0 < low <= high < math.inf:
                 raise InputError(
                     f"{name} = {between!r}: must be (least, largest), both > 0 and finite, such as "
-                    f"(0.5, 2.0); (1.0, 1.0) leaves it as it is."
+                    f"(0.5, 2.0), or (1.0, 1.0) for no scaling."
                 )
         if not isinstance(self.tolerances, Tolerances):
             raise InputError(
@@ -189,7 +197,7 @@ class Allowed:
             raise InputError(f"most_force = {self.most_force}: must be > 0.")
 
     def scales(self, shapes: Sequence[int], orders: Ints) -> Scales | None:
-        """The scales that these elements may have with their switching forces in these orders."""
+        """The scales with which the switching forces of these elements are in these orders."""
         made = [self.elements[k] for k in shapes]
         return Scales.of(made, orders, self.force_scale, self.most_force)
 
@@ -197,9 +205,9 @@ class Allowed:
 def scaled(
     goal: ElementTarget, allowed: Allowed, actuator_stiffness: float, seed: int, progress: Progress
 ) -> Scaled:
-    """The elements, their order along the chain and their scales that do what is wanted.
+    """Elements, their order along the chain and their scales that reach the target.
 
-    Raises Impossible, with the proof, or because none was found.
+    Raises Impossible, with a proof or because none was found.
     """
     sets = _fitting(goal, allowed.elements)
     relays = actuator_stiffness == 0 and all(map(is_relay, allowed.elements))
@@ -217,10 +225,9 @@ def scaled(
                 chain,
                 len(choices),
                 complete,
-                f"searched: the best of {len(choices)} {'random ' * (not whole)}ways to take "
-                f"elements, with their scales by linear programming; objective: the share by which "
-                f"all forces may be off at once with the order of the switching forces kept, "
-                f"{share * 100:.4g} %",
+                f"searched: the best of {len(choices)} {'random ' * (not whole)}choices of "
+                f"elements, scales by linear programming; objective: largest deviation of all "
+                f"forces at once that keeps the order of the switching forces, {share * 100:.4g} %",
                 _RELAYS if relays else _FOLLOWS,
             )
     other = None if relays else _at_random(goal, allowed, sets, actuator_stiffness, rng)
@@ -240,8 +247,8 @@ def _scalable(
 ) -> tuple[list[tuple[float, list[Element]]], float]:
     """Choices with scales by linear programming, the best first, and the largest smallest gap.
 
-    Each with the share by which all its forces may be off at once. With `best_only`, choices that
-    are worse than one found before may be left out.
+    Each with the relative deviation that all its forces may have at once. With `best_only`, choices
+    worse than an earlier one may be left out.
     """
     candidates: list[tuple[float, list[Element]]] = []
     closest = -math.inf
@@ -273,7 +280,7 @@ def _fitting(goal: ElementTarget, elements: Sequence[Element]) -> list[list[int]
             has = ", ".join(map(str, phases))
             raise InputError(
                 f"{short(goal.text)}: cell {cell + 1} has {int(goal.last[cell]) + 1} phases there, "
-                f"and the elements have {has}: give an element with as many."
+                f"but the elements have {has}: add an element with as many phases."
             )
     return sets
 
@@ -316,8 +323,8 @@ def _at_random(
         max(matches, key=lambda chain: yields(chain, allowed.tolerances, **counted).share),
         looked_at,
         False,
-        f"searched: {looked_at} random choices of elements and scales followed by the engine; the "
-        f"one of {len(matches)} that do it which works most often of {_SAMPLES} built",
+        f"searched: {looked_at} random choices of elements and scales simulated; best yield of "
+        f"{len(matches)} that reach the target, {_SAMPLES} samples each",
         _FOLLOWS,
     )
 
@@ -329,18 +336,18 @@ def _refusal(
     pair, scales = _clash(goal, allowed, sets), f"scales from {scale[0]:g} to {scale[1]:g}"
     if pair is not None:
         why = (
-            f"no two of these elements, at any {scales}, can have their switching forces in the "
-            f"orders wanted of cells {pair[0] + 1} and {pair[1] + 1}: all forces of an element "
-            f"grow together, so of two of one shape the stronger goes up later, and it comes down "
-            f"later where its force falls below zero and earlier where it does not"
+            f"no two of these elements, at any {scales}, have their switching forces in the "
+            f"target orders of cells {pair[0] + 1} and {pair[1] + 1}: all forces of an element "
+            f"scale together, so the stronger of two of one shape goes up later; it comes down "
+            f"later if its force falls below zero, and earlier if not"
         )
     else:
         why = (
-            f"in none of {choices} ways to take elements are there {scales} with the switching "
-            f"forces in the wanted orders, by linear programming"
+            f"for none of {choices} choices of elements do {scales} bring the switching forces "
+            f"into the target orders (linear programming)"
         )
     if not proved:
-        why += "; random choices of elements and scales were followed by the engine, and none does"
+        why += "; random choices of elements and scales were simulated: none reaches the target"
     measure = elements[0].measure
     unit, factor = display_unit(measure.force_unit)
     largest = max(one.largest_force for one in elements) * scale[1]
@@ -353,7 +360,7 @@ def _refusal(
         )
     return Impossible(
         goal.text,
-        f"{why}: give elements of other shapes, or a wider range of scales",
+        f"{why}: add elements of other shapes, or widen force_scale",
         proved=proved,
         largest_gap=gap,
         gap_needed=needed,
@@ -362,7 +369,7 @@ def _refusal(
 
 
 def _clash(goal: ElementTarget, allowed: Allowed, sets: Sets) -> tuple[int, int] | None:
-    """Two cells that cannot both have their places, whatever the others do; None where none."""
+    """Two cells whose orders exclude each other, for any other cells; None if there are none."""
     if len(goal.orders) != 1:
         return None
     cell = Switches.of(goal.last).cell

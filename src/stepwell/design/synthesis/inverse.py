@@ -1,4 +1,4 @@
-"""Anchors that make a chain do what is wanted."""
+"""Inverse design: anchors with which a chain reaches a target."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from stepwell.base import ONE_BY_ONE, QUICKLY, InputError, Progress
-from stepwell.design.orders import TargetOrders, by_cells_at_1, of_sequence, of_states, short
+from stepwell.design.orders import by_cells_at_1, of_sequence, of_states, order_of, short
 from stepwell.design.plane import Box
 from stepwell.design.switches import switching_forces
 from stepwell.design.synthesis.attempt import Attempt
@@ -31,8 +31,9 @@ from stepwell.mechanism import Chain, Element, Linear, SlipError, sizes
 from stepwell.sequences import Cycle, cycle
 
 Levers = float | Sequence[float]
+Order = str | Sequence[int | str]
 
-_WAY = "If it is meant so, pass unusual=True."
+_WAY = "If the value is intended, set unusual=True."
 _FREE = ("q", "p", "both")
 _OBJECTIVES = ("yield", "worst")
 
@@ -41,6 +42,7 @@ def design(
     sequence: str | None = None,
     *,
     states: Iterable[str] | str | None = None,
+    order: Order | None = None,
     cells: int | None = None,
     within: Region | Sequence[Region] | None = None,
     holes: float | None = None,
@@ -63,64 +65,65 @@ def design(
     seed: int = 0,
     progress: Progress = None,
 ) -> Design:
-    """Find anchors for a wanted cycle, or for a wanted set of states.
+    """Find anchors for a target cycle, a target order, or a target set of states.
 
-    Cells of one taut band with falling force load in ascending F0 and unload in descending F1. So a
-    cycle is two orders, and a set of states that can be reached, turning back early included, is
-    what two orders have in common. A cell is chosen from the pairs (F0, F1) that the allowed
-    anchors, bands and levers can give.
+    Cells of one taut band with falling force load in ascending F0 and unload in descending F1. So
+    two orders give a cycle, and also the set of states that are reachable with early reversals.
+    Each cell is chosen from the pairs (F0, F1) of the allowed anchors, bands and levers.
 
-    With `elements`, chains of these are designed instead: which one each cell is, and its scales.
-    Under a prescribed force the order of their switching forces is all they do, and since all
-    forces of an element grow together, a linear program finds the scales, or proves that there are
-    none. Under any other drive such chains are tried first, the engine tells what they do, and then
-    others at random. What is said of bands, levers and anchors below does not apply to them, and
-    the objective is the largest share by which all forces may be off at once.
+    With `elements`, their kinds and scales are chosen instead. Under a prescribed force the order
+    of the switching forces decides the sequence. All forces of an element scale together, so a
+    linear program finds the scales, or proves that there are none. Under any other drive the engine
+    simulates these candidates first and then random ones. The arguments on bands, levers and
+    anchors do not apply to elements. Their objective is the largest fraction by which all forces
+    may deviate at once.
 
     Args:
-        sequence: the full cycle, such as "000>100>110>111>011>001>000", inner cell first; or
-        states: all states that shall be in reach from all cells at 0, and no others, or "all".
-            Of up to eight cells the engine follows every branch, of the drawing and of each
-            mechanism made for the yield; `Design.reached` says whether that was done.
-        cells: how many, for states="all".
-        within: where the free anchors may be, for all cells or one for each; by default the paper's
-            box, in proportion to the largest lever, and its mirror image for p.
+        sequence: the full cycle, such as "000>100>110>111>011>001>000", inner cell first; or its
+            orders of loading and unloading, such as "1-2-3/1-2-3"; or the loading order alone.
+        states: all states reachable from all cells at 0, and no others, or "all". For up to eight
+            cells the engine follows every branch of the nominal design and of each sample;
+            `Design.reached` contains whether it did.
+        order: the loading order instead, such as [2, 1, 3], with any unloading order.
+        cells: number of cells for states="all".
+        within: regions of the free anchors, one for all cells or one for each; by default the
+            paper's box, scaled with the largest lever, and its mirror image for p.
         holes: pitch of drilled holes, from the region's lower left corner [m]; None for anywhere.
-        p, q: inner and outer anchor of every cell [m], where it is not free.
+        p, q: inner and outer anchor of every cell [m], if it is not free.
         free: which anchors are placed: "q", "p", or "both" with p = -q. Only q - p matters, so
-            mirror images give all that two anchors anywhere in a convex region and its image give.
-        bands: those that can be had; where the law of one bends, as a measured one does, forces are
-            looked at and the engine decides, and nothing is proved.
+            mirror images cover two anchors anywhere in a convex region and its image.
+        bands: available bands. With a nonlinear elastic law, such as a measured one, forces are
+            sampled, the engine decides, and nothing is proved.
         lever: r, or several to choose from [m].
         limit: θc of every cell [rad].
-        equal_levers: whether all cells must have the same lever. If not, the engine says whether
-            the order of F0 and F1 decides, and the next best is tried where it does not.
-        tolerances: how far what is built may be from the drawing.
-        objective: "yield" for the largest share of mechanisms that work, "worst" for the largest
-            displacement that all outer anchors may have at once, as `robustness` tells.
-        most_force: of the actuator: no |F0| or |F1| is larger [N].
+        equal_levers: whether all cells must have the same lever. If not, the engine checks whether
+            the order of F0 and F1 decides; if it does not, the next best candidate is tried.
+        tolerances: manufacturing tolerances.
+        objective: "yield" for the largest fraction of samples that reach the target, "worst" for
+            the largest displacement of all outer anchors at once, as in `robustness`.
+        most_force: limit of the actuator for all |F0| and |F1| [N].
         actuator_stiffness: K, infinite for a prescribed stroke, 0 for a prescribed force [N/m].
-        elements: those that can be had, each as often as it is needed.
-        force_scale, travel_scale: least and largest of each, times an element's own.
-        unusual: True where sizes far off the levers are meant, as for a Cell.
-        samples: mechanisms made at random for the yield; by default 100,000 where their end forces
-            tell what they do, and 500 where the engine has to follow each.
-        seed: which ones.
+        elements: available elements, each as often as needed.
+        force_scale, travel_scale: least and largest factor of an element's own scale.
+        unusual: True to accept lengths that look like unit errors, as for a Cell.
+        samples: number of random samples for the yield; by default 100,000 where their critical
+            forces decide the sequence, and 500 where the engine simulates each.
+        seed: random seed.
         progress: called with (done, total).
 
     Returns:
-        The design; `Design.method` tells what was searched. Among holes the choice is the best
+        The design; `Design.method` describes the search. Among holes the choice is the best
         one by the objective, elsewhere a local optimum.
 
     Raises:
-        Impossible: nothing that is allowed does it, with the proof; or, and it says so, none was
-            found. Among holes the closed form decides all choices of cells proved concave, and
-            the engine tries the others, as many as take some seconds.
-        ValueError: a wish or a number that makes no sense, or is probably in another unit.
+        Impossible: no allowed design reaches the target, with the proof; or none was found, as its
+            text states. Among holes the closed form decides all choices of cells proved concave;
+            others are simulated for some seconds.
+        ValueError: a target or a number that is not allowed, or is probably in another unit.
 
     Source: sorting theorem, theory page; defaults from Kamp et al. 2024, Figs. 1 and 2.
     """
-    _one_target(sequence, states, samples)
+    sequence = _one_target(sequence, states, order, samples)
     if elements:
         if within is not None or holes is not None:
             raise InputError("elements have no anchors: leave `within` and `holes` out.")
@@ -215,7 +218,8 @@ def _target_and_regions(
     alike = len(set(given)) == 1
     if states is None:
         orders = of_sequence(str(sequence))
-        target = Target(short(str(orders.sequence)), TargetOrders((orders,)), by_states=False)
+        text = str(orders.orders[0].sequence) if len(orders.orders) == 1 else f"order {sequence}"
+        target = Target(short(text), orders, by_states=False)
     else:
         states = states if isinstance(states, str) else tuple(states)
         every = f"all states of {cells} cells"
@@ -229,20 +233,33 @@ def _target_and_regions(
     return target, given if len(given) == target.orders.cells else given * target.orders.cells
 
 
-def _one_target(sequence: str | None, states: Iterable[str] | str | None, n: int | None) -> None:
+def _one_target(
+    sequence: str | None, states: Iterable[str] | str | None, order: Order | None, n: int | None
+) -> str | None:
+    """The target sequence or order as text, None for states; ValueError unless there is one."""
     if n is not None and n < 1:
-        raise InputError(f"samples = {n}: must be 1 mechanism or more.")
-    if (sequence is None) == (states is None):
+        raise InputError(f"samples = {n}: must be 1 or more.")
+    if sum(one is not None for one in (sequence, states, order)) != 1:
         raise InputError(
-            'say what is wanted, a sequence or states: design("00>10>11>01>00") or '
-            'design(states=["00", "10", "11"]) or design(states="all", cells=3).'
+            'give one target, a sequence, an order or states: design("00>10>11>01>00"), '
+            'design(order=[2, 1, 3]), design(states=["00", "10", "11"]) or '
+            'design(states="all", cells=3).'
         )
+    if order is None:
+        return sequence
+    text = order if isinstance(order, str) else "-".join(map(str, order))
+    if not order_of(text.partition("/")[0], ("inner", "outer")):
+        raise InputError(
+            f"order = {order!r}: must hold the number of every cell once, 1 for the innermost, "
+            f"as in [2, 1, 3], or '2-1-3/1-2-3' with the unloading order."
+        )
+    return text
 
 
 def _success_criterion(
     states: frozenset[str] | None, result: Cycle, tolerances: Tolerances
 ) -> str | tuple[str, ...]:
-    """What counts as success of what is built: the states wanted, or where not, the cycle."""
+    """Criterion that a sample must meet: the target states, or the nominal cycle."""
     if states is None or unsearchable(result.chain, tolerances.friction):
         return str(result.sequence)
     return by_cells_at_1(states)
@@ -252,7 +269,7 @@ def _not_searched(target: Target, share: Yield) -> str:
     if not target.by_states or share.states is not None:
         return ""
     why = unsearchable(share.chain, share.tolerances.friction)
-    return f"; the yield counts those that make the drawing's cycle, because {why}"
+    return f"; the yield counts samples with the nominal cycle, because {why}"
 
 
 def _check_anchors(p: tuple[float, float], q: tuple[float, float], free: str) -> None:
@@ -283,8 +300,8 @@ def _check_objective(
         raise InputError(f"objective = {objective!r}: must be one of {_OBJECTIVES}.")
     if objective == "worst" and not all(isinstance(band.law, Linear) for band in bands):
         raise InputError(
-            "objective = 'worst' needs bands of Hooke's law, of which the worst is known: ask for "
-            "'yield' with a measured law."
+            "objective = 'worst': its extreme forces are known for linear bands only, and a band "
+            "here has a nonlinear elastic law: use objective = 'yield'."
         )
     if not most_force > 0:
         raise InputError(f"most_force = {most_force} N: must be > 0.")
@@ -335,41 +352,42 @@ def _largest_tolerances(
 
 def _standing(attempt: Attempt | None) -> str:
     if attempt is None:
-        return "not all cells are proved concave, and the engine has followed the drawing"
+        return "not all cells are proved concave; the nominal design was simulated"
     if attempt.rule.bends:
         return (
-            f"one taut band with falling force in each cell, looked at in {LOOKS} places as drawn, "
-            f"where a law that bends allows no proof; the engine has followed the drawing"
+            f"one band in tension with falling force in each cell, sampled at {LOOKS} angles in "
+            f"the nominal design, which was simulated (a nonlinear elastic law allows no proof)"
         )
-    where = "as drawn" if attempt.rule.as_drawn else "for all anchors within the tolerances"
+    where = "nominal" if attempt.rule.as_drawn else "for all anchors within the tolerances"
     return (
-        f"concave cells: one taut band with falling force in each, proved {where}; cells load in "
-        f"ascending F0 and unload in descending F1, which the engine has confirmed for the drawing"
+        f"concave cells: one band in tension with falling force in each, proved {where}; cells "
+        f"load in ascending F0 and unload in descending F1, confirmed by simulation of the nominal "
+        f"design"
     )
 
 
 def _method(attempt: Attempt, placed: Placed) -> str:
     objective = (
-        "the largest displacement of all anchors at once for which the order stays and every cell "
-        "is proved taut and concave"
+        "the largest displacement of all anchors at once up to which the order stays and every "
+        "cell is proved taut and concave"
         if attempt.rule.worst
-        else "the product of the chances that neighbours in F0 and in F1 keep their order, to "
-        "first order in the tolerances, the gaps taken as independent; where nothing fails, the "
-        "same with larger tolerances"
+        else "the product of the probabilities that neighbours in F0 and in F1 keep their order, "
+        "to first order in the tolerances, with independent gaps; if no sample fails, the same "
+        "with larger tolerances"
     )
-    how = "the best of all choices, by complete search," if attempt.complete else "the best found"
+    how = "complete search:" if attempt.complete else "best candidate"
     places = "places" if attempt.holes is None else "holes"
     how += f" among {attempt.candidates} {places} for a band"
     if attempt.holes is None:
-        how += "; from there each cell in turn on finer and finer lattices: a local optimum"
+        how += ", then each cell in turn refined on finer lattices: a local optimum"
     if attempt.excluded:
-        how += f"; {attempt.excluded} where the band is not proved taut and concave were left out"
+        how += f"; {attempt.excluded} excluded (band not proved taut and concave)"
     if len(placed.attempts) > 1:
-        how += f"; the best of {len(placed.attempts)} combinations of orders and levers"
+        how += f"; best of {len(placed.attempts)} combinations of orders and levers"
     if placed.mismatch:
-        how += f"; what seemed better does not by the engine ({placed.mismatch})"
+        how += f"; better candidates miss the target in the simulation ({placed.mismatch})"
     if placed.others:
-        how += f"; the surest of {placed.others} random choices looked at that does it"
+        how += f"; the most robust of {placed.others} random choices that reaches the target"
     if len({kind.band.spread for kind in attempt.rule.kinds}) > 1:
-        objective += "; the yield gives all bands the widest spread of those chosen"
+        objective += "; the yield uses the largest standard deviation of the chosen bands for all"
     return f"searched: {how}; objective: {objective}"

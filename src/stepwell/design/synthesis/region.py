@@ -1,4 +1,4 @@
-"""Where the outer anchor of a band may be put, and the bands that can be had."""
+"""Regions for the anchors of a band, and the available bands."""
 
 import math
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ class BandType(ByValue):
         stiffness: k [N/m], > 0.
         rest_length: ℓ0 [m], >= 0.
         spread: standard deviation of k over its mean [1]; None for that of the tolerances.
-        name: what the catalogue calls it.
+        name: name in the catalogue.
         law: tension is `stiffness` times this shape of the extension, such as a measured Table.
 
     Source: the defaults are the paper's band, Kamp et al. 2024.
@@ -35,11 +35,11 @@ class BandType(ByValue):
 
     @classmethod
     def of(cls, band: Band, spread: float | None = None, name: str = "") -> "BandType":
-        """A band that there is, measured or of another design; its anchors are not looked at."""
+        """The type of an existing band, measured or of another design, without its anchors."""
         return cls(band.stiffness, band.rest_length, spread, name, band.law)
 
     def between(self, p: Vec2, q: Vec2) -> Band:
-        """Such a band between two anchors [m]."""
+        """A band of this type between two anchors [m]."""
         return Band(p, q, self.stiffness, self.rest_length, self.law)
 
     def __post_init__(self):
@@ -66,7 +66,7 @@ class BandType(ByValue):
 PAPER_BAND = BandType()
 
 
-# Half a micrometre: a hole this far outside is on the edge, and rounding put it there.
+# Half a micrometre: a hole this far outside is on the edge, displaced by rounding.
 _EDGE = 0.5e-6
 _MOST_PLACES = 1_000_000
 
@@ -107,8 +107,8 @@ class AnchorPolygon(ByValue):
     """A polygon for the anchor q on a cell's outer block.
 
     Args:
-        corners: (m, 2) in order round it [m]; the last is joined to the first. Where it crosses
-            itself, what it goes round twice is outside. ValueError for fewer than three, or a line.
+        corners: (m, 2) in order around it [m]; the last is joined to the first. If it crosses
+            itself, areas enclosed twice are outside. ValueError for fewer than three, or a line.
     """
 
     corners: Sequence[tuple[float, float]]
@@ -124,10 +124,10 @@ class AnchorPolygon(ByValue):
             raise InputError(f"corners = {corners}: must be three or more, all finite [m].")
         out = np.array(corners) - corners[0]
         if np.linalg.matrix_rank(out, 1e-9) < 2:
-            raise InputError(f"corners = {corners} m: lie in a line; must enclose an area.")
+            raise InputError(f"corners = {corners} m: lie on a line; must enclose an area.")
         if any(a == b for a, b in zip(corners, corners[1:] + corners[:1], strict=True)):
             raise InputError(
-                f"corners = {corners} m: no corner must follow itself; leave it out once."
+                f"corners = {corners} m: a corner is given twice in a row; leave it out once."
             )
         object.__setattr__(self, "corners", corners)
 
@@ -150,7 +150,7 @@ class AnchorPolygon(ByValue):
         """The nearest allowed places to (m, 2) places."""
         a, b = self._sides()
         along = b - a
-        # Sides so short that their square is nothing are their first corner.
+        # Sides so short that their square is zero count as their first corner.
         length = np.sum(along * along, axis=-1)
         reach = np.sum((q[:, None] - a) * along, axis=-1) / np.where(length > 0, length, np.inf)
         foot = a + np.clip(reach, 0.0, 1.0)[..., None] * along
@@ -176,7 +176,7 @@ PAPER_LEVER = 0.010 * math.sqrt(2.0)
 
 
 def usual_box(lever: float, free: str = "q") -> AnchorBox:
-    """The paper's box, as large for a lever [m] as it is for the paper's; of p its mirror image."""
+    """The paper's box scaled with the lever [m]; for p its mirror image."""
     ratio, box = lever / PAPER_LEVER, PAPER_BOX
     sides = [ratio * side for side in (box.left, box.right, box.bottom, box.top)]
     if free == "p":
@@ -188,7 +188,7 @@ _FREE = {"q": "anchors q", "p": "anchors p", "both": "anchors q, and p = -q,"}
 
 
 def allowed_text(regions: Sequence[Region], holes: float | None, free: str = "q") -> str:
-    """Where anchors may be, in a few words with units."""
+    """Text for the allowed anchors, with units."""
     places: list[str] = []
     for region in regions:
         box = region.bounds

@@ -1,4 +1,4 @@
-"""Everything that is tried to make a chain do what is wanted, one thing after the other."""
+"""Search for a chain that reaches a target: closed forms first, then simulated candidates."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ from stepwell.mechanism import Cell, Chain
 from stepwell.statics import StaticsError
 
 _RANDOM = 5000  # placements of each attempt
-_NEARBY = 200  # places round the best one of each cell
-# Cells of the chains that the engine looks at in all: some seconds.
+_NEARBY = 200  # places around the best one of each cell
+# Number of cells of all simulated chains: some seconds.
 _LOOKED_AT = 2400
 
 
 def random_placement(
     target: Target, attempts: list[Attempt], actuator_stiffness: float, seed: int
 ) -> tuple[Attempt | None, int]:
-    """The surest of some random placements that does what is wanted, and how many were looked at.
+    """The most robust random placement that reaches the target, and the number simulated.
 
-    Two orders tell what is surely reached. Where more than that is reached, since a cell overtakes
-    another in a snap, it is not by the end forces, so placements are drawn at random from those in
-    the wanted orders, and looked at by the engine from the surest on.
+    Two orders decide which states are reached at least. A cell that passes another in a snap may
+    reach more states, which the critical forces do not decide. So placements in the target orders
+    are taken at random and simulated, the most robust first.
     """
     rng = np.random.default_rng(seed)
     pool: list[tuple[float, Attempt, Candidates]] = []
@@ -93,13 +93,13 @@ def _log_chance(attempt: Attempt, table: Candidates, picks: Ints) -> Floats:
         at = picks[:, list(order)]
         gap = np.diff(table.force[at, end], axis=1)
         near = attempt.rule.combined(table.up[at[:, :-1], end], table.down[at[:, 1:], end])
-        # In the worst case nothing is taken of a gap by no displacement.
+        # In the worst case a gap is not reduced without a displacement.
         ratio = np.divide(gap, near, out=gap.copy(), where=near > 0)
         total += np.sum(np.where(gap > least, log_ndtr(ratio), -np.inf), axis=1)
     return total
 
 
-# Cells of all chains that are tried, through a cycle or along all their branches: some seconds.
+# Number of cells of all simulated chains, in cycles or along all branches: some seconds.
 _THROUGH_A_CYCLE, _ALONG_ALL_BRANCHES = 12_000, 2_400
 
 
@@ -107,7 +107,7 @@ class Buildable(NamedTuple):
     """A way to build a cell."""
 
     cell: Cell
-    concave: bool  # proved, as drawn
+    concave: bool  # whether the nominal cell is proved concave
 
 
 def _buildable(rule: Rule, region: Region, holes: float) -> list[Buildable]:
@@ -117,14 +117,14 @@ def _buildable(rule: Rule, region: Region, holes: float) -> list[Buildable]:
             try:
                 cell = rule.cell((x, y), k)
             except ValueError:
-                continue  # nobody can build it
+                continue  # cannot be built
             if max(abs(cell.force_0), abs(cell.force_1)) <= rule.most_force:
                 buildable.append(Buildable(cell, closed(cell) is not None))
     return sorted(buildable, key=lambda way: way.concave)
 
 
 def _count(tables: list[list[Buildable]], alike: bool, repeats: bool, settled: bool) -> int:
-    """How many choices there are; equal cells never part without a tie, `repeats` if they may."""
+    """Number of choices; equal cells always tie, so cells differ unless `repeats`."""
 
     def all_of(sizes: list[int]) -> int:
         n, m = len(sizes), sizes[0]
@@ -139,7 +139,7 @@ def _all_choices(
 ) -> Iterator[tuple[Buildable, ...]]:
     if alike:
         every = (combinations_with_replacement if repeats else combinations)(tables[0], len(tables))
-        # Those that are not proved concave come first, so one of them leads.
+        # Cells that are not proved concave come first, so one of them is the first of each choice.
         yield from takewhile(lambda cells: not (settled and cells[0].concave), every)
         return
     if not settled:
@@ -167,10 +167,10 @@ def _random_choices(
 
 
 def _matching_order(target: Target, seen: Behaviour, alike: bool) -> tuple[int, ...] | None:
-    """Which cell of a chain has to be which wanted one; None where it does something else.
+    """Which cell of a chain is which cell of the target; None if it misses the target.
 
-    The order of cells along a chain changes nothing but their names: where all may be built alike
-    any order will do.
+    The order of cells along a chain changes only their names, so any order will do if all cells
+    may be built alike.
     """
     if seen.tied:
         return None
@@ -192,7 +192,7 @@ def _matching_order(target: Target, seen: Behaviour, alike: bool) -> tuple[int, 
 def _matching_by_states(
     wanted: frozenset[str], seen: frozenset[str], alike: bool
 ) -> tuple[int, ...] | None:
-    """Which cell has to be which wanted one for these states; None where no order will do."""
+    """Which cell is which cell of the target for these states; None if no order will do."""
     if Counter(s.count("1") for s in seen) != Counter(s.count("1") for s in wanted):
         return None
     same = tuple(range(len(next(iter(wanted)))))
@@ -203,29 +203,29 @@ def _matching_by_states(
 
 
 _REFINED = 3  # attempts
-# Of choices that do it, so many are made so often, to see which does it most surely.
+# Choices whose yields are compared, and samples of each.
 _COMPARED, _SAMPLES = 24, 40
 
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """What came of choosing from what the closed form decides."""
+    """Result of the search among candidates that the closed form decides."""
 
-    best: Attempt | None  # the best that does it by the engine
+    best: Attempt | None  # the best that reaches the target in the simulation
     attempts: list[Attempt]
-    complete: bool  # no choice was left out: none is better, or none does it
-    mismatch: str  # what the engine finds of a better one
-    others: int  # random choices in the wanted orders looked at
+    complete: bool  # all choices were compared: none is better, or none reaches the target
+    mismatch: str  # what a better candidate does in the simulation
+    others: int  # number of random choices simulated
 
     @property
     def candidates(self) -> int:
-        """How many ways to build a cell were looked at first."""
+        """Number of candidates for a cell in the first step."""
         return max((attempt.candidates for attempt in self.attempts), default=0)
 
 
 @dataclass
 class TargetSearch:
-    """The tries at one target, with their progress."""
+    """The search for one target, with its progress."""
 
     target: Target
     regions: tuple[Region, ...]
@@ -248,14 +248,14 @@ class TargetSearch:
         notify(self.progress, self._done, self._total)
 
     def end(self) -> None:
-        """Nothing is left to be tried."""
+        """Report the search as finished."""
         self._advance(self._total)
 
     def placed(self, rules: list[Rule]) -> Placed:
-        """The best choice by the objective that does what is wanted."""
+        """The best choice by the objective that reaches the target."""
         placed = self._best_of_rules(rules)
         if placed.best is None and self.holes is not None:
-            # As drawn more cells are proved concave than within all tolerances.
+            # More cells are proved concave in the nominal design than within all tolerances.
             placed = self._best_of_rules([replace(rule, as_drawn=True) for rule in rules])
         return placed
 
@@ -293,11 +293,11 @@ class TargetSearch:
     def _simulated_choices(
         self, rules: list[Rule], holes: float, *, decided: bool
     ) -> tuple[list[Chain], bool, str]:
-        """Follow every choice of holes that is left, or as many as take some seconds.
+        """Simulate every remaining choice of holes, or random ones for some seconds.
 
-        `decided` if no choice of cells proved concave as drawn that share a full travel does it.
-        Returned are the chains that do it, whether it is known of all others that they do not, and
-        what was tried.
+        `decided`: no choice of cells proved concave and with one full travel reaches the target.
+        Returned are the chains that reach it, whether all others are known to miss it, and a
+        report.
         """
         target, regions, before = self.target, self.regions, self._done
         alike, repeats = len(set(regions)) == 1, target.has_equal_cells
@@ -330,22 +330,22 @@ class TargetSearch:
                     these = [cells[k].cell for k in order]
                     title = f"Designed for {target.text}"
                     chains.append(named_chain(these, self.actuator_stiffness, title))
-        choices = f"{left} choices that no closed form decides were run"
+        choices = f"{left} remaining candidates were simulated"
         if done == left and not unanswered:
-            return chains, True, f"all {choices} by the engine"
+            return chains, True, f"all {choices}"
         mismatch = f", {unanswered} of them without an answer" * (unanswered > 0)
         return chains, False, f"{done} of {choices}{mismatch}"
 
     def simulated(
         self, rules: list[Rule], placed: Placed, tolerances: Tolerances
     ) -> tuple[Chain, str]:
-        """A chain that no closed form decides, and how it was found; raises Impossible for none."""
+        """A chain that no closed form decides, with its method; raises Impossible for none."""
         target = self.target
         if self.holes is None:
             concave = not target.orders.stepwise and all(
                 all_proved(rule, region) for rule in rules for region in set(self.regions)
             )
-            report = f"{placed.others} random choices in the wanted orders were looked at"
+            report = f"{placed.others} random choices in the target orders were simulated"
             report *= placed.others > 0
             raise self._impossible(placed, report, proved=target.orders.never or concave)
         if target.orders.never or (not target.orders.orders and target.states is None):
@@ -360,9 +360,9 @@ class TargetSearch:
             return yields(chain, tolerances, samples=_SAMPLES, seed=self.seed, target=counted).share
 
         return max(chains[:_COMPARED], key=share), (
-            f"searched: no choice of {placed.candidates} holes for a band that is proved taut and "
-            f"concave does it; {report}, and {len(chains)} of them do it; the one of "
-            f"{min(len(chains), _COMPARED)} of these that works most often of {_SAMPLES} built"
+            f"searched: no choice of {placed.candidates} holes with bands proved taut and concave "
+            f"reaches the target; {report}, and {len(chains)} of them reach it; best yield of "
+            f"{min(len(chains), _COMPARED)} of these, {_SAMPLES} samples each"
         )
 
     def _impossible(self, placed: Placed, rest: str, *, proved: bool) -> Impossible:

@@ -1,4 +1,4 @@
-"""How far a built mechanism may be from its drawing, and mechanisms drawn at random within."""
+"""Manufacturing tolerances of a nominal design, and random samples within them."""
 
 import math
 from collections.abc import Iterator
@@ -26,25 +26,25 @@ _UNITS = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tolerances(base.ByValue):
-    """How far the parts of a built mechanism may be from the drawing, each by itself.
+    """Tolerances of the parts of a mechanism, all independent.
 
-    Of an element there are `stiffness`, `friction` and `travel`. Its `error_band` is no tolerance:
-    it says how well one curve is known, not how much its copies differ.
+    An element has `stiffness`, `friction` and `travel`. Its `error_band` is not a tolerance: it is
+    the uncertainty of one measured curve, not the variation between copies.
 
     Args:
-        anchor: every anchor p and q lies anywhere within this radius, evenly over the disc [m].
-        stiffness: standard deviation of each band's k over its mean, normal, cut at four; of an
-            element, of all its forces alike [1].
-        rest_length: the same of ℓ0 [1].
-        lever: every cell's lever is up to this much longer or shorter, evenly [m].
-        friction: every cell's friction is up to this much more than drawn, evenly [N].
-        travel: standard deviation of all travels of an element alike, normal, cut at four [1].
-        mobility: two cells drawn equally mobile are up to so many times apart: each is drawn evenly
-            on a scale of logarithms; 1 leaves them as drawn [1].
+        anchor: radius of a uniform distribution of every anchor p and q over a disc [m].
+        stiffness: relative standard deviation of each band's k, normal, cut at four; for an
+            element, of one factor of all its forces [1].
+        rest_length: the same for ℓ0 [1].
+        lever: half-width of a uniform distribution of every cell's lever [m].
+        friction: largest added friction of every cell, uniform from 0 [N].
+        travel: relative standard deviation of all travels of an element, normal, cut at four [1].
+        mobility: largest ratio of the mobilities of two nominally equal cells, log-uniform; 1 for
+            the nominal mobilities [1].
 
     Raises:
-        ValueError: a value that is negative or not finite, a spread of a quarter or more, which
-            would allow bands of no stiffness, or a `mobility` below 1.
+        ValueError: a value that is negative or not finite, a standard deviation of a quarter or
+            more, which would allow bands without stiffness, or a `mobility` below 1.
     """
 
     anchor: float = 0.0
@@ -69,7 +69,7 @@ class Tolerances(base.ByValue):
     def __repr__(self):
         travel = f", travel {self.travel:.3g}" if self.travel else ""
         if self.mobility > 1:
-            travel += f", mobilities up to {self.mobility:.4g} times apart"
+            travel += f", mobility ratios up to {self.mobility:.4g}"
         return (
             f"Tolerances(anchors ±{base.to_unit(self.anchor, 'mm'):.4g} mm, stiffness "
             f"{self.stiffness:.3g}, rest length {self.rest_length:.3g}, levers "
@@ -78,7 +78,7 @@ class Tolerances(base.ByValue):
 
 
 USUAL = Tolerances(anchor=base.USUAL_ANCHOR, stiffness=base.USUAL_STIFFNESS)
-"""What a careful workshop with a bag of rubber bands can do."""
+"""Tolerances of careful workshop practice with rubber bands."""
 
 
 def refuse_slips(tolerances: Tolerances, travel: float, force: float, way: str = WAY) -> None:
@@ -93,14 +93,14 @@ def refuse_slips(tolerances: Tolerances, travel: float, force: float, way: str =
 
 
 def validate(tolerances: Tolerances, chain: Chain) -> None:
-    """Refuse tolerances that this chain cannot have, or that are probably in another unit."""
+    """Raise InputError for tolerances impossible for this chain, SlipError for unit errors."""
     (least, most), wide = MOBILITIES, math.sqrt(tolerances.mobility)
     for name, cell in zip(chain.names, chain.cells, strict=True):
         room = min(cell.mobility / least, most / cell.mobility)
         if wide > room:
             raise base.InputError(
-                f"mobility = {tolerances.mobility:g}: {name} is drawn with {cell.mobility:g}, and "
-                f"must stay between {least:g} and {most:g}: {room**2:.4g} at most."
+                f"mobility = {tolerances.mobility:g}: the mobility of {name}, {cell.mobility:g}, "
+                f"must stay between {least:g} and {most:g}: use at most {room**2:.4g}."
             )
     cells = levers_of(chain)
     if cells and not chain.unusual:
@@ -109,7 +109,7 @@ def validate(tolerances: Tolerances, chain: Chain) -> None:
 
 
 def refuse_reach(chain: Chain, reach: float) -> None:
-    """Raise SlipError for a displacement [m] far beyond the levers, if no default."""
+    """Raise SlipError for a displacement [m] far beyond the levers, except the default."""
     lever = max((cell.lever for cell in levers_of(chain)), default=math.inf)
     slips = tuple(sizes.far("reach", reach, lever)) if reach > base.REACH else ()
     if slips and not chain.unusual:
@@ -117,44 +117,41 @@ def refuse_reach(chain: Chain, reach: float) -> None:
 
 
 def levers_of(chain: Chain) -> list[Cell]:
-    """Those of its cells that have levers and bands."""
+    """The cells of a chain that have levers and bands."""
     return [cell for cell in chain.cells if isinstance(cell, Cell)]
 
 
 def frictionless(tolerances: Tolerances, chain: Chain) -> str:
-    """What to know of mechanisms without friction; "" where there is some."""
+    """Note on samples without friction; "" with friction."""
     if tolerances.friction or any(cell.friction for cell in chain.cells):
         return ""
     least = float(np.min(np.abs(switching_forces(chain)), initial=math.inf))
     if chain.elements:
         unit, factor = base.display_unit(chain.measure.force_unit)
-        beside = f"switching forces of {least * factor:.3g} {unit}"
+        smallest = f"switching force {least * factor:.3g} {unit}"
     else:
-        beside = f"forces F0 and F1 of {base.to_unit(least, 'mN'):.3g} mN"
-    return (
-        f"without any friction, beside {beside} and more: give "
-        f"the cells or the tolerances some if yours has it"
-    )
+        smallest = f"critical force {base.to_unit(least, 'mN'):.3g} mN"
+    return f"no friction (smallest {smallest}: set friction if yours is comparable)"
 
 
 _CUT = 4.0  # standard deviations at which the normal distribution ends
-_AT_ONCE = 2**18  # numbers in a chunk: they stay in the processor's cache
+_AT_ONCE = 2**18  # numbers in a chunk, which fits into the processor's cache
 
 
 class Part(NamedTuple):
-    """What varies by itself: its cell, its tolerance, and the columns of its numbers."""
+    """An independent parameter: its cell, its tolerance, and the columns of its numbers."""
 
     cell: int  # 0 the innermost
-    what: str  # "d" (all anchors of its bands), or what else of a cell or an element
+    what: str  # "d" (all anchors of its bands), or a parameter of a cell or an element
     tolerance: str  # the field of `Tolerances`
     columns: list[int]  # of the draws
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Draws(base.ByValue):
-    """Random mechanisms after one drawing, the same ones for the same seed.
+    """Random samples of a nominal design, the same ones for the same seed.
 
-    Of a part that is `known`, if any, only the share `left` of its tolerance is left.
+    The tolerance of the part `known`, if any, is reduced to the fraction `left`.
     """
 
     chain: Chain
@@ -190,22 +187,22 @@ class Draws(base.ByValue):
 
     @property
     def bands(self) -> int:
-        """B, of all cells."""
+        """B, the number of bands of all cells."""
         return sum(len(cell.bands) for cell in levers_of(self.chain))
 
     @property
     def columns(self) -> int:
-        """How many random numbers make one mechanism."""
+        """Number of random numbers of one sample."""
         return self.mobilities + len(self.chain)
 
     @property
     def scales(self) -> int:
-        """The first column of the elements: of each its forces and its travels."""
+        """The first column of the elements: a factor of forces and one of travels for each."""
         return 6 * self.bands + 2 * len(self.chain)
 
     @property
     def mobilities(self) -> int:
-        """The first column of the mobilities, one a cell."""
+        """The first column of the mobilities, one per cell."""
         return self.scales + 2 * len(self.chain.elements)
 
     @property
@@ -215,7 +212,7 @@ class Draws(base.ByValue):
         return np.array([t.anchor, t.stiffness, t.rest_length, t.lever, t.friction])
 
     def chunks(self, n: int) -> Iterator[base.Floats]:
-        """The first n samples in pieces (m, columns), each written over the one before."""
+        """The first n samples in pieces (m, columns), each overwriting the one before."""
         rows = max(64, min(n, _AT_ONCE // self.columns))
         space, streams = np.empty((rows, self.columns)), self._streams(0)
         for first in range(0, n, rows):
@@ -230,14 +227,14 @@ class Draws(base.ByValue):
         return streams
 
     def _filled(self, rows: base.Floats, streams: list[np.random.Generator]) -> base.Floats:
-        # Row by row from one stream: more samples, or other pieces, keep the first ones.
+        # Row by row from one stream: the first samples do not depend on the number or the pieces.
         halves = np.hsplit(rows, [self.mobilities])
         for columns, random in zip(halves, streams, strict=True):
             columns[:] = random.random(columns.shape)
         return self.shaped(rows)
 
     def shaped(self, even: base.Floats) -> base.Floats:
-        """Numbers even over 0..1 made to draws in place: normal where a band's spread is."""
+        """Uniform numbers in 0..1 converted to draws in place: normal for k, ℓ0 and elements."""
         from scipy.special import ndtr, ndtri
 
         t, tail = self.tolerances, ndtr(-_CUT)
@@ -261,7 +258,7 @@ class Draws(base.ByValue):
             drawn[:, columns] *= self.left
 
     def switching_forces(self, drawn: base.Floats) -> base.Floats:
-        """(m, T, 2) as `orders.switching_forces`, of (m, columns) draws of a chain of elements."""
+        """(m, T, 2) as `switches.switching_forces`, for (m, columns) draws of elements."""
         t, n = self.tolerances, len(self.chain)
         steps = np.array([len(phases) - 1 for phases in self.chain.phases])
         rub = np.array([cell.friction for cell in self.chain.cells])
@@ -272,11 +269,11 @@ class Draws(base.ByValue):
         return scale * forces + rub * [1.0, -1.0]
 
     def sample(self, number: int) -> Chain:
-        """Mechanism `number` of all, from 0, as in `chunks`; ValueError if it cannot be built."""
+        """Sample `number`, from 0, as in `chunks`; ValueError if it cannot be built."""
         return self.built(self._filled(np.empty((1, self.columns)), self._streams(number))[0])
 
     def designs(self, drawn: base.Floats) -> Designs | None:
-        """The mechanisms of (m, columns) draws as numbers, the same that are `built` one by one.
+        """Samples of (m, columns) draws as numbers, equal to those `built` one by one.
 
         None for elements, whose curves have to be built, and for long chains.
         """
@@ -301,12 +298,12 @@ class Draws(base.ByValue):
         return designs
 
     def built(self, draw: base.Floats) -> Chain:
-        """The mechanism that one row of draws makes; ValueError if it cannot be built."""
+        """The sample of one row of draws; ValueError if it cannot be built."""
         t, b, n = self.tolerances, self.bands, len(self.chain)
         stiffness, rest = draw[4 * b : 5 * b], draw[5 * b : 6 * b]
         lever, friction = draw[6 * b : 6 * b + n], draw[6 * b + n :]
         scales = iter(draw[self.scales : self.mobilities].reshape(-1, 2).tolist())
-        # Evenly on a scale of logarithms, as far up as down.
+        # Log-uniform, symmetric about the nominal value.
         faster = t.mobility ** (draw[self.mobilities :] - 0.5)
 
         def sampled_band(number: int, band: Band) -> Band:

@@ -1,4 +1,4 @@
-"""Which tolerance makes the smallest gap vary: Sobol' indices, with parts in groups."""
+"""Sobol' indices of the smallest gap, with the parameters in groups."""
 
 import inspect
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from stepwell.design.switches import switching_forces
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.tally import gaps_between
 
-# 2^12 points in each of the two base samples, and 2^10 where each has to be built.
+# 2^12 points in each of the two base samples, and 2^10 if each has to be built.
 _POWER, _POWER_BUILT = 12, 10
 _SHOWN = 6
 _CONSTANT = 1e-12  # of its size: a gap that varies less does not vary
@@ -20,26 +20,26 @@ _CONSTANT = 1e-12  # of its size: a gap that varies less does not vary
 
 @dataclass(frozen=True, eq=False)
 class Sensitivities(ByValue):
-    """Shares of the variance of the smallest gap, part by part.
+    """Fractions of the variance of the smallest gap for each part.
 
     A part is "<cell>.d" (all anchors of its bands), "<cell>.stiffness", "<cell>.rest_length",
     "<cell>.lever" or "<cell>.friction", of an element "<cell>.force_scale", "<cell>.travel_scale"
     or "<cell>.friction", with <cell> its name, or its number from 1 where names repeat; only parts
-    with a tolerance are listed. The gap is that of F0 + f or of F1 - f, f being friction; of
-    elements, of all their switching forces. It tells the order of cells whose force falls all the
-    way; of others it need not, and `agreed` says how well it did. F0 and F1 of a cell of one linear
-    band without a load are those of a taut band also where a mechanism has it slack.
+    with a tolerance are listed. The gap is that of F0 + f or of F1 - f, f being friction; for
+    elements, of all their switching forces. It decides the order of cells whose force falls over
+    the whole travel; for others `agreed` is the agreement with the simulation. F0 and F1 of a cell
+    with one linear band without a load are those of a taut band, also if it is slack in a sample.
 
     Attributes:
         parameters: (m,) the parts.
-        first_order: (m,) share of the variance that goes when this part alone is made exact.
-        total: (m,) share that stays when all others are made exact; more than `first_order`
-            where the part acts together with others.
-        deviation: standard deviation of the smallest gap [N]; 0, as all shares, if it is constant.
-        points: mechanisms in each of the two base samples; with 4096 a share is good to about
-            0.01, with 1024 to about 0.03.
-        agreed: of how many mechanisms followed by the engine the gap is above zero exactly where
-            they do what is wanted; None where the closed form has judged them.
+        first_order: (m,) fraction of the variance removed if this part alone is exact.
+        total: (m,) fraction that remains if all others are exact; more than `first_order` if the
+            part interacts with others.
+        deviation: standard deviation of the smallest gap [N]; 0, as all fractions, if constant.
+        points: points in each of the two base samples; the error of a fraction is about 0.01 with
+            4096, and 0.03 with 1024.
+        agreed: fraction of the simulated samples whose gap is positive exactly if they reach the
+            target; None in closed form.
     """
 
     parameters: tuple[str, ...]
@@ -60,7 +60,9 @@ class Sensitivities(ByValue):
         if len(order) > _SHOWN:
             lines.append(f"and {len(order) - _SHOWN} more, less sensitive")
         if self.agreed is not None:
-            lines.append(f"the gap tells what the engine finds in {100 * self.agreed:.1f} %")
+            lines.append(
+                f"the gap agrees with the simulation in {100 * self.agreed:.1f} % of the samples"
+            )
         return "\n".join(lines)
 
     def __repr__(self):
@@ -81,11 +83,11 @@ def sensitivities(
 ) -> Sensitivities:
     """The indices of the smallest gap, from a base sample for each part and two for all.
 
-    `gap` [N] is of (m, columns) draws; where each has to be `built`, fewer have to do.
+    `gap` [N] is a function of (m, columns) draws; fewer points are used if each has to be `built`.
 
     Source: Sobol' 2001; estimators of Saltelli et al. 2010, Table 2 (b) and (f), as in
-    scipy.stats.sobol_indices. There one number is exchanged at a time; here all that belong to a
-    part, since an anchor's place in its disc takes two and says nothing by one of them.
+    scipy.stats.sobol_indices. There one number is exchanged at a time; here all numbers of a part,
+    since the position of an anchor in its disc takes two.
     """
     groups = {name: part.columns for name, part in draws.parts.items()}
     if not groups or len(switching_forces(draws.chain)) < 2:

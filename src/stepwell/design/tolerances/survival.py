@@ -1,4 +1,4 @@
-"""Whether a stroke program still ends where it should when the mechanism is not as drawn."""
+"""Yield of a stroke program: fraction of samples that end in the target state."""
 
 import math
 from collections.abc import Sequence
@@ -15,16 +15,16 @@ from stepwell.statics import StaticsError, drive_range
 
 @dataclass(frozen=True, eq=False)
 class Survival(Counted):
-    """How many of n mechanisms, made at random within tolerances, a program brings to its end.
+    """Number of random samples within tolerances that a program brings to the target state.
 
     Attributes:
-        chain, tolerances: the drawing, and how far the parts may be from it.
+        chain, tolerances: the nominal design and its tolerances.
         turning_points: drives of the program [m], or [N] under force control.
         start, target: states at its beginning and at its end.
-        samples, seed: how many mechanisms, and which.
+        samples, seed: number of samples, and random seed.
         share, interval: successes over samples, and the 95 % confidence interval of the probability
             (Clopper & Pearson 1934).
-        successes: how many end with every cell in the phase that `target` says, or nearest to it.
+        successes: samples that end with every cell in, or nearest to, its phase in `target`.
     """
 
     turning_points: tuple[float, ...]
@@ -33,10 +33,10 @@ class Survival(Counted):
 
     @property
     def assumptions(self) -> str:
-        """Under which all this holds."""
+        """Assumptions of the yield."""
         assumed = (
             sampling_text(self.chain),
-            "a mechanism that cannot be built or followed counts as a failure",
+            "failed samples count as failures",
             frictionless(self.tolerances, self.chain),
         )
         return "; ".join(filter(None, assumed))
@@ -60,7 +60,7 @@ def survival(
     seed: int = 0,
     progress: Progress = None,
 ) -> Survival:
-    """Make a mechanism n times at random and run the same stroke program on each.
+    """Compute the yield of a stroke program from random samples within tolerances.
 
     All else as for `Chain.survival`.
     """
@@ -83,7 +83,7 @@ def survival(
 def count_ends(
     draws: Draws, points: tuple[float, ...], start: str, end: str, n: int, progress: Progress = None
 ) -> int:
-    """How many of the first n mechanisms a program brings where it should."""
+    """Number of the first n samples that a program brings to its target state."""
     successes = 0
     for number in tracked(range(n), progress):
         with suppress(ValueError, StaticsError):

@@ -1,4 +1,4 @@
-"""Mechanisms made at random and counted: what each does, and why where none does it."""
+"""Outcomes of random samples, counted, and the reason for a yield of zero."""
 
 import math
 from collections import Counter
@@ -20,24 +20,24 @@ from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, cycle, cycles_of
 from stepwell.statics import Landing, StaticsError
 
-_LEVERS = "anchors, levers and friction evenly within their tolerance, k and ℓ0 normally"
-_ELEMENTS = "all forces of an element alike and all its travels alike, normally"
+_LEVERS = "anchors, levers and friction uniform within their tolerances, k and ℓ0 normal"
+_ELEMENTS = "one normal factor for all forces of an element and one for its travels"
 
 
 def sampling_text(chain: Chain) -> str:
-    """How mechanisms after a drawing are made, in words."""
+    """Assumed distributions of the samples, in words."""
     how = _LEVERS
     if chain.elements:
         levers = len(chain.elements) < len(chain)
-        how = f"{_LEVERS if levers else 'friction evenly within its tolerance'}, {_ELEMENTS}"
-    return f"assumed: every part varies by itself, {how}; quasi-static"
+        how = f"{_LEVERS if levers else 'friction uniform within its tolerance'}, {_ELEMENTS}"
+    return f"independent parameters: {how}; quasi-static"
 
 
 class Share(NamedTuple):
-    """How often something came among designs drawn independently.
+    """A fraction of independent random designs, with its confidence interval.
 
     Attributes:
-        times, of: how often, of so many designs.
+        times, of: number of successes, and of designs.
         low, high: 95 % confidence interval of the share (Clopper & Pearson 1934).
     """
 
@@ -53,8 +53,8 @@ class Share(NamedTuple):
 
 
 def share_of(times: int, of: int) -> Share:
-    """A share with its interval."""
-    # Opening scipy.stats, which has this too, takes a second.
+    """The fraction `times` / `of` with its interval."""
+    # Importing scipy.stats, which also has this interval, takes a second.
     from scipy.special import betaincinv  # pyright: ignore[reportMissingTypeStubs]
 
     low = float(betaincinv(times, of - times + 1, 0.025)) if times else 0.0
@@ -64,7 +64,7 @@ def share_of(times: int, of: int) -> Share:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Counted(ByValue):
-    """How many mechanisms of the samples, made at random after a drawing, do something."""
+    """Number of successes among random samples of a nominal design."""
 
     chain: Chain = field(repr=False)
     tolerances: Tolerances
@@ -85,19 +85,19 @@ class Counted(ByValue):
 
 @dataclass
 class RelayJudge:
-    """Judges many draws of one chain of elements under a prescribed force, where they are relays.
+    """Outcomes of many samples of elements that are relays under a prescribed force.
 
-    Their switching forces grow and shrink with all forces of an element, and with friction.
+    Their switching forces scale with all forces of an element, and shift with friction.
     """
 
     draws: Draws
     target: str
-    orders: Ints | None  # (2, T) of the target; None where it is not one switch after the other
-    # Cycles found, with the numbers that `Judged.does` gives them.
+    orders: Ints | None  # (2, T) of the target; None if two switch at once
+    # Cycles with their numbers in `Judged.does`.
     texts: dict[str, int] = field(default_factory=dict[str, int])
 
     def __call__(self, drawn: Floats) -> Judged:
-        """The verdicts on draws (m, columns)."""
+        """Outcomes of draws (m, columns)."""
         forces = self.draws.switching_forces(drawn)
         motion = Switches.of(self.draws.chain.last_state).motion(forces)
         cycles, which = motion.cycles()
@@ -121,22 +121,22 @@ def gaps_between(forces: Floats, orders: Ints) -> Floats:
     return np.diff(np.stack([up, down], axis=1), axis=2)
 
 
-# What a mechanism can do besides a sequence.
+# Outcomes of a sample other than a sequence.
 TIED = "a tie"
 NOT_BUILT = "cannot be built"
 NO_ANSWER = "no answer"
 ANOTHER = "another sequence"
 BY_MOBILITY = "hangs on the mobilities"
 
-States = frozenset[str] | None  # that shall be reached; None for a cycle
-_MOST_CELLS = 9  # the two orders of more are no longer one 64-bit number
-_MOST_OUTCOMES = 100  # outcomes told apart
+States = frozenset[str] | None  # target states; None for a cycle
+_MOST_CELLS = 9  # the two orders of more cells exceed one 64-bit number
+_MOST_OUTCOMES = 100  # distinguished
 
 
 def simulated_outcomes(
     draws: Draws, drawn: Floats, states: States = None, progress: Progress = None
 ) -> Iterator[str]:
-    """What the mechanisms of (m, columns) draws do, by the engine: cycles, or what is unlike."""
+    """Simulated outcomes of (m, columns) draws: cycles, or differences from the target states."""
     forced = draws.chain.elements and draws.chain.actuator_stiffness == 0
     if states is None and not forced:
         designs = draws.designs(drawn)
@@ -171,10 +171,10 @@ def _simulated_outcome(draws: Draws, draw: Floats, states: States) -> str:
 def landings_to_target(
     draws: Draws, draw: Floats, states: States, ratio: float
 ) -> Iterable[Landing]:
-    """Whether snaps of the mechanism of one draw hold for all mobilities within a ratio.
+    """Landings of the snaps of one sample, for all mobilities within a ratio.
 
-    Those of its cycle, or where states are wanted, all on the way to them. None under a prescribed
-    force where switching forces decide: there no cell feels another, however mobile.
+    Snaps of its cycle, or for target states of all branches to them. None if switching forces
+    decide under a prescribed force: the cells are then independent for any mobilities.
     """
     sample = draws.built(draw)
     if states is not None:
@@ -183,18 +183,18 @@ def landings_to_target(
 
 
 class OutcomeCounter:
-    """What the first n mechanisms of some draws do, counted against what is wanted."""
+    """Outcomes of the first n samples, counted against the target."""
 
     def __init__(
         self, draws: Draws, target: str, states: States = None, robust: float | None = None
     ):
         self.draws, self.orders = draws, orders_of(target)
-        # States that shall be reached and no others, or the target cycle counts; and for all
-        # mobilities within a ratio all landings on the way have to hold.
+        # Success: exactly the target states, or the target cycle; with a ratio, all landings on the
+        # way must also hold for all mobilities within it.
         self.states, self.robust = states, robust
         self._success = target if states is None else ""
         chain, count = draws.chain, len(Switches.of(draws.chain.last_state))
-        # Where every two loops are nested all states are reached (theory page, "Stroke programs").
+        # If every two loops are nested, all states are reached (theory page, "Stroke programs").
         whole = states is not None and len(states) == 2**count and not chain.elements
         self._nested_do = whole and one_travel(chain) and not draws.tolerances.lever
         self.judge: DrawJudge | RelayJudge | None = None
@@ -203,10 +203,10 @@ class OutcomeCounter:
             self.judge = DrawJudge.of(chain, draws.spread, some)
         elif len(chain.elements) == len(chain) and are_relays(chain):
             self.judge = RelayJudge(draws, target, self.orders)
-        # Successes are proved where no landing was only sampled: none that the closed form has
-        # judged hangs on the mobilities, whatever they are.
+        # Successes are proved if no landing was only sampled. In the closed form none depends on
+        # the mobilities.
         self.successes = self.proved = self.by_form = self.by_engine = 0
-        self.succeeded: list[bool] = []  # of each that the engine followed, in order
+        self.succeeded: list[bool] = []  # of each simulated sample, in order
         self.wrong = np.zeros((2, max(count - 1, 0)), np.int64)  # as `Judge` counts them
         self.narrowest = self.wrong.copy()
         self._numbered = len(chain) <= _MOST_CELLS
@@ -231,7 +231,7 @@ class OutcomeCounter:
             tell(len(waiting), n)
 
     def _count_proved(self, drawn: Floats, judge: DrawJudge | RelayJudge) -> Bools:
-        """Count what the closed form can judge; returns which ones it cannot."""
+        """Count samples that the closed form decides; returns which ones it does not."""
         verdicts = judge(drawn)
         ask = verdicts.verdict == ASK
         self.by_form += int(np.sum(~ask))
@@ -259,7 +259,7 @@ class OutcomeCounter:
     def _count_one(self, draw: Floats, does: str) -> None:
         self.by_engine += 1
         proved = True
-        # A gap between forces tells what a mechanism does, and nothing of its mobilities.
+        # A gap between forces decides the sequence and does not depend on the mobilities.
         self.succeeded.append(does == self._success)
         if does == self._success and self.robust is not None:
             for landing in landings_to_target(self.draws, draw, self.states, self.robust):
@@ -279,8 +279,8 @@ class OutcomeCounter:
         self.proved += times * proved
 
     def outcomes(self) -> dict[str, int]:
-        """What the failures do, most frequent first; the rarest are counted as one."""
-        counts = +self._texts  # without what came 0 times
+        """Outcomes of the failures, most frequent first; the rarest are counted as one."""
+        counts = +self._texts  # without counts of 0
         numbers, times = np.unique(np.concatenate(self._numbers), return_counts=True)
         often = np.argsort(-times, kind="stable")
         for i in often[:_MOST_OUTCOMES]:
@@ -297,9 +297,9 @@ class OutcomeCounter:
 
 
 def zero_yield_reason(chain: Chain, target: str, concave: bool) -> str:
-    """The reason why none makes a cycle, and advice; `concave` if all cells made are proved so."""
+    """Reason why no sample makes a cycle, and advice; `concave` if all cells are proved so."""
     if chain.elements:
-        return f"none of those made does it. Ask for another cycle, {_alternative(chain)}"
+        return f"no sample reaches the target. Choose another cycle, {_alternative(chain)}"
     states = Sequence.parse(target).states
     strokes = [
         math.fsum(full for full, s in zip(chain.full_travels, state, strict=True) if s == "1")
@@ -310,23 +310,23 @@ def zero_yield_reason(chain: Chain, target: str, concave: bool) -> str:
         if (b <= a) if k < top else (b >= a):
             way = "rise" if k < top else "fall"
             return (
-                f"one stroke out and back cannot do it: from {states[k]} to {states[k + 1]} the "
-                f"stroke does not {way}. A stroke program turns back early: ask `stepwell "
-                f"program`, in Python chain.program; and `stepwell yield --program` how surely it "
-                f"works"
+                f"one full cycle cannot give the target: from {states[k]} to {states[k + 1]} the "
+                f"stroke does not {way}. A stroke program with early reversals can: see `stepwell "
+                f"program`, in Python chain.program, and for its yield `stepwell yield --program`"
             )
     for (a, b), flips in zip(pairwise(states), Sequence.parse(target).flips, strict=True):
         if concave and len(flips) > 1:
             return (
-                f"one stroke out and back cannot do it: {a}>{b} moves {len(flips)} cells at once, "
-                f"and cells of falling force go one after the other. Name every step, "
-                f"{_alternative(chain)}; for a program that ends in {b}: `stepwell program --target {b}`"
+                f"one full cycle cannot give the target: {a}>{b} changes {len(flips)} cells at "
+                f"once, but cells with falling force change one at a time. Write every step, "
+                f"{_alternative(chain)}. For a program that ends in {b} see "
+                f"`stepwell program --target {b}`"
             )
-    return f"none of those made does it. Ask for another cycle, {_alternative(chain)}"
+    return f"no sample reaches the target. Choose another cycle, {_alternative(chain)}"
 
 
 def _alternative(chain: Chain) -> str:
     try:
-        return f"such as {short(str(cycle(chain).sequence))}, which the drawing makes"
+        return f"such as {short(str(cycle(chain).sequence))}, that of the nominal design"
     except StaticsError:
         return "one with a step for each cell"

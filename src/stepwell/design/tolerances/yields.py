@@ -1,4 +1,4 @@
-"""The probability that a built mechanism does what it was designed for."""
+"""Yield: the fraction of random samples within tolerances that reach the target."""
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
@@ -30,19 +30,19 @@ if TYPE_CHECKING:
 
 
 _SHOWN = 4  # outcomes printed
-_COMPARED = 1000  # mechanisms of which the gap is compared with what they do
+_COMPARED = 1000  # samples whose gap is compared with the simulation
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Critical(base.ByValue):
-    """The two cells whose order goes wrong first.
+    """The two cells whose order is most often reversed.
 
     Attributes:
         first, second: the numbers of the cells; `first` should move before `second`.
-        names: what they are called; where cells have more than two phases, with these.
+        names: their names, with the phases if a cell has more than two.
         way: "loading", decided by F0 plus friction, or "unloading", by F1 less friction.
-        share: of the mechanisms judged in closed form, how many have them in the other order.
-        narrowest: in how many their gap is the smallest of all.
+        share: fraction of the samples in closed form that have them in the other order.
+        narrowest: fraction in which their gap is the smallest of all.
         by: the force that decides: "F0", "F1", or that of the switches up or down.
     """
 
@@ -64,30 +64,28 @@ class Critical(base.ByValue):
 
 @dataclass(frozen=True, eq=False)
 class Yield(Counted, base.Drawn):
-    """How many mechanisms, sampled within tolerances, reach the target.
+    """Number of random samples within tolerances that reach the target.
 
     Attributes:
-        chain, tolerances: the drawing, and how far the parts may be from it.
-        samples, seed: how many mechanisms, and which.
+        chain, tolerances: the nominal design and its tolerances.
+        samples, seed: number of samples, and random seed.
         share, interval: successes over samples, and the 95 % confidence interval of the probability
             (Clopper & Pearson 1934).
-        target: the sequence of states of a full cycle; or "states", and those wanted.
-        states: those that shall be in reach from all cells at 0 and no others; None for a cycle.
-        successes: how many do it, without a tie.
-        outcomes: what the others do, most frequent first: a sequence, or which states they reach
-            beside those wanted and which not; "a tie", "cannot be built", "no answer" from the
-            engine, "another sequence" for all that are not told apart (chains of ten cells or
-            more, the rarest ones).
-        critical: the neighbours in the wanted order that are most often in the other order, or
-            nearest to it; None where nothing was judged in closed form, or there is no such pair.
-        by_engine: how many were followed by the general engine.
-        robust: the ratio of mobilities for which each has to do it; None for those it has.
-        proved: how many of the successes do it for all of these by proof: the closed form asks for
-            no mobility, and landings say for themselves. Of the others some landings were only
-            sampled. None where `robust` is.
-        assumptions: under which all this holds.
-        sensitivities: which part's tolerance counts; None unless asked for.
-        advice: where none does what is wanted, why, and what to ask for instead; else "".
+        target: the sequence of states of a full cycle; or "states" and the target states.
+        states: all states reachable from all cells at 0, and no others; None for a cycle.
+        successes: number of samples that reach the target without a tie.
+        outcomes: outcomes of the others, most frequent first: a sequence, or the differences from
+            the target states; "a tie", "cannot be built", "no answer" from the engine, "another
+            sequence" for all others (chains of ten cells or more, the rarest ones).
+        critical: the neighbours in the target order that are most often in the other order, or
+            nearest to it; None if no sample was in closed form, or there is no such pair.
+        by_engine: number of simulated samples.
+        robust: the mobility ratio up to which the target must be reached; None for nominal ones.
+        proved: number of successes proved for all these mobilities: in closed form they do not
+            matter, and landings may be proved. Other landings were sampled. None if `robust` is.
+        assumptions: of this result.
+        sensitivities: indices of each part's tolerance; None unless asked for.
+        advice: if no sample reaches the target, the reason and an alternative; else "".
     """
 
     target: str
@@ -102,17 +100,17 @@ class Yield(Counted, base.Drawn):
     advice: str = ""
 
     def mechanism(self, number: int) -> Chain:
-        """One of the n mechanisms, from 0; ValueError for no such number or no such mechanism."""
+        """Sample `number`, from 0; ValueError for no such number or if it cannot be built."""
         if not 0 <= number < self.samples:
             raise base.InputError(f"number = {number}: must be between 0 and {self.samples - 1}.")
         return Draws(self.chain, self.tolerances, self.seed).sample(number)
 
     def end_forces(self, n: int = 1000) -> base.Floats:
-        """Forces at which the cells of the first n mechanisms let go, for a cloud around each.
+        """Critical forces of the cells of the first n samples, for a cloud around each cell.
 
-        (m, T, 2) F0 plus friction and F1 less friction [N], of elements the forces up and down of
-        each switch; T = N for cells of two phases, m = min(n, self.samples), NaN where none can be
-        built.
+        (m, T, 2) F0 plus friction and F1 less friction [N]; for elements the forces up and down of
+        each switch. T = N for cells of two phases, m = min(n, self.samples), NaN for samples that
+        cannot be built.
         """
         forces = np.full((min(n, self.samples), *switching_forces(self.chain).shape), np.nan)
         for number in range(len(forces)):
@@ -121,7 +119,7 @@ class Yield(Counted, base.Drawn):
         return forces
 
     def to_xarray(self) -> "xr.Dataset":
-        """Counts over "outcome", the wanted one first, and indices over "parameter"."""
+        """Counts over "outcome", the target first, and indices over "parameter"."""
         base.need("tables")
         import xarray as xr
 
@@ -149,7 +147,7 @@ class Yield(Counted, base.Drawn):
         return xr.Dataset(data, coords, attrs)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write one line an outcome, the wanted one first."""
+        """Write one line per outcome, the target first."""
         counts = self._counts.values()
         shares = [count / self.samples for count in counts]
         columns = [base.Quantity("outcome"), base.Quantity("count"), base.Quantity("share", "1")]
@@ -162,7 +160,7 @@ class Yield(Counted, base.Drawn):
     def __str__(self):
         low, high = map(base.percent, self.interval)
         lines = [
-            f"{base.percent(self.share)} of {self.samples} mechanisms do {short(self.target)} "
+            f"{base.percent(self.share)} of {self.samples} samples reach {short(self.target)} "
             f"(95 % confidence: {low} to {high})"
         ]
         if self.advice:
@@ -174,7 +172,7 @@ class Yield(Counted, base.Drawn):
         if self.critical is not None:
             lines.append(f"critical: {self.critical}")
         if self.sensitivities is not None:
-            lines += ["share of the variance of the smallest gap:", str(self.sensitivities)]
+            lines += ["fraction of the variance of the smallest gap:", str(self.sensitivities)]
         return "\n".join([*lines, self.assumptions])
 
     def __repr__(self):
@@ -196,7 +194,7 @@ def yields(
     robust: float | None = None,
     progress: base.Progress = None,
 ) -> Yield:
-    """Make a mechanism n times at random within its tolerances and count those that work.
+    """Compute the fraction of random samples within tolerances that reach the target.
 
     All else as for `Chain.yields`.
     """
@@ -204,12 +202,13 @@ def yields(
     robust = None if robust is None else statics.checked_ratio("robust", robust)
     states = _checked_states(chain, tolerances, target)
     drawing = sequences.cycle(chain) if target is None or states is not None else None
-    sequence = str(drawing.sequence) if drawing else checked_cycle(str(target), chain.last_state)
+    given = "" if drawing else checked_cycle(str(target), chain.last_state, "target", chain.names)
+    sequence = str(drawing.sequence) if drawing else given
     tally = OutcomeCounter(Draws(chain, tolerances, seed), sequence, states, robust)
     if sensitivity and tally.orders is None:
         raise base.InputError(
-            f"sensitivity = True: neighbours in an order are compared, and {short(sequence)} has "
-            f"none, since not every step moves one cell; leave it out, or ask for another cycle."
+            f"sensitivity = True needs a target that changes one cell per step, and in "
+            f"{short(sequence)} a step changes several: leave it out, or choose another cycle."
         )
     if samples is None:
         samples = base.QUICKLY if states is None and tally.judge is not None else base.ONE_BY_ONE
@@ -241,13 +240,13 @@ def _checked_states(
     if not states or not all(is_state(state, chain.last_state) for state in states):
         digits = f"digits up to {chain.last_state}" if chain.elements else "characters 0 or 1"
         raise base.InputError(
-            f"target = {sorted(states)}: must be states of {len(chain)} {digits}, one a "
-            f"cell, inner first."
+            f"target = {sorted(states)}: must be states of {len(chain)} {digits}, one per "
+            f"cell, cell 1 (the inner one) first."
         )
     why = unsearchable(chain, tolerances.friction)
     if why:
         raise base.InputError(
-            f"target = {short(' '.join(sorted(states)))}: {why}; ask for a full cycle instead."
+            f"target = {short(' '.join(sorted(states)))}: {why}; give a full cycle instead."
         )
     return states
 
@@ -265,7 +264,7 @@ def _check_arguments(chain: Chain, tolerances: draws.Tolerances, samples: int, s
     if tolerances.lever >= shortest:
         raise base.InputError(
             f"lever = {tolerances.lever} m: must be smaller than the shortest lever, "
-            f"{shortest:.6g} m, or nothing is left of it."
+            f"{shortest:.6g} m."
         )
     draws.validate(tolerances, chain)
 
@@ -275,13 +274,14 @@ def _advice(tally: OutcomeCounter, target: str) -> str:
         return ""
     if tally.outcomes().get(BY_MOBILITY):
         return (
-            "none of those made does it whatever the mobilities of its cells: ask for a smaller "
-            "ratio; or in Python, with Tolerances(mobility=...), how often it works"
+            "no sample reaches the target for all mobilities of its cells: use a smaller ratio, or "
+            "in Python compute the yield with Tolerances(mobility=...)"
         )
     if tally.states is None:
         return zero_yield_reason(tally.draws.chain, target, tally.by_engine == 0)
     states = reached(tally.draws.chain)
-    return f"none of those made does it; the drawing reaches {short(' '.join(states.states))}"
+    text = short(" ".join(states.states))
+    return f"no sample reaches the target; the nominal design reaches {text}"
 
 
 def _sensitivities(tally: OutcomeCounter, n: int) -> Sensitivities:
@@ -290,14 +290,14 @@ def _sensitivities(tally: OutcomeCounter, n: int) -> Sensitivities:
         return sensitivities(draws, lambda rows: judge(rows).gap)
     assert orders is not None
     indices = sensitivities(draws, lambda rows: gaps_of_built(draws, orders, rows), built=True)
-    # The engine followed every one, so it can be asked how far the gap is to be believed.
+    # Every sample was simulated, so the agreement of the gap with the simulation is known.
     some = np.array(tally.succeeded[:_COMPARED])
     gaps = gaps_of_built(draws, orders, next(draws.chunks(n))[: len(some)])
     return replace(indices, agreed=float(np.mean((gaps > 0) == some[: len(gaps)])))
 
 
 def _critical(tally: OutcomeCounter) -> Critical | None:
-    """The pair most often in the other order; of several, the one most often the nearest."""
+    """The pair most often in the other order, and among several the one most often nearest."""
     if not tally.by_form or tally.orders is None or not tally.wrong.size:
         return None
     wrong, narrowest = tally.wrong.ravel(), tally.narrowest.ravel()
@@ -317,52 +317,51 @@ def _critical(tally: OutcomeCounter) -> Critical | None:
 def _assumptions(tally: OutcomeCounter, n: int, drawing: sequences.Cycle | None) -> Iterator[str]:
     if tally.states is not None:
         how = (
-            f"{tally.by_engine} followed along every branch by the general engine"
+            f"{tally.by_engine} samples simulated along every branch"
             + (n > tally.by_engine)
-            * f", {n - tally.by_engine} proved to reach all states, every two loops being nested"
+            * f", {n - tally.by_engine} proved to reach all states (all loops nested)"
         )
     elif isinstance(tally.judge, RelayJudge):
         how = (
-            f"{tally.by_form} judged by their switching forces, which decide under a prescribed "
-            f"force, where no element feels another"
+            f"{tally.by_form} samples evaluated by their switching forces, which decide under a "
+            f"prescribed force (independent elements)"
         )
     elif tally.judge is None and tally.draws.chain.elements:
-        how = f"the general engine followed all {n}, since elements move together as the drive goes"
+        how = f"all {n} samples simulated, since elements interact under this drive"
     elif tally.judge is None:
         how = (
-            f"no closed form for such cells (several bands, a bent law or a load), so the general "
-            f"engine followed all {n}"
+            f"all {n} samples simulated, since there is no closed form for these cells (several "
+            f"bands, a nonlinear elastic law or a load)"
         )
     else:
         how = (
-            f"{tally.by_form} judged in closed form, every cell being proved taut with falling "
-            f"force, and {tally.by_engine} followed by the general engine"
+            f"{tally.by_form} samples evaluated in closed form (every cell proved in tension with "
+            f"falling force), {tally.by_engine} by simulation"
         )
     sampling = sampling_text(tally.draws.chain) + " full cycle" * (tally.states is None)
-    fails = "a tie, or a mechanism that cannot be built or followed, counts as a failure"
+    fails = "ties and failed samples count as failures"
     yield f"{sampling}; {fails}; {how}"
     if tally.robust is not None:
         sampled = tally.successes - tally.proved
-        rest = f", and {sampled} had landings that were only sampled" * (sampled > 0)
-        proved = f": of {tally.proved} that is proved{rest}" * (tally.successes > 0)
-        ratio = f"up to {tally.robust:g} apart"
-        yield f"counted is what works for all mobilities of the cells {ratio}{proved}"
+        rest = f", {sampled} with landings tested by sampling" * (sampled > 0)
+        proved = f" ({tally.proved} proved{rest})" * (tally.successes > 0)
+        yield f"successes hold for all mobility ratios up to {tally.robust:g}{proved}"
     yield draws.frictionless(tally.draws.tolerances, tally.draws.chain)
-    yield "the drawing is a tie" if drawing and drawing.degenerate else ""
+    yield "the nominal design is a tie" if drawing and drawing.degenerate else ""
 
 
 def parts_of(counted: Yield | survival.Survival) -> dict[str, draws.Part]:
-    """The parts that vary in what was counted, by their names, such as "outer.stiffness"."""
+    """The varied parts of a yield by their names, such as "outer.stiffness"."""
     return Draws(counted.chain, counted.tolerances, counted.seed).parts
 
 
 def with_tightened_tolerance(
     counted: Yield | survival.Survival, part: str, left: float, n: int
 ) -> int:
-    """How many of the first n mechanisms work where one part has the share `left` of its tolerance.
+    """Successes of the first n samples if one part has the fraction `left` of its tolerance.
 
-    The same mechanisms are made with the same luck; only that part, named as in `parts_of`, is
-    nearer to its drawing, and friction to the middle of its tolerance.
+    The random numbers are the same. Only that part, named as in `parts_of`, is nearer to its
+    nominal value, and friction to the middle of its tolerance.
     """
     draws = Draws(counted.chain, counted.tolerances, counted.seed, part, left)
     if isinstance(counted, survival.Survival):
