@@ -85,7 +85,7 @@ def _band_warnings(name: str, cell: Cell, band: Band) -> Iterator[str]:
         outside = usual_box(cell.lever, which).clamped(np.array([place])) - place
         if np.max(np.abs(outside)) > _EDGE * cell.lever:
             at = ", ".join(base.number(base.to_unit(part, "mm")) for part in place)
-            yield f"anchor {which} of {name} at ({at}) mm lies outside the block of the paper's design"
+            yield f"anchor {which} of {name} at ({at}) mm lies outside the usual block"
 
 
 # Tolerances after measurement by scale and callipers; friction to a fifth of its tolerance.
