@@ -107,7 +107,7 @@ def test_a_program_in_millimetres_does_not_pass_for_one_that_none_survives():
 
 
 @pytest.mark.parametrize(
-    ("wish", "name", "meant"),
+    ("arguments", "name", "meant"),
     [
         ({"lever": 14.142}, "lever", 0.014142),
         ({"p": (-10, 0)}, "p", (-0.010, 0.0)),
@@ -119,9 +119,9 @@ def test_a_program_in_millimetres_does_not_pass_for_one_that_none_survives():
         ({"tolerances": sw.Tolerances(anchor=0.3)}, "anchor", 0.0003),
     ],
 )
-def test_a_wish_in_another_unit_is_refused_with_what_was_meant(target_orders, name, meant):
+def test_a_wish_in_another_unit_is_refused_with_what_was_meant(arguments, name, meant):
     with pytest.raises(SlipError) as refused:
-        design("00>10>11>01>00", samples=1, **target_orders)
+        design("00>10>11>01>00", samples=1, **arguments)
     (slip,) = refused.value.slips
     assert slip.name == name
     assert slip.meant == pytest.approx(meant)

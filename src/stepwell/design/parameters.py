@@ -1,4 +1,4 @@
-"""The parameters of a chain by name: the value of one, its unit, the chain with another value."""
+"""Parameters of a chain by name: value, unit, and the chain with another value."""
 
 import math
 from dataclasses import dataclass, replace
@@ -11,18 +11,18 @@ from stepwell.base import ByValue, Floats, InputError, Measure, Vec2, join_first
 from stepwell.mechanism import Band, Cell, Chain, Element, Slip, geometry, sizes
 from stepwell.statics import Designs, batch, drive_weights
 
-# How the odd true case is told.
-WAY = "If it is meant so, pass unusual=True of a cell of the chain."
+# Action for values that are intended.
+WAY = "If the value is intended, set unusual=True for a cell of the chain."
 
 _ACTUATOR = "actuator_stiffness"
-# What a cell has, and what an element has, with the unit; that of friction is a force's.
+# Parameters of a cell and of an element with their units; friction has that of a force.
 _OF_CELL = dict.fromkeys(("p", "q", "p.x", "p.y", "q.x", "q.y"), "m")
 _OF_CELL |= {"stiffness": "N/m", "rest_length": "m", "lever": "m", "limit": "rad", "friction": ""}
 _OF_ELEMENT = {"force_scale": "1", "travel_scale": "1", "friction": ""}
 _PARTS = _OF_CELL | _OF_ELEMENT
 ANCHORS = ("p", "q")
 _AXES = ("x", "y")
-# A message names this many cells.
+# Number of cells named in a message.
 _NAMED = 8
 
 
@@ -30,14 +30,14 @@ _NAMED = 8
 class Parameter(ByValue):
     """One parameter of a chain.
 
-    Where a cell has several bands, the value is that of the first one, and another value changes
-    all: anchors are shifted alike, stiffnesses and rest lengths scaled alike.
+    If a cell has several bands, the value is that of the first one, and another value changes all:
+    anchors are shifted alike, stiffnesses and rest lengths scaled alike.
 
     Attributes:
         name: such as "outer.q.x" or "actuator_stiffness".
         cell: index of the cell in chain.cells; None for the actuator.
-        part: what of it: "p", "q.x", "stiffness", "force_scale" and so on.
-        measure: what travel and force are in the chain.
+        part: such as "p", "q.x", "stiffness" or "force_scale".
+        measure: kind of travel and force of the chain.
     """
 
     name: str
@@ -47,7 +47,7 @@ class Parameter(ByValue):
 
     @property
     def unit(self) -> str:
-        """Its SI unit."""
+        """SI unit of the parameter."""
         if self.cell is None:
             return self.measure.stiffness_unit
         return _PARTS[self.part] or self.measure.force_unit
@@ -58,7 +58,7 @@ class Parameter(ByValue):
         return self.part in ANCHORS
 
     def value(self, chain: Chain) -> float | Vec2:
-        """Its value in a chain, in SI."""
+        """Value of the parameter in a chain, in SI."""
         if self.cell is None:
             return chain.actuator_stiffness
         cell: Any = chain.cells[self.cell]
@@ -70,7 +70,7 @@ class Parameter(ByValue):
         return float(getattr(owner, self.part))
 
     def changed(self, chain: Chain, value: float | Vec2) -> Chain:
-        """The chain with this parameter at another value, in SI; ValueError if it cannot be."""
+        """The chain with another value of this parameter, in SI; ValueError if not allowed."""
         if self.cell is None:
             return replace(chain, actuator_stiffness=_number(self, value))
         cells = list(chain.cells)
@@ -96,7 +96,7 @@ class Parameter(ByValue):
         elif self.part in ("stiffness", "rest_length"):
             column = 2 + (self.part == "rest_length")
             old = [float(getattr(band, self.part)) for band in cell.bands]
-            # Bands that cannot be scaled are no design, and building it refuses them.
+            # Bands that cannot be scaled make no design; building it raises the error.
             ratio = values / old[0] if old[0] else np.full(len(values), np.nan)
             for k, own in enumerate(old):
                 bands[:, k, column] = values if own == old[0] else own * ratio
@@ -132,7 +132,7 @@ class Parameter(ByValue):
         """`values` as `least` or more rising floats; raises ValueError otherwise."""
         array, name = np.array(values, float), self.name
         if self.is_anchor:
-            raise InputError(f"{name} is a place, not a number: take {name}.x or {name}.y.")
+            raise InputError(f"{name} is a point, not a number: use {name}.x or {name}.y.")
         if array.ndim != 1 or len(array) < least or not np.all(np.isfinite(array)):
             raise InputError(
                 f"values of {name} have shape {array.shape}: must be {least} or more finite "
@@ -140,13 +140,12 @@ class Parameter(ByValue):
             )
         if np.any(np.diff(array) <= 0):
             raise InputError(
-                f"values of {name} must rise from one to the next [{self.unit}]: sort them, "
-                f"drop repeats."
+                f"values of {name} must increase [{self.unit}]: sort them and remove repeats."
             )
         return array
 
     def slips(self, chain: Chain, value: float) -> tuple[Slip, ...]:
-        """Whether a value is so far above the chain's own that another unit was meant."""
+        """Probable unit errors: a value far above the sizes of the chain."""
         if self.cell is None or chain.unusual:
             return ()
         cell = chain.cells[self.cell]
@@ -172,10 +171,10 @@ class Parameter(ByValue):
 
 
 def parameter(chain: Chain, name: str) -> Parameter:
-    """The parameter of that name; ValueError for no such, with the nearest one.
+    """The parameter of a name; ValueError with the nearest name if there is none.
 
     Args:
-        chain: whose parameter it is.
+        chain: the chain of the parameter.
         name: "<cell>.p", "<cell>.q", "<cell>.q.x" and the like, "<cell>.stiffness",
             "<cell>.rest_length", "<cell>.lever", "<cell>.limit", "<cell>.friction"; of an element
             "<element>.force_scale", "<element>.travel_scale", "<element>.friction"; where <cell>
@@ -253,12 +252,12 @@ def _place(of: Parameter, value: float | Vec2) -> Vec2:
         x, y = value  # type: ignore[misc]
         return float(x), float(y)
     except (TypeError, ValueError):
-        raise InputError(f"{of.name} = {value!r}: must be a place (x, y) [m].") from None
+        raise InputError(f"{of.name} = {value!r}: must be a point (x, y) [m].") from None
 
 
 def _shifted(band: Band, anchor: str, first: Band, new: Vec2) -> Band:
     moves = zip(getattr(band, anchor), getattr(first, anchor), new, strict=True)
-    # The first band lands on the new place and not a rounding beside it.
+    # The first band gets the new place exactly, without rounding.
     x, y = (there if spot == was else spot + (there - was) for spot, was, there in moves)
     return replace(band, **{anchor: (x, y)})
 
@@ -267,8 +266,8 @@ def _scaled(bands: tuple[Band, ...], of: Parameter, value: float) -> list[Band]:
     olds = [float(getattr(band, of.part)) for band in bands]
     if olds[0] == 0 and any(olds):
         raise InputError(
-            f"{of.name} = {value}: the first band has none, so the others cannot be scaled "
-            f"with it; put a band with a rest length first."
+            f"{of.name} = {value}: the first band has {of.part} 0, so the others cannot be scaled "
+            f"with it: put a band with another value first."
         )
     news = [value if old == olds[0] else old * (value / olds[0]) for old in olds]
     return [replace(band, **{of.part: new}) for band, new in zip(bands, news, strict=True)]

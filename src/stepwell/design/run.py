@@ -1,4 +1,4 @@
-"""What a design does, and how far it is from doing something else: a cycle and what follows."""
+"""Full cycle of a design with its margin, landings and yield."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -13,7 +13,7 @@ from stepwell.sequences import Cycle, cycle
 if TYPE_CHECKING:
     from stepwell.statics import Landing
 
-# Samples that the engine follows, and samples in closed form: both take about as long.
+# Simulated samples, and samples in closed form: both take about as long.
 _FOLLOWED, _IN_CLOSED_FORM = 100, 20_000
 
 
@@ -22,8 +22,8 @@ class Run(ByValue):
     """A full cycle of a design with its robustness margin, each computed once.
 
     Attributes:
-        cycle, margin: what the design does, and how far it is from another sequence.
-        landings: whether each snap lands where it does for other mobilities; None if unchecked.
+        cycle, margin: the full cycle, and the smallest changes that change its sequence.
+        landings: robustness of each landing to other mobilities; None if unchecked.
     """
 
     cycle: Cycle
@@ -36,11 +36,11 @@ class Run(ByValue):
 
         Args:
             chain: the design.
-            mobility_ratio: landings are checked up to it; up to 10, of up to 8 cells, by default.
+            mobility_ratio: landings are checked up to it; by default up to 10, for up to 8 cells.
 
         Raises:
             ValueError: a ratio that is not allowed.
-            StaticsError: the engine could not go on; its text says what to do.
+            StaticsError: the engine could not continue; the text states an action.
         """
         motion = cycle(chain)
         path = motion.path
@@ -54,7 +54,7 @@ class Run(ByValue):
 
     @cached_property
     def built(self) -> Yield | None:
-        """How many of a few samples reproduce the sequence; None of more than 12 cells."""
+        """Yield of a few samples that reproduce the sequence; None for more than 12 cells."""
         if len(self.chain) > LONGEST_FOLLOWED:
             return None
         target = str(self.cycle.sequence)

@@ -1,7 +1,7 @@
-"""The switches of a chain: every step of a cell from one of its phases to the next, and back.
+"""Switches of a chain: every step of a cell from one of its phases to the next, and back.
 
-Under a prescribed force no cell feels another: cells whose phases are all the places where they can
-stand are then independent relays, and the order of their switching forces is all that they do.
+Under a prescribed force cells are independent. Cells with equilibria in their phases only are then
+relays, and the order of their switching forces decides the sequence.
 """
 
 from dataclasses import dataclass, replace
@@ -17,13 +17,13 @@ from stepwell.mechanism import Cell, Chain, Element
 class Switches:
     """The switches of a chain, numbered cell by cell, inner first, and by rising phase."""
 
-    cells: int  # how many there are
-    cell: Ints  # (T,) whose it is
-    phase: Ints  # (T,) that it leaves upwards
+    cells: int  # number of cells
+    cell: Ints  # (T,) cell of each switch
+    phase: Ints  # (T,) phase that it leaves upwards
 
     @classmethod
     def of(cls, last: str) -> "Switches":
-        """Those of cells of which `last` is the last state, such as "11"."""
+        """The switches of cells whose last state is `last`, such as "11"."""
         steps = [(cell, k) for cell, digit in enumerate(last) for k in range(int(digit))]
         cell, phase = np.array(steps, np.int64).reshape(-1, 2).T
         return cls(len(last), cell, phase)
@@ -32,7 +32,7 @@ class Switches:
         return len(self.cell)
 
     def names(self, chain: Chain) -> tuple[str, ...]:
-        """What each is called: its cell's name, with the phases where that has more than two."""
+        """Name of each switch: its cell's name, with the phases if that has more than two."""
         steps = np.bincount(self.cell)
         return tuple(
             chain.names[cell] + (f" {k}-{k + 1}" if steps[cell] > 1 else "")
@@ -40,11 +40,10 @@ class Switches:
         )
 
     def decisive(self, forces: Floats) -> Floats:
-        """(m, T, 2) forces [N] at which each goes up in a full cycle, and comes down, of those by
-        itself.
+        """(m, T, 2) forces [N] at which each switch goes up and comes down in a full cycle.
 
-        A cell that leaves a phase upwards lands in the first one that holds at this force, so it
-        leaves each at the largest force that any phase up to it needs.
+        A cell that leaves a phase upwards lands in the first stable one at this force, so it leaves
+        each phase at the largest switching force of all phases up to it.
         """
         held = forces.copy()
         for t in range(1, len(self)):
@@ -56,11 +55,11 @@ class Switches:
         return held
 
     def motion(self, forces: Floats) -> "RelayCycles":
-        """What m chains of relays do as a force rises over all (m, T, 2) and falls again."""
+        """Cycles of m chains of relays as a force rises over all (m, T, 2) and falls again."""
         held = self.decisive(forces)
         up, down = held[..., 0], held[..., 1]
         rising = np.argsort(up, axis=1, kind="stable")
-        # Phases of one cell that are left at one force are left from the last one on.
+        # Phases of one cell with equal forces are left from the last one on.
         back = np.arange(len(self))[::-1]
         falling = back[np.argsort(-down[:, back], axis=1, kind="stable")]
         order = np.stack([rising, falling], axis=1)
@@ -75,15 +74,17 @@ class Switches:
 
 @dataclass(frozen=True, eq=False)
 class RelayCycles:
-    """What m chains of relays do in a full cycle."""
+    """Full cycles of m chains of relays."""
 
     switches: Switches
     order: Ints  # (m, 2, T) switches in the order in which they go up, and come down
-    together: Bools  # (m, 2, T - 1) whether one goes with the one before: its cell leaps a phase
+    together: (
+        Bools  # (m, 2, T - 1) whether one switches with the one before: its cell skips a phase
+    )
     tied: Bools  # (m,) whether two cells switch at one force, to rounding
 
     def cycles(self) -> tuple[list[str], Ints]:
-        """The different cycles as texts, and (m,) the number of each chain's."""
+        """The different cycles as texts, and their numbers for each chain (m,)."""
         m = len(self.order)
         rows = np.hstack([self.order.reshape(m, -1), self.together.reshape(m, -1)])
         if not len(self.switches):
@@ -105,7 +106,7 @@ class RelayCycles:
 
 
 def switching_forces(chain: Chain) -> Floats:
-    """(T, 2) where switches go up and come down [N]: of a lever cell F0 and F1 with friction."""
+    """Switching forces up and down (T, 2) [N]: for a lever cell F0 and F1 with friction."""
     return np.array(
         [
             (before.force_high + cell.friction, after.force_low - cell.friction)
@@ -116,25 +117,25 @@ def switching_forces(chain: Chain) -> Floats:
 
 
 def are_relays(chain: Chain) -> bool:
-    """Whether the switching forces decide what a chain does, proved: under a prescribed force."""
+    """Whether the switching forces are proved to decide the cycle, under a prescribed force."""
     return chain.actuator_stiffness == 0 and all(map(is_relay, chain.cells))
 
 
 def relay_cycle(chain: Chain) -> str | None:
-    """The full cycle of a chain by its switching forces; None where they do not decide, or tie."""
+    """The full cycle of a chain by its switching forces; None if they do not decide, or tie."""
     relays = chain.elements and are_relays(chain)
     return cycle_by(chain, switching_forces(chain)) if relays else None
 
 
 def cycle_by(chain: Chain, forces: Floats) -> str | None:
-    """The full cycle by (T, 2) switching forces that decide it; None where two of them tie."""
+    """The full cycle by decisive switching forces (T, 2); None if two of them tie."""
     motion = Switches.of(chain.last_state).motion(forces[None])
     return None if motion.tied[0] else motion.cycles()[0][0]
 
 
 def is_relay(cell: Cell | Element) -> bool:
-    """Whether a cell under a prescribed force goes from phase to phase and nowhere else, proved."""
-    # On one sheet a cell moves on to the next place where its force is met, which is in a phase.
+    """Whether a cell under a prescribed force is proved to stand in its phases only."""
+    # On one sheet a cell moves to the next equilibrium at its force, which is in a phase.
     if isinstance(cell, Element):
         return len(cell.sheets) == 1
     return closed(replace(cell, friction=0.0)) is not None

@@ -1,4 +1,4 @@
-"""How far a design is from doing something else: the smallest change of one anchor or number."""
+"""Margin of a design: the smallest change of one anchor or number that changes the sequence."""
 
 import math
 from dataclasses import dataclass, field
@@ -18,23 +18,23 @@ from stepwell.mechanism import Cell, Chain, Element
 from stepwell.sequences import Sequence, cycle
 from stepwell.statics import StaticsError
 
-# Cells of the longest chain whose sequence past each change is computed unasked: it takes a cycle.
+# Longest chain whose sequence after each change is always computed, which takes a cycle.
 LONGEST_FOLLOWED = 12
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Change(ByValue):
-    """The smallest change of one thing about one cell after which the chain does otherwise.
+    """The smallest change of one parameter of one cell that changes the sequence.
 
     Attributes:
-        chain: the design as it is.
-        cell: whose anchor or number it is, 0 the innermost.
+        chain: the nominal design.
+        cell: the cell of the parameter, 0 the innermost.
         parameter: "anchor" (q on the outer block; moving p the opposite way is the same) or
-            "stiffness" (of all bands); of an element "force_scale", "travel_scale" or "friction".
-        distance: how far that is: [m], or the fraction of the number, of friction that of the
-            element's largest force; infinite where nothing within reach changes the sequence.
-        move: (dx, dy) [m] that brings the anchor there, or the signed fraction; NaN if infinite.
-        past: the same a hair further, where the sequence is another one already.
+            "stiffness" (of all bands); for an element "force_scale", "travel_scale" or "friction".
+        distance: size of the change [m], or as a fraction of the number (for friction, of the
+            element's largest force); infinite if no change within reach changes the sequence.
+        move: displacement (dx, dy) of the anchor [m], or the signed fraction; NaN if infinite.
+        past: a slightly larger change, after which the sequence is another one.
         method: exact, or a search.
     """
 
@@ -48,7 +48,7 @@ class Change(ByValue):
 
     @property
     def design(self) -> Chain | None:
-        """The chain just past the change; None where there is no change."""
+        """The chain just past the change; None if there is no change."""
         if np.isinf(self.distance):
             return None
         if isinstance(self.past, tuple):
@@ -58,7 +58,7 @@ class Change(ByValue):
 
     @cached_property
     def becomes(self) -> str:
-        """The sequence just past the change, by the engine; empty where there is no change."""
+        """The simulated sequence just past the change; empty if there is no change."""
         if self.design is None:
             return ""
         try:
@@ -82,7 +82,7 @@ class Change(ByValue):
 def number_change(
     chain: Chain, forces: SortedChain | None, now: Sequence, cell: int, part: str
 ) -> Change:
-    """The smallest change of a number of a cell, of all bands alike, that changes the sequence."""
+    """The smallest change of a number of a cell, for all its bands, that changes the sequence."""
     number = of_cell(chain, cell, part)
     return Change(chain, cell, part, *numbers.nearest_share(chain, forces, str(now), number))
 
@@ -94,16 +94,16 @@ _SHORT = 12
 
 @dataclass(frozen=True, eq=False)
 class Margin(ByValue, Drawn):
-    """How far a design is from another sequence, for every anchor and every stiffness.
+    """Smallest changes of every anchor and every stiffness that change the sequence.
 
     Attributes:
         changes: for every cell the smallest change of its anchor, then of its stiffness; for every
             element of all its forces, of all its travels, and of its friction.
         gap: smallest difference of two F0 or of two F1 over k r of the innermost cell; NaN
-            where the sequence is not a matter of F0 and F1 alone.
-        method: exact where every change is in closed form, else a search.
-        reach: farthest an anchor was moved [m].
-        resolution: what a search can miss; empty where nothing was searched.
+            if F0 and F1 alone do not decide the sequence.
+        method: exact if every change is in closed form, else a search.
+        reach: largest displacement of an anchor that was tried [m].
+        resolution: resolution of the search; empty if nothing was searched.
     """
 
     chain: Chain = field(repr=False)
@@ -115,12 +115,12 @@ class Margin(ByValue, Drawn):
 
     @property
     def anchors(self) -> Floats:
-        """Smallest displacement of each cell's anchor [m]; of those that have one."""
+        """Smallest displacement of the anchor of each lever cell [m]."""
         return self._distances("anchor")
 
     @property
     def stiffness(self) -> Floats:
-        """Smallest relative change of each cell's stiffness [1]; of those that have bands."""
+        """Smallest relative change of the stiffness of each lever cell [1]."""
         return self._distances("stiffness")
 
     def _distances(self, parameter: str) -> Floats:
@@ -154,7 +154,7 @@ class Margin(ByValue, Drawn):
 
 
 def margin(chain: Chain, *, reach: float = REACH, progress: Progress = None) -> Margin:
-    """How far each anchor and each stiffness may change before the sequence does.
+    """Smallest change of each anchor and each stiffness that changes the sequence.
 
     All else as for `Chain.margin`.
     """
@@ -175,7 +175,7 @@ def margin(chain: Chain, *, reach: float = REACH, progress: Progress = None) -> 
 
 
 def proved_margin(chain: Chain) -> Margin | None:
-    """What `margin` gives where closed forms prove all of it; None where it would search."""
+    """The result of `margin` if closed forms prove all of it; None if it needs a search."""
     forces = SortedChain.of(chain)
     if forces is None:
         return None

@@ -1,4 +1,4 @@
-"""The nearest displacement of one anchor after which a chain does otherwise."""
+"""The nearest displacement of one anchor that changes the sequence of a chain."""
 
 import math
 from dataclasses import dataclass
@@ -22,12 +22,12 @@ _FINE = 64.0
 _DEEPEST = 60  # halvings
 _STEPS = 40
 _ROUNDING = 1e-12  # of k r
-_NEARER = 1.0 - 1e-13  # what is nearer is not so by rounding alone
+_NEARER = 1.0 - 1e-13  # smaller differences are rounding
 _NUDGE = 1e-5  # of r, for the curvature
 
 
 class Place(NamedTuple):
-    """A displacement on the rim of the region in which conditions are met."""
+    """A displacement on the rim of the region that meets the conditions."""
 
     move: Floats  # (2,) of the anchor [m]
     distance: float  # its length [m]
@@ -39,10 +39,10 @@ def nearest_place(
 ) -> Place | None:
     """The nearest displacement within [m] that meets all conditions, to rounding; None for none.
 
-    Boxes of displacements are thrown out where a bound on the slope of F proves that they hold
-    none, or none nearer than one already met; what is left is halved, nearest first. In a small box
-    the nearest place lies on one curve F = force, squarely to the displacement, or where two of
-    them meet: Newton's method does the last bit. `sign` is +1 for anchor q, -1 for p: d = q - p.
+    A bound on the slope of F excludes boxes of displacements without such a place, or without one
+    nearer than the best one. The remaining boxes are halved, nearest first. In a small box the
+    nearest place lies on one curve F = force, perpendicular to the displacement, or where two of
+    them meet; Newton's method locates it. `sign` is +1 for anchor q, -1 for p: d = q - p.
     """
     out = np.empty(4)
     search = _Search(
@@ -73,7 +73,7 @@ def _nearest(cell: Simple, search: _Search, out: Floats) -> float:
     frame, within = search.frame, search.within
     n = frame.shape[1]
     best = np.inf
-    # Here is a place of its own: boxes around it shrink for ever.
+    # The origin is tested separately, since boxes around it would shrink without end.
     if _settled(cell, search, 0.0, 0.0, out):
         best = math.sqrt(out[0] * out[0] + out[1] * out[1])
     known = min(best, within)
@@ -114,8 +114,8 @@ def _nearest(cell: Simple, search: _Search, out: Floats) -> float:
 
 @leaf
 def _halve(boxes, waiting: int, u: float, v: float, half: float, n: int) -> int:
-    """Put the halves of a box in n directions on those that wait; how many wait then."""
-    # Halves that lead away from here wait below those that lead towards it.
+    """Push the halves of a box in n directions on the stack; returns the new size."""
+    # Halves away from the origin lie below those towards it.
     to_u, to_v = -math.copysign(0.5 * half, u), -math.copysign(0.5 * half, v)
     for i in range(4 if n == 2 else 2):
         boxes[waiting, 0] = u + (to_u if i % 2 else -to_u)
@@ -127,7 +127,7 @@ def _halve(boxes, waiting: int, u: float, v: float, half: float, n: int) -> int:
 
 @leaf
 def _holds(cell: Simple, search: _Search, x: float, y: float, radius: float) -> tuple[bool, bool]:
-    """Whether a disc may hold a place that meets all conditions, and whether its middle does."""
+    """Whether a disc may contain a place that meets all conditions, and whether its middle does."""
     side, force, up = search.side, search.force, search.up
     held, inside = True, True
     for k in range(len(side)):
@@ -142,12 +142,12 @@ def _holds(cell: Simple, search: _Search, x: float, y: float, radius: float) -> 
 
 @leaf
 def _settled(cell: Simple, search: _Search, x: float, y: float, out: Floats) -> bool:
-    """Fill out (4,) with the nearest place that Newton's method finds from (x, y)."""
+    """Fill out (4,) with the nearest place by Newton's method from (x, y)."""
     side, frame = search.side, search.frame
     best = np.inf
     for i in range(len(side)):
         # F0 has one value at a time, so two of its conditions never bind together; likewise F1.
-        # Where two do, the way in is between them: they go before one alone.
+        # Where two conditions bind, the way in lies between them, so pairs come before single ones.
         for j in range(len(side) - 1, i - 1, -1):
             if j > i and (side[i] == side[j] or frame.shape[1] == 1):
                 continue
@@ -191,10 +191,10 @@ def _inward(
 def _meeting_place(
     cell: Simple, search: _Search, i: int, j: int, x: float, y: float
 ) -> tuple[bool, float, float]:
-    """Where one end force is met by the shortest displacement near (x, y), or two at once.
+    """The shortest displacement near (x, y) that gives one critical force, or two at once.
 
-    Two equations: F_i = force, and F_j = force, or where there is no other j: the displacement is
-    square to the curve, or keeps to the line.
+    Two equations: F_i = force, and F_j = force. Without another j, the displacement is
+    perpendicular to the curve, or stays on the line.
     """
     side, force, frame, r = search.side, search.force, search.frame, cell.lever
     for _ in range(_STEPS):
@@ -229,22 +229,22 @@ def _meeting_place(
     return False, x, y
 
 
-# How far past a change a chain is looked at [m]: far enough to leave no tie, near enough that
-# nothing else has changed. The smaller ones are for regions that are narrower.
+# Additional displacement beyond a change [m]: large enough to avoid a tie, small enough that
+# nothing else changes. The smaller ones are for narrower regions.
 _PAST = (1e-8, 1e-9, 1e-10)
 
 
 class Nearest(NamedTuple):
-    """The nearest displacement, and one just past it."""
+    """The nearest displacement, and a slightly larger one."""
 
-    distance: float  # its length [m]; infinite where none is within reach
+    distance: float  # its length [m]; infinite if none is within reach
     move: Vec2  # (dx, dy) of the anchor [m]; NaN for none
-    past: Vec2  # where the chain does otherwise
+    past: Vec2  # where the chain reaches the target
     method: Method
 
 
 def sequence(chain: Chain) -> Sequence:
-    """What the chain does, in closed form where it holds, else by the general engine."""
+    """Sequence of the chain, in closed form if it holds, else by the general engine."""
     forces = SortedChain.of(chain)
     if forces is None:
         relays = relay_cycle(chain)
@@ -254,49 +254,49 @@ def sequence(chain: Chain) -> Sequence:
 
 @dataclass(frozen=True, eq=False)
 class Aim:
-    """What a displacement of an anchor has to do."""
+    """The target of a displacement of an anchor."""
 
     chain: Chain
-    now: Sequence  # what the chain does
+    now: Sequence  # of the nominal chain
     anchor: Parameter
-    target: Sequence | None  # None for anything else than now
+    target: Sequence | None  # None for any other than now
 
     def is_met(self, done: Sequence) -> bool:
-        """Whether this is what is wanted."""
+        """Whether a sequence is the target."""
         return done != self.now if self.target is None else done == self.target
 
     def is_met_at(self, move: Floats) -> bool:
-        """Whether the chain with its anchor displaced by (2,) [m] does what is wanted."""
-        # A design that cannot be made, or that the engine cannot follow, does nothing.
+        """Whether the chain with its anchor displaced by (2,) [m] reaches the target."""
+        # A design that cannot be built or simulated misses it.
         try:
             return self.is_met(sequence(self.anchor.displaced(self.chain, move)))
         except (ValueError, StaticsError):
             return False
 
     def is_met_at_each(self, moves: Floats) -> Bools:
-        """The same of (m, 2) displacements [m] at once, where that is possible."""
+        """The same for (m, 2) displacements [m] at once, if that is possible."""
         anchor, chain = self.anchor, self.chain
         designs = nominal(chain, len(moves))
         assert designs is not None
         anchor.put(designs, chain, np.array(anchor.value(chain)) + moves)
         cycles = cycles_of(lambda i: anchor.displaced(chain, moves[i]), len(moves), designs)
-        # A design without a number does nothing.
+        # A design without a number misses the target.
         return np.array([*map(self.is_met, cycles.sequences), False])[np.maximum(cycles.number, -1)]
 
 
 def nearest(
     aim: Aim, forces: SortedChain | None, ways: Displacements, progress: Progress = None
 ) -> Nearest:
-    """The nearest displacement of an anchor after which the chain does what is wanted.
+    """The nearest displacement of an anchor with which the chain reaches the target.
 
-    In closed form where the proof that cells are concave holds for every displacement up to it;
-    else what the closed form says is checked, and a nearer one searched.
+    In closed form if the cells are proved concave for every displacement up to it; otherwise the
+    result of the closed form is checked, and a nearer one is searched.
     """
     known, past, proved = None, None, False
     if forces is not None:
         known, proved = _in_closed_form(forces, aim.anchor, aim.target, ways)
     if known is not None:
-        # Where any other sequence will do, the closed form is proof enough.
+        # If any other sequence counts, the closed form is a sufficient proof.
         sure = proved and aim.target is None
         past = next((at for at in _just_past(known) if sure or aim.is_met_at(at)), None)
     if not proved:
@@ -317,7 +317,7 @@ def nearest(
 
 
 def nearest_proved(forces: SortedChain, anchor: Parameter, ways: Displacements) -> Nearest | None:
-    """The nearest displacement that changes anything; None where no closed form proves it."""
+    """The nearest displacement that changes the sequence; None if no closed form proves it."""
     known, proved = _in_closed_form(forces, anchor, None, ways)
     return _assembled(known, known and _just_past(known)[0], Method.EXACT) if proved else None
 
@@ -348,12 +348,12 @@ def _in_closed_form(
         place = nearest_place(forces.cells[cell], conditions, ways, sign, far)
         if place is not None and (best is None or place.distance < far):
             best, far = place, place.distance
-    # One cell alone goes where the actuator goes, whatever its force.
+    # A single cell follows the actuator at any force.
     return best, len(forces.cells) == 1 or ways.proved(forces.cells[cell], sign, far)
 
 
 def _regions(forces: SortedChain, cell: int, target: Sequence | None) -> list[list[Neighbour]]:
-    """Conditions on the moved cell; the sequence is the wanted one where all of a list hold."""
+    """Conditions on the moved cell; the target is reached where all of one list hold."""
     if target is None:
         return [[neighbour] for neighbour in forces.neighbours(cell)]
     orders = target.orders
@@ -361,6 +361,6 @@ def _regions(forces: SortedChain, cell: int, target: Sequence | None) -> list[li
         return []
     for order, now in zip(orders, (forces.loading, forces.unloading), strict=True):
         if [i for i in order if i != cell] != [i for i in now if i != cell]:
-            return []  # the other cells do not do their part
-    # It must not pass its neighbours in the wanted orders, but keep to its own side of them.
+            return []  # the order of the other cells is not that of the target
+    # It must stay on its side of its neighbours in the target orders.
     return [[n._replace(up=-n.up) for n in forces.neighbours(cell, orders)]]

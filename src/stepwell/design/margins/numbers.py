@@ -1,4 +1,4 @@
-"""The smallest change of one number of a cell after which a chain does what is wanted."""
+"""The smallest change of one number of a cell with which a chain reaches a target."""
 
 import math
 from collections.abc import Callable
@@ -15,36 +15,36 @@ from stepwell.design.switches import Switches, are_relays, cycle_by, switching_f
 from stepwell.mechanism import Chain
 from stepwell.statics import StaticsError
 
-# How far past a change it is looked at: far enough to leave no tie.
+# Additional change beyond the smallest one, large enough to avoid a tie.
 _PAST = 1e-7
 _RATIOS = 12
 _MOST = 8.0  # largest ratio tried, up and down; every other is the root of the next
-_FINELY = 200  # tries each way where what is wanted may be a narrow range
+_FINELY = 200  # tries each way if the target may be a narrow range
 _RESOLUTION = 1e-6  # where bisection stops
 
-# What changes switching forces in proportion, or not at all.
+# Parameters that change switching forces in proportion, or not at all.
 _OF_FORCES = ("stiffness", "force_scale", "travel_scale", "friction")
 
 _THEN = f"then bisection to {_RESOLUTION * 100:g} %"
 RESOLUTION_FINE = (
-    f"asked at {_FINELY} values each way, up to {_MOST:g} times more and as much less, of friction "
-    f"up to the largest force; what lies between them is not seen; {_THEN}"
+    f"evaluated at {_FINELY} values each way between 1/{_MOST:g} and {_MOST:g} times the value "
+    f"(for friction up to the largest force); changes between these values are missed; {_THEN}"
 )
 
 
 def resolution(part: str, force: str) -> str:
-    """What a search of a number may miss, in words."""
+    """Resolution of a search of a number, in words."""
     if part == "friction":
-        return f"asked at {_RATIOS} sizes up to the largest {force} of the element, {_THEN}"
-    return f"asked at {_RATIOS} ratios up to {_MOST:g} times more and as many less, {_THEN}"
+        return f"evaluated at {_RATIOS} values up to the largest {force} of the element, {_THEN}"
+    return f"evaluated at {_RATIOS} factors each way between 1/{_MOST:g} and {_MOST:g}, {_THEN}"
 
 
-# How far a share of a number is from none, that share, the same a hair further, and the method.
+# Size of a relative change, the signed change, a slightly larger one, and the method.
 Share = tuple[float, float, float, Method]
 
 
 def changed_by(chain: Chain, number: Parameter, share: float) -> Chain:
-    """The chain with a number changed by a share of it; friction, by one of the largest force."""
+    """The chain with a number changed by a fraction of it; friction, of the largest force."""
     if number.part != "friction":
         return number.scaled(chain, 1.0 + share)
     assert number.cell is not None
@@ -60,15 +60,15 @@ def nearest_share(
     target: str | None = None,
     progress: Progress = None,
 ) -> Share:
-    """The smallest change of a number of a cell after which a chain does what is wanted.
+    """The smallest change of a number of a cell with which a chain reaches the target.
 
-    It is a share of the number, of friction one of the largest force, and NaN where there is none.
+    It is a fraction of the number, for friction of the largest force, and NaN if there is none.
 
     In closed form F of one linear band is proportional to k, so the ratio of stiffness that reaches
-    another force is a quotient; a force of the other sign, or zero, is never reached. So it is with
-    all forces of an element under a prescribed force, where the order of the switching forces is
-    all that counts, and travels do not. Else values are asked, and the first change bisected.
-    Without a target, anything else than `now` is wanted.
+    another force is a quotient; a force of the other sign, or zero, is never reached. The same
+    holds for all forces of an element under a prescribed force, where only the order of the
+    switching forces counts. Otherwise values are simulated, and the first change is bisected.
+    Without a target, any sequence other than `now` counts.
     """
     assert number.cell is not None
     if forces is not None and number.part == "stiffness" and target is None:
@@ -83,7 +83,7 @@ def nearest_share(
         return _among_relays(chain, number, target)
 
     def does(share: float) -> bool:
-        # A design that cannot be made, or that the engine cannot follow, is another one.
+        # A design that cannot be built or simulated counts as another sequence.
         try:
             done = str(sequence(changed_by(chain, number, share)))
         except (StaticsError, ValueError):
@@ -100,12 +100,12 @@ def _share(share: float, past: float, method: Method) -> Share:
 
 
 def _among_relays(chain: Chain, number: Parameter, target: str | None) -> Share:
-    """Between two meetings of switching forces nothing changes, so each stretch is asked once."""
+    """The smallest change by evaluating once between each two meetings of switching forces."""
     assert number.cell is not None
     own, least = chain.cells[number.cell], -1.0
     forces = switching_forces(chain)
     rub = np.array([1.0, -1.0])
-    # By how much they change a share.
+    # Slope of the forces by the relative change.
     slope = forces - own.friction * rub
     if number.part == "friction":
         slope = np.broadcast_to(own.largest_force * rub, forces.shape)
@@ -136,7 +136,7 @@ def _among_relays(chain: Chain, number: Parameter, target: str | None) -> Share:
 def _searched(
     does: Callable[[float], bool], chain: Chain, number: Parameter, finely: bool, progress: Progress
 ) -> list[float]:
-    """The first share found that does it, each way that one is nearer than what is known."""
+    """The first change that reaches the target each way, if smaller than the known one."""
     changes: list[float] = []
     least, done = math.inf, 0
     tries = [(sign, _tries(chain, number, sign, finely)) for sign in (1, -1)]

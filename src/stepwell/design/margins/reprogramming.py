@@ -1,4 +1,4 @@
-"""The smallest change of an anchor or a number that makes a chain do as wanted, and its cost."""
+"""The smallest change of an anchor or a number with which a chain reaches a target."""
 
 import math
 import os
@@ -22,23 +22,23 @@ if TYPE_CHECKING:
     import xarray
 
 
-_ANGLES = 1025  # looked at over the travel; the largest force is right to 1e-6 of itself
+_ANGLES = 1025  # over the travel; the relative error of the largest force is 1e-6
 _POSITIONS = 41
 
 
 @dataclass(frozen=True, eq=False)
 class Resistance(base.ByValue):
-    """The force against which an anchor moves in a straight line, by bands that pull at it.
+    """Force of the bands against a straight displacement of an anchor.
 
-    A band of tension T pulls p towards q and q towards p; what counts is the part of that along
-    the displacement, positive where it resists and negative where it helps. Without weight,
-    friction or inertia of what pushes.
+    A band of tension T pulls p towards q and q towards p. The force is its component along the
+    displacement, positive if it resists and negative if it helps. Weight, friction and inertia of
+    the pushing part are neglected.
 
     Attributes:
-        fraction: (m,) part of the displacement gone, 0 to 1.
+        fraction: (m,) fraction of the displacement, 0 to 1.
         force_0, force_1: (m,) at state 0 and at state 1 of the cell [N].
         peak: (m,) the largest over the cell's travel [N].
-        work_0, work_1: what the whole displacement takes at state 0 and at state 1 [J].
+        work_0, work_1: work of the whole displacement at state 0 and at state 1 [J].
     """
 
     fraction: base.Floats
@@ -70,18 +70,18 @@ class Resistance(base.ByValue):
 
     @classmethod
     def nowhere(cls) -> "Resistance":
-        """No way at all."""
+        """The resistance without a displacement."""
         none = np.empty(0)
         return cls(none, none, none, none, float("nan"), float("nan"))
 
     @property
     def largest(self) -> float:
-        """Largest force [N] at any place on the way and any travel; NaN where there is no way."""
+        """Largest force [N] at any place of the path and any travel; NaN without a path."""
         return float(np.max(self.peak)) if len(self.peak) else float("nan")
 
     def __str__(self):
         if not len(self.peak):
-            return "no way"
+            return "no displacement"
         work_0, work_1 = base.to_unit(self.work_0, "mJ"), base.to_unit(self.work_1, "mJ")
         work = f"work {work_0:.4g} mJ at state 0, {work_1:.4g} mJ at state 1"
         if self.largest > 0:
@@ -93,11 +93,11 @@ class Resistance(base.ByValue):
 
 
 _DOC = "force against the displacement"
-# The way of the anchor, at every fraction of it.
+# The path of the anchor, at every fraction of it.
 WAY: base.Schema = (
     base.Quantity("fraction", read="resistance.fraction"),
-    base.Quantity("x", "mm", "x", lambda found: found.along(0), doc="displacement along x"),
-    base.Quantity("y", "mm", "y", lambda found: found.along(1), doc="displacement along y"),
+    base.Quantity("x", "mm", "x", lambda change: change.along(0), doc="displacement along x"),
+    base.Quantity("y", "mm", "y", lambda change: change.along(1), doc="displacement along y"),
     base.Quantity("force_0", "N", "at state 0", "resistance.force_0", doc=f"{_DOC} at state 0"),
     base.Quantity("force_1", "N", "at state 1", "resistance.force_1", doc=f"{_DOC} at state 1"),
     base.Quantity("peak", "N", "largest", "resistance.peak", doc=f"largest {_DOC} over the travel"),
@@ -106,24 +106,24 @@ WAY: base.Schema = (
 
 @dataclass(frozen=True, eq=False)
 class Reprogramming(base.ByValue):
-    """The smallest displacement of one anchor after which a chain does what is wanted.
+    """The smallest displacement of one anchor with which a chain reaches a target.
 
     Or the smallest change of one number of an element: then `displacement`, `distance` and `place`
-    are numbers in that one's unit, and nothing resists it.
+    are numbers in its unit, without a resistance.
 
     Attributes:
-        chain: the design as it is.
-        target: the sequence wanted; None for any other than now.
+        chain: the nominal design.
+        target: the target sequence; None for any other than now.
         by: the anchor, such as "inner.p", or the number, such as "dome.force_scale".
-        displacement: (dx, dy) of the anchor [m]; NaN where there is none within reach, zero
-            where the chain does it already.
-        distance: its length [m]; infinite where there is none within reach.
-        reach: farthest displacement that was looked at [m]; infinite for a number.
-        chain_after: the design a hair further on, where it does it; None if nowhere.
-        before, after: the sequences as it is and a hair past, by the engine; `after` is empty
-            where there is none.
+        displacement: (dx, dy) of the anchor [m]; NaN if there is none within reach, zero if the
+            chain already reaches the target.
+        distance: its length [m]; infinite if there is none within reach.
+        reach: largest displacement that was tried [m]; infinite for a number.
+        chain_after: the design slightly past the change, which reaches the target; else None.
+        before, after: the simulated sequences before and slightly past the change; `after` is
+            empty if there is none.
         method: exact, or a search.
-        resolution: what a search can miss; empty where nothing was searched.
+        resolution: resolution of the search; empty if nothing was searched.
     """
 
     chain: Chain = field(repr=False)
@@ -140,19 +140,19 @@ class Reprogramming(base.ByValue):
 
     @property
     def cell(self) -> int:
-        """The cell whose anchor it is, 0 the innermost."""
+        """The cell of the anchor, 0 the innermost."""
         number = parameter(self.chain, self.by).cell
         assert number is not None
         return number
 
     @property
     def anchor(self) -> str:
-        """Which of its anchors: "p" on the inner block or "q" on the outer one; or which number."""
+        """The anchor, "p" on the inner block or "q" on the outer one; or the number."""
         return parameter(self.chain, self.by).part
 
     @property
     def place(self) -> base.Vec2 | float:
-        """Where the anchor has to be (of the cell's first band) [m]; NaN if nowhere."""
+        """New position of the anchor (of the cell's first band) [m]; NaN if there is none."""
         now = parameter(self.chain, self.by).value(self.chain)
         if isinstance(now, tuple) or isinstance(self.displacement, tuple):
             return self.anchor_at
@@ -166,7 +166,7 @@ class Reprogramming(base.ByValue):
 
     @property
     def anchor_at(self) -> base.Vec2:
-        """`place` of an anchor, (x, y) [m]; NaN for a number, which is nowhere in the plane."""
+        """`place` of an anchor, (x, y) [m]; NaN for a number."""
         now = parameter(self.chain, self.by).value(self.chain)
         x, y = now if isinstance(now, tuple) else (math.nan, math.nan)
         return x + self.move[0], y + self.move[1]
@@ -178,18 +178,18 @@ class Reprogramming(base.ByValue):
 
     @cached_property
     def resistance(self) -> Resistance:
-        """The force of the cell's bands against the displacement, from here to there."""
+        """The force of the cell's bands against the displacement along its path."""
         cell, move = self.chain.cells[self.cell], self.displacement
         if math.isinf(self.distance) or isinstance(cell, Element) or not isinstance(move, tuple):
             return Resistance.nowhere()
         return Resistance.of(cell, self.anchor, move)
 
     def along(self, axis: int) -> base.Floats:
-        """How far the anchor is on its way along x (0) or y (1) at every fraction of it [m]."""
+        """Displacement of the anchor along x (0) or y (1) at every fraction of the path [m]."""
         return self.resistance.fraction * self.move[axis]
 
     def to_xarray(self) -> "xarray.Dataset":
-        """The way as an xarray.Dataset over the fraction gone, units in the attributes."""
+        """The path as an xarray.Dataset over its fraction, units in the attributes."""
         base.need("tables")
         import xarray
 
@@ -209,20 +209,20 @@ class Reprogramming(base.ByValue):
         )
 
     def to_csv(self, file: str | os.PathLike[str]) -> None:
-        """Write the way as CSV, units in the column names (mm, N)."""
+        """Write the path as CSV, units in the column names (mm, N)."""
         base.write_csv(file, ((q, q.of(self)) for q in WAY))
 
     def __str__(self):
         wanted = self.target or "another sequence"
         if math.isinf(self.distance) and math.isinf(self.reach):
-            return f"no value of {self.by} that was looked at makes it {wanted} ({self.method})"
+            return f"no value of {self.by} that was tried gives {wanted} ({self.method})"
         if math.isinf(self.distance):
             return (
-                f"no displacement of {self.by} up to {base.to_unit(self.reach, 'mm'):.4g} mm makes "
-                f"it {wanted} ({self.method})"
+                f"no displacement of {self.by} up to {base.to_unit(self.reach, 'mm'):.4g} mm gives "
+                f"{wanted} ({self.method})"
             )
         if self.distance == 0 and self.after == self.before:
-            return f"it does {self.before} already"
+            return f"the sequence is already {self.before}"
         becomes = f"{self.before} -> {self.after} ({self.method})"
         if isinstance(self.displacement, tuple):
             x, y = (base.signed(base.to_unit(part, "mm")) for part in self.displacement)
@@ -255,14 +255,16 @@ def reprogram(
     reach: float = base.REACH,
     progress: base.Progress = None,
 ) -> Reprogramming:
-    """The smallest displacement of one anchor after which a chain does what is wanted.
+    """The smallest displacement of one anchor with which a chain reaches a target.
 
     All else as for `Chain.reprogram`.
     """
     moved = parameter(chain, by)
     number = moved.cell is not None and isinstance(chain.cells[moved.cell], Element)
     if number and (along is not None or one_way):
-        raise base.InputError(f"by = {by!r} is a number, without a direction: leave `along` out.")
+        raise base.InputError(
+            f"by = {by!r} is a number, without a direction: leave `along` and `one_way` out."
+        )
     if not (moved.is_anchor or number):
         raise base.InputError(
             f"by = {by!r}: must be an anchor, for example {chain.names[0] + '.p'!r} or "

@@ -1,4 +1,4 @@
-"""How far all anchors, or all forces, may be off at once, and the worst that this can do."""
+"""Largest deviation of all anchors, or all forces, at once that keeps the sequence."""
 
 import math
 from dataclasses import dataclass, field
@@ -15,9 +15,9 @@ from stepwell.design.switches import Switches, are_relays, switching_forces
 from stepwell.mechanism import Chain
 
 SIDES = (-1, 1)
-# Steps towards the farthest point of a disc; each divides what is missing by ten or more.
+# Steps towards the extreme point of a disc; each divides the error by ten or more.
 _TURNS = 6
-# Nodes over the length of a lever, where the proof of concave cells ends; and over a wide region.
+# Nodes over the length of a lever at the limit of the proof, and over a wide region.
 _GRID = 64
 _MOST_GRID = 1000
 _HALVINGS = 12
@@ -30,10 +30,10 @@ def farthest(cell: Simple, side: int, d: Floats, radius: float | Floats, sign: i
 
       ∇F·n = k ((1 - ℓ0/ℓ)/cos² θ + ℓ0 g²/ℓ³) > 0:
 
-    a taut band has no extremum inside a disc, and the one sought lies on its rim, where the slope
-    points outwards. That is found by going where the slope points, again and again; that there is
-    no better one elsewhere on the rim is not proved. The side is -1 for F0, +1 for F1; differences
-    d = q - p, (m, 2) [m], may be off by one radius, or by (m,).
+    a taut band has no extremum inside a disc, so it lies on the rim, where the slope points
+    outwards. It is found by repeated steps along the slope; that no better one lies elsewhere on
+    the rim is not proved. The side is -1 for F0, +1 for F1; differences d = q - p, (m, 2) [m], may
+    deviate by one radius, or by (m,).
     """
     out = end_force_field(cell, side, d)
     reach = sign * np.broadcast_to(np.asarray(radius, float), len(d))[:, None]
@@ -61,14 +61,14 @@ def extremes(
 
 
 class AnchorProof:
-    """How far an anchor may move with the cell still proved taut and concave.
+    """Largest displacement of an anchor with the cell still proved taut and concave.
 
-    Measured to the edge of all proved anchors, which is found on a grid and bisected: good for
-    choosing, and what is chosen is proved afterwards.
+    Distance to the edge of all proved anchors, located on a grid and bisected. It serves to choose;
+    the choice is proved afterwards.
     """
 
     def __init__(self, cell: Simple, d: Box):
-        """Of a band and a lever, for differences q - p within a rectangle [m]."""
+        """For a band and a lever, and differences q - p within a rectangle [m]."""
         self.most = 2.0 * cell.lever
         pitch = max(cell.lever / _GRID, max(d.right - d.left, d.top - d.bottom) / _MOST_GRID)
         x = np.arange(d.left - self.most, d.right + self.most + pitch, pitch)
@@ -99,61 +99,61 @@ _HALVINGS_OF_RADIUS = 24
 _FINE = 1e-12  # m
 
 METHOD = (
-    "the two neighbours in F0 or F1 that meet first, each displaced the worst way; an end force "
-    f"of a taut band is extreme on the rim of a disc, where {_DIRECTIONS} directions are looked "
-    "at, and one is followed to where the slope points outwards: that none better is missed in "
-    "between is not proved; that all cells stay taut and concave is"
+    "the two neighbours in F0 or F1 that meet first, each displaced in the worst direction; the "
+    f"critical force of a taut band is extreme on the rim of a disc: {_DIRECTIONS} directions are "
+    "evaluated and one is refined (not proved to be the extreme); all cells are proved to stay taut "
+    "and concave"
 )
 
 
 class RobustnessLimit(Advised):
-    """What ends the distance within which anchors may be off."""
+    """Limit of the allowed deviation of the anchors."""
 
     ORDER = (
         "order",
-        "further displacements do change the sequence: move the two cells that meet apart",
+        "larger displacements change the sequence: separate the forces of the two cells that meet",
     )
     PROOF = (
         "proof",
-        "beyond it a cell may no longer be taut and concave, so more may do or not: ask "
+        "beyond it a cell may no longer be taut and concave, so the sequence is not proved: use "
         "chain.yields() with larger tolerances",
     )
-    NONE = ("none", "a single cell within twice its lever, or forces down to none: nothing ends it")
+    NONE = ("none", "no limit within twice the lever of a single cell, or down to zero forces")
 
 
 METHOD_OF_RELAYS = (
-    "the two neighbours in the order of the switching forces up, or down, that meet first, all "
-    "forces of the one scaled up and of the other scaled down; exact, and proved, since under a "
-    "prescribed force no element feels another"
+    "the two neighbours in the order of the switching forces up, or down, that meet first, with "
+    "all forces of one scaled up and of the other scaled down; exact and proved, since elements "
+    "are independent under a prescribed force"
 )
 
 
 class Meeting(NamedTuple):
-    """Two neighbours whose end forces can be made equal."""
+    """Two neighbours whose critical forces can become equal."""
 
     radius: float  # [m], or the share of all forces
     first: int  # the cell that moves first in the design
     second: int
     way: str  # "loading", decided by F0, or "unloading", by F1
-    # Of their anchors q [m]; none where their forces are scaled.
+    # Displacements of their anchors q [m]; none if their forces are scaled.
     moves: tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, eq=False)
 class Robustness(ByValue):
-    """Within which distance of its place every anchor may be, all at once, for the same sequence.
+    """Largest displacement of all anchors at once that keeps the sequence.
 
-    Of elements under a prescribed force, by which share all their forces may be off instead.
+    For elements under a prescribed force, the largest relative deviation of all their forces.
 
     Attributes:
         chain: the design.
-        radius: of each outer anchor q, the inner ones being in place; where both ends of a band
-            may be off, half of it for each [m]; NaN where forces are asked.
-        limit: what ends it: the order of the cells, the proof, or nothing.
-        meeting: the neighbours that meet first; None where nothing meets within the radius.
+        radius: of each outer anchor q, with nominal inner anchors; if both ends of a band deviate,
+            half of it for each [m]; NaN for elements.
+        limit: the order of the cells, the proof, or no limit.
+        meeting: the neighbours that meet first; None if none meet within the radius.
         cell: the cell whose proof ends first; None unless that is the limit.
-        method: what is proved of this, and what is not.
-        share: of all forces of every element, without friction; NaN where anchors are asked.
+        method: what is proved, and what is not.
+        share: of all forces of every element, without friction; NaN for anchors.
     """
 
     chain: Chain = field(repr=False)
@@ -166,12 +166,14 @@ class Robustness(ByValue):
 
     def __str__(self):
         names = self.chain.names
-        text = f"all anchors may be off by {to_unit(self.radius, 'mm'):.4g} mm at once"
+        text = f"all anchors may deviate by {to_unit(self.radius, 'mm'):.4g} mm at once"
         if not math.isnan(self.share):
-            text = f"all {self.chain.measure.force}s may be off by {self.share * 100:.4g} % at once"
+            text = (
+                f"all {self.chain.measure.force}s may deviate by {self.share * 100:.4g} % at once"
+            )
         if self.meeting is not None:
             first, second = names[self.meeting.first], names[self.meeting.second]
-            text += f"; then {first} and {second} change places in {self.meeting.way}"
+            text += f"; then the order of {first} and {second} in {self.meeting.way} is reversed"
         if self.cell is not None:
             text += f"; beyond, {names[self.cell]} is not proved taut and concave"
         return text
@@ -181,7 +183,7 @@ class Robustness(ByValue):
 
 
 def robustness(chain: Chain) -> Robustness:
-    """The largest displacement that all anchors may have at once, whatever their directions.
+    """The largest displacement of all anchors at once, in any directions, for the same sequence.
 
     All else as for `Chain.robustness`.
     """
@@ -190,10 +192,9 @@ def robustness(chain: Chain) -> Robustness:
     forces = SortedChain.of(chain)
     if forces is None:
         raise InputError(
-            "robustness is for chains of cells proved taut and concave, with one full travel and "
-            "a rigid actuator, whose sequence is the order of F0 and F1, and for elements without "
-            "folds under a prescribed force, where it is that of their switching forces. For "
-            "others: chain.margin(), one thing at a time, or chain.yields(tolerances)."
+            "robustness needs cells proved taut and concave, with one full travel and a rigid "
+            "actuator, or elements without folds under a prescribed force, and this chain is "
+            "neither: use chain.margin(), one parameter at a time, or chain.yields(tolerances)."
         )
     proofs = [_proved_radius(cell) for cell in forces.cells]
     first = int(np.argmin(proofs))
@@ -213,10 +214,10 @@ def robustness(chain: Chain) -> Robustness:
 
 
 def _of_relays(chain: Chain) -> Robustness:
-    """The share of all forces at which the first two neighbours meet.
+    """The relative deviation of all forces at which the first two neighbours meet.
 
-    Neighbours are enough: the share at which cells further apart meet is no smaller than that of
-    the nearest two between them, as a mean of fractions is no smaller than the smallest.
+    Neighbours are sufficient: cells further apart meet at no smaller deviation than the nearest two
+    between them, as a mean of fractions is no smaller than the smallest.
     """
     switches = Switches.of(chain.last_state)
     forces = switching_forces(chain)
@@ -224,7 +225,7 @@ def _of_relays(chain: Chain) -> Robustness:
     order = switches.motion(forces[None]).order[0]
     meetings: list[Meeting] = []
     for end, way in enumerate(("loading", "unloading")):
-        # Where a cell leaps a phase, this is the force that has held it.
+        # If a cell skips a phase, this is the force that held it.
         held = switches.decisive(forces[None])[0, :, end]
         own = np.abs(held + (2 * end - 1) * rub)
         for a, b in pairwise(order[end].tolist()):
@@ -234,7 +235,7 @@ def _of_relays(chain: Chain) -> Robustness:
                 meetings.append(Meeting(share, first, second, way, ()))
     nearest = min(meetings, key=lambda one: one.radius, default=None)
     share = math.inf if nearest is None else nearest.radius
-    # At 100 % nothing is left of a force.
+    # At 100 % a force vanishes.
     limit = RobustnessLimit.NONE if share >= 1.0 else RobustnessLimit.ORDER
     meeting = nearest if share < 1.0 else None
     method = METHOD_OF_RELAYS
@@ -242,7 +243,7 @@ def _of_relays(chain: Chain) -> Robustness:
 
 
 def _proved_radius(cell: Simple) -> float:
-    """How far the anchor may move with the cell proved taut and concave, at most two levers."""
+    """Largest displacement of the anchor with the cell proved concave, at most two levers."""
     most = 2.0 * cell.lever
     if concave_disc(cell, most):
         return most
@@ -252,7 +253,7 @@ def _proved_radius(cell: Simple) -> float:
 def _meeting(
     cells: tuple[Simple, ...], end: int, first: int, second: int, most: float
 ) -> Meeting | None:
-    """Where the end forces of two cells meet, the first one being the one to move first."""
+    """Where the critical forces of two cells meet; `first` is the one that moves first."""
     # Loading goes up in F0, unloading down in F1.
     up = 1 if end == 0 else -1
 

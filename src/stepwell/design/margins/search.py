@@ -1,4 +1,4 @@
-"""Where an anchor may go, and the nearest displacement that does something, searched."""
+"""Search for the nearest displacement of an anchor that reaches a target."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -12,7 +12,7 @@ from stepwell.concave import Simple, concave_disc, concave_line
 
 @dataclass(frozen=True, eq=False)
 class Displacements:
-    """Displacements an anchor may make: frame @ u for all u no longer than the reach."""
+    """Allowed displacements of an anchor: frame @ u for all u no longer than the reach."""
 
     frame: Floats  # (2, n) orthonormal; n = 2 for the plane, 1 for a line
     one_way: bool  # on a line, whether only u >= 0 counts
@@ -25,9 +25,7 @@ class Displacements:
             raise InputError(f"reach = {reach} m: must be > 0 and finite.")
         if along is None:
             if one_way:
-                raise InputError(
-                    "one_way = True in the plane: give the direction as well, along = (dx, dy)."
-                )
+                raise InputError("one_way = True needs a direction: give along = (dx, dy).")
             return cls(np.eye(2), False, reach)
         direction = np.array(along, float)
         length = float(np.linalg.norm(direction))
@@ -53,36 +51,36 @@ class Displacements:
 
 Does = Callable[[Floats], bool]
 
-# Rings around the start for what lies nearly everywhere beyond some boundary: each half as wide
-# as the next, the widest is the reach.
+# Rings around the start for regions beyond a boundary: each half as wide as the next, the widest
+# is the reach.
 _DOUBLINGS = 9
 _DIRECTIONS = 12
-# Rings for what may be small, and steps along a line: so many equal steps out to the reach.
+# Rings for regions that may be small, and steps along a line: number of equal steps to the reach.
 _STEPS = {1: 200, 2: 20}
 _HALVES = 6  # of the first step
-# When a place is found, one more ring just beyond it says whether another side is nearer.
+# One more ring just beyond the nearest place tests whether another side is nearer.
 _AROUND = 48
 _BEYOND = 1.03
-_SETTLED = 0.99  # what is shorter by less than that needs no further ring
+_SETTLED = 0.99  # a smaller reduction needs no further ring
 _RESOLUTION = 1e-7  # m, where bisection stops
 _SMALLEST_TURN = 1e-3  # of the ray, to either side
-_TIE = 1e-9  # of the distance, what rounding may make of two that are equal
+_TIE = 1e-9  # of the distance, rounding of two equal ones
 
 
 def resolution(ways: Displacements, small: bool) -> str:
-    """What `nearest_found` can miss, in words."""
+    """Resolution of `nearest_found`, in words."""
     fine = f"then bisection to {to_unit(_RESOLUTION, 'mm'):g} mm"
     if ways.dimensions == 2 and not small:
         return (
-            f"asked at {_DIRECTIONS} places on each of {_DOUBLINGS + 1} rings, every one twice as "
-            f"wide as the one before, and at {_AROUND} around the nearest found; a change that "
-            f"comes and goes between them is not seen; {fine}"
+            f"evaluated at {_DIRECTIONS} places on each of {_DOUBLINGS + 1} rings, each twice as "
+            f"wide as the one before, and at {_AROUND} around the nearest; changes between these "
+            f"places are missed; {fine}"
         )
     pitch = ways.reach / _STEPS[ways.dimensions]
     where = "on rings" if ways.dimensions == 2 else "on the line"
     return (
-        f"asked at places {where} every {to_unit(pitch, 'mm'):.3g} mm, closer around the start; a "
-        f"region that lies between them is not seen; {fine}"
+        f"evaluated at places {where} every {to_unit(pitch, 'mm'):.3g} mm, closer near the start; "
+        f"regions between these places are missed; {fine}"
     )
 
 
@@ -94,13 +92,12 @@ def nearest_found(
     progress: Progress = None,
     all_do: Callable[[Floats], Bools] | None = None,
 ) -> Floats | None:
-    """The nearest u (n,) found at which `does(u)`; None where none nearer than `within` is.
+    """The nearest u (n,) found with `does(u)`; None if there is none nearer than `within`.
 
-    Rings around the start are asked, the narrowest first, and closer where the region may be small.
-    From each side of the first ring that does it, bisection goes back towards the start; in the
-    plane the ray is then turned as long as that shortens it, and a ring of more places around what
-    is found looks for other sides. `all_do` asks at many displacements (m, n), where that takes
-    less than one by one.
+    Rings around the start are evaluated, the narrowest first, and closer if the region may be
+    small. From each arc of the first ring with hits, bisection leads back towards the start. In the
+    plane the ray is then turned while that shortens it, and a ring of more places around the result
+    tests other sides. `all_do` evaluates many displacements (m, n) at once, if that is faster.
     """
 
     def asked(ring: Floats) -> Bools:
@@ -127,7 +124,7 @@ def nearest_found(
 
 
 def _rings(ways: Displacements, small: bool) -> list[tuple[float, int]]:
-    """Radius [m] of every ring, narrowest first, and on how many places it is asked."""
+    """Radius [m] of every ring, narrowest first, and its number of places."""
     if ways.dimensions == 2 and not small:
         return [(ways.reach * 0.5**k, _DIRECTIONS) for k in range(_DOUBLINGS, -1, -1)]
     steps = _STEPS[ways.dimensions]
@@ -138,7 +135,7 @@ def _rings(ways: Displacements, small: bool) -> list[tuple[float, int]]:
 
 
 def _ring(ways: Displacements, radius: float, count: int, turned: int) -> Floats:
-    """(m, n) places at one distance; on a ring that is turned, between those of the others."""
+    """(m, n) places at one distance; a turned ring has its places between those of the others."""
     if ways.dimensions == 1:
         return np.array([[radius]] if ways.one_way else [[radius], [-radius]])
     angle = 2 * math.pi / count * (np.arange(count) + 0.5 * turned)
@@ -146,7 +143,7 @@ def _ring(ways: Displacements, radius: float, count: int, turned: int) -> Floats
 
 
 def _nearest_behind(does: Does, ring: Floats, hits: Bools, best: Floats | None) -> Floats | None:
-    """The nearest place behind the places of a ring that do it, or `best` if that is nearer."""
+    """The nearest place behind the hits of a ring, or `best` if that is nearer."""
     plane = ring.shape[1] == 2
     for arc in _arcs(hits) if plane else np.flatnonzero(hits)[:, None].tolist():
         u = ring[arc[len(arc) // 2]]
@@ -159,21 +156,21 @@ def _nearest_behind(does: Does, ring: Floats, hits: Bools, best: Floats | None) 
                 continue
             u = shorter[len(shorter) // 2]
         nearest = _shortest(does, u, len(ring)) if plane else _back(does, u, 0.0, _RESOLUTION)
-        # Sides that are equally near, as of a symmetric cell, are a tie: the first of the ring.
+        # Of sides that are equally near, as in a symmetric cell, the first of the ring is taken.
         if best is None or np.linalg.norm(nearest) < (1 - _TIE) * np.linalg.norm(best):
             best = nearest
     return best
 
 
 def _arcs(hits: Bools) -> list[list[int]]:
-    """Numbers of neighbouring places around a ring that do it, side by side."""
+    """Numbers of neighbouring hits around a ring, arc by arc."""
     around = np.roll(np.arange(len(hits)), -int(np.argmin(hits)))
     arcs = np.split(around, np.flatnonzero(np.diff(hits[around])) + 1)
     return [arc.tolist() for arc in arcs if hits[arc[0]]]
 
 
 def _back(does: Does, u: Floats, low: float, resolution: float) -> Floats:
-    """The place on the ray to u, beyond `low` [m], from which on it does; it does at u."""
+    """The first hit on the ray to u, beyond `low` [m]; u is a hit."""
     away = float(np.linalg.norm(u))
     along = u / away
     halvings = math.ceil(math.log2(max(1.0, (away - low) / resolution)))
@@ -181,11 +178,11 @@ def _back(does: Does, u: Floats, low: float, resolution: float) -> Floats:
 
 
 def _shortest(does: Does, u: Floats, count: int) -> Floats:
-    """The nearest place behind u, one of `count` on a ring; it does at u.
+    """The nearest place behind the hit u, one of `count` on a ring.
 
-    The ray is turned to either side, by ever smaller steps, while that shortens it. A step says how
-    well its length has to be known: turned by φ beside the nearest place of a straight boundary, it
-    is longer by φ²/2 of itself.
+    The ray is turned to either side, by smaller and smaller steps, while that shortens it. The step
+    gives the accuracy needed: turned by φ from the nearest place of a straight boundary, the ray is
+    longer by the fraction φ²/2.
     """
     step = math.pi / count
     known = float(np.linalg.norm(u)) * step**2 / 4
