@@ -1,6 +1,6 @@
-"""The inverse problem: maps, margins, anchors for a wanted sequence, tolerances, reprogramming.
+"""Inverse design: maps, margins, anchors for a target sequence, tolerances, reprogramming.
 
-The room can be called: `stepwell.design("00>10>11>01>00")` is `stepwell.design.design(...)`.
+The package can be called: `stepwell.design("00>10>11>01>00")` is `stepwell.design.design(...)`.
 """
 
 import sys
@@ -90,7 +90,7 @@ __all__ = [
 
 
 class _CallablePackage(ModuleType):
-    """A module that answers when it is called, since the room and its function share a name."""
+    """A module that can be called, since the package and its function share a name."""
 
     def __call__(self, *args: Any, **kwargs: Any) -> "Design":
         return self.design(*args, **kwargs)
@@ -98,7 +98,7 @@ class _CallablePackage(ModuleType):
 
 sys.modules[__name__].__class__ = _CallablePackage
 
-# The first cycle asks for a margin; what else there is opens when it is asked for.
+# The first cycle needs a margin; other modules are imported at first use.
 _LATE = {
     "checks": ("Check", "Measurement", "Verdict", "check", "verdict_of"),
     "map_boundaries": ("boundaries", "parameter_boundaries"),

@@ -1,4 +1,4 @@
-"""The boundaries of a map, as curves and not as edges of pixels, and what changes across them."""
+"""Boundaries of a map as curves, with the change across each."""
 
 from collections.abc import Callable, Iterable
 from itertools import combinations
@@ -23,7 +23,7 @@ _NAMED = 3
 def between(a: Sequence, b: Sequence, names: tuple[str, ...]) -> tuple[plane.BoundaryKind, str]:
     """The kind of boundary between two sequences of one chain, and what changes across it.
 
-    Cells that change places are named; sequences of up to four cells are written out.
+    Cells whose order is reversed are named; sequences of up to four cells are written out.
     """
     first, second = a.orders, b.orders
     both = f"{a} | {b}" if len(names) <= _SHORT else ""
@@ -42,7 +42,7 @@ def between(a: Sequence, b: Sequence, names: tuple[str, ...]) -> tuple[plane.Bou
 
 
 def _swapped(a: tuple[int, ...], b: tuple[int, ...], names: tuple[str, ...]) -> str:
-    """Pairs of cells that come in another order in b, in words; empty if none do."""
+    """Pairs of cells in another order in b, in words; empty if there are none."""
     place = {cell: k for k, cell in enumerate(b)}
     pairs = [(i, j) for i, j in combinations(a, 2) if place[i] > place[j]]
     words = [f"{names[min(i, j)]} and {names[max(i, j)]}" for i, j in pairs]
@@ -50,7 +50,7 @@ def _swapped(a: tuple[int, ...], b: tuple[int, ...], names: tuple[str, ...]) -> 
 
 
 def _parting(a: Sequence, b: Sequence) -> str:
-    """The state after which two sequences differ, and where each goes from there."""
+    """The state after which two sequences differ, and the next state of each."""
     for k, state in enumerate(a.states):
         ahead = [s.states[k + 1] if k + 1 < len(s) else "its end" for s in (a, b)]
         if ahead[0] != ahead[1]:
@@ -64,10 +64,10 @@ Place = Callable[[Floats], Floats]
 _GRID = 201  # nodes each way between which exact curves are looked for
 _SMOOTH = 2e-5  # of the axes: farthest that a chord may be from its curve
 _CUTS = 24  # halvings of a chord on which an exact curve ends
-_ASIDE = 1e-9  # of the axes: how far from a curve its two sides are looked at
-_SHORTEST = 100 * _ASIDE  # what is left of a curve between two others that cross there
+_ASIDE = 1e-9  # of the axes: distance from a curve at which its two sides are evaluated
+_SHORTEST = 100 * _ASIDE  # shortest piece of a curve that is kept
 _SQUARE = plane.Box(0.0, 1.0, 0.0, 1.0)
-How = tuple[plane.Method, float]  # and farthest that a point is from its curve [of the axes]
+How = tuple[plane.Method, float]  # and largest distance of a point from its curve [of the axes]
 _SEARCHED = plane.Method.SEARCH, plane.RESOLVED
 
 
@@ -83,14 +83,14 @@ def boundaries(
     """The curves between the regions of a `transition_map`: `parameter_boundaries` of its anchor.
 
     Args:
-        chain: two cells or any other number.
-        cell: the one whose anchor moves, 0 for the innermost, or its name.
-        x, y: rising places of its anchor q [m].
+        chain: any number of cells.
+        cell: the cell of the anchor, 0 for the innermost, or its name.
+        x, y: increasing coordinates of its anchor q [m].
         search: nodes each way of the grid for the general engine.
         progress: called with (done, total) while the general engine works.
 
     Raises:
-        ValueError: no such cell, or axes that do not rise.
+        ValueError: no such cell, or axes that do not increase.
     """
     return parameter_boundaries(*anchor(chain, cell, x, y), search=search, progress=progress)
 
@@ -100,23 +100,22 @@ def parameter_boundaries(
 ) -> tuple[plane.Boundary, ...]:
     """The curves between the regions of a map over two parameters, then the limits of bistability.
 
-    Where the closed form holds, the sequence changes exactly where two cells' F0 or F1 are equal,
-    and those curves are returned, cut where they meet each other and where the proof ends.
-    Elsewhere the general engine is asked on a coarser grid and every change between two
-    neighbouring nodes is bisected to 1e-9 of the axes; such curves end up to one grid step short of
-    a point where three regions meet, and features finer than that grid are not seen. So with the
-    limits within which the cells whose parameters vary are bistable: exact for one linear band and
-    no load.
+    In the range of the closed form, the sequence changes exactly where two cells' F0 or F1 are
+    equal. These curves are cut where they meet each other and at the limit of the proof. Elsewhere
+    the general engine is evaluated on a coarser grid, and every change between two neighbouring
+    nodes is bisected to 1e-9 of the axes. Such curves end up to one grid step before a point where
+    three regions meet, and features finer than the grid are missed. The limits of bistability of
+    cells with varied parameters are treated alike: exact for one linear band without a load.
 
     Args:
         chain: any number of cells.
-        x, y: name and two or more rising values of a parameter. The grid keeps their spacing:
+        x, y: name and two or more increasing values of a parameter. The grid keeps their spacing:
             np.geomspace makes it logarithmic.
         search: nodes of that coarser grid each way.
         progress: called with (done, total) while the general engine works.
 
     Raises:
-        ValueError: no such parameter, values that do not rise or that it cannot have, or fewer
+        ValueError: no such parameter, values that do not increase or are not allowed, or fewer
             than 2 nodes.
 
     Source: Kamp et al. 2024, Fig. 2C and Eq. 3; curves: theory page, "Two cells".
@@ -155,7 +154,7 @@ def parameter_boundaries(
 def _orders(
     outcomes: Outcomes, place: Place, grid: Floats, progress: Progress
 ) -> list[tuple[tuple[int, int], Floats, How]]:
-    """Where the sequence changes: its numbers on both sides, points, and how they were found."""
+    """Changes of the sequence: its numbers on both sides, points, and method."""
 
     def proved(t: Floats) -> Ints:
         return outcomes.closed_form(place(t)).sequence.astype(np.int64)
@@ -181,9 +180,9 @@ def _orders(
 def _differences(
     outcomes: Outcomes, base: Floats
 ) -> tuple[list[tuple[int, int, int]], Callable[[Floats, tuple[int, int, int]], Floats]]:
-    """Which two forces may become equal, and their difference (m,) [N] of (m, c, 2) forces.
+    """Pairs of forces that may become equal, and their difference (m,) [N] of (m, c, 2) forces.
 
-    Pairs are (side, cell, other cell), first of F0, the cells that vary counted first.
+    Pairs are (side, cell, other cell), first those of F0; cells that vary are counted first.
     """
     turned, n = outcomes.turned, len(outcomes.chain)
     stays = [i for i in range(n) if i not in turned]
@@ -202,7 +201,7 @@ def _differences(
 def _limits(
     outcomes: Outcomes, cell: int, place: Place, grid: Floats
 ) -> list[tuple[Floats, str, How]]:
-    """Where a cell stops being bistable: points, what changes, and how that was found."""
+    """Limits of bistability of a cell: points, change, and method."""
     nodes = place(grid.reshape(-1, 2))
     states = Stability(outcomes, cell, nodes)
 
@@ -237,7 +236,7 @@ class _Exact(Generic[K]):
         self._levels: list[plane.LevelCurve] = []
 
     def curves(self) -> list[tuple[K, tuple[int, int], Floats, How]]:
-        """Which function, the labels on both sides, points, and how far they are off at most.
+        """Function, labels on both sides, points, and their largest distance from the curve.
 
         Each curve is cut where it meets another and where a label is not known.
         """
@@ -251,7 +250,7 @@ class _Exact(Generic[K]):
 
                 def sides(t: Floats, level: plane.LevelCurve = level) -> Ints:
                     codes, t = self._sides(level, t)
-                    # Where a curve before this one runs along with it, there it is told already.
+                    # Pieces that coincide with an earlier curve are left out.
                     for other in self._levels:
                         codes[other.distance(t) < _ASIDE] = -1
                     return codes
@@ -281,7 +280,7 @@ class _Exact(Generic[K]):
 
 
 def _extended(values: Floats) -> tuple[Floats, Floats]:
-    """Places on an axis from 0 to 1 and the values there, and on beyond both ends in a line."""
+    """Places on an axis from 0 to 1 with their values, extended linearly beyond both ends."""
     first, last = (len(values) - 1) * np.diff(values)[[0, -1]]
     knots = np.concatenate([[-1.0], np.linspace(0.0, 1.0, len(values)), [2.0]])
     return knots, np.concatenate([[values[0] - first], values, [values[-1] + last]])

@@ -1,4 +1,4 @@
-"""Transition maps: what a chain does for all values of two of its parameters."""
+"""Transition maps: the sequence of a chain for all values of two of its parameters."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 
 
 class MapView(Shown, Drawn):
-    """A map to look at: `map.stepwell` is a card in a notebook, `map.stepwell.plot()` a figure.
+    """View of a map: `map.stepwell` is a card in a notebook, `map.stepwell.plot()` a figure.
 
     Args:
-        dataset: what `transition_map` or `parameter_map` returns.
-        boundaries: what `boundaries` or `parameter_boundaries` returns for the same axes.
-        designs: both parameters in SI of each marked design, by name; first the one asked about.
+        dataset: result of `transition_map` or `parameter_map`.
+        boundaries: result of `boundaries` or `parameter_boundaries` for the same axes.
+        designs: both parameters in SI of each marked design, by name; the nominal one first.
     """
 
     def __init__(
@@ -51,24 +51,24 @@ Axis = tuple[str | Parameter, ArrayLike]
 Axes = tuple[tuple[Parameter, Floats], tuple[Parameter, Floats]]
 _Attributes = dict[str, object]
 
-# Below this gap, in units of k r, no maker and no rounding error can tell the order.
+# Below this gap, in units of k r, the order is not decided within rounding.
 _TIE = 1e-9
-_BYTES = 60  # of a place, on the way and in the result
+_BYTES = 60  # per place, for intermediate and final results
 
 
 def transition_map(
     chain: Chain, cell: int | str = 1, *, x: ArrayLike, y: ArrayLike, progress: Progress = None
 ) -> xr.Dataset:
-    """What a chain does for every anchor q of one of its cells: `parameter_map` over that anchor.
+    """Map of the sequence over the anchor q of one cell: `parameter_map` over that anchor.
 
     Args:
-        chain: two cells or any other number.
-        cell: the one whose anchor moves, 0 for the innermost, or its name, with all its bands.
-        x, y: (nx,), (ny,) rising places of its anchor q on the outer block [m].
+        chain: any number of cells.
+        cell: the cell of the anchor, 0 for the innermost, or its name; all its bands move.
+        x, y: (nx,), (ny,) increasing coordinates of its anchor q on the outer block [m].
         progress: called with (done, total) while the general engine works.
 
     Raises:
-        ValueError: no such cell, axes that do not rise, or more places than the limit.
+        ValueError: no such cell, axes that do not increase, or more places than the limit.
         ExtraError: xarray is not installed.
 
     Source: Kamp et al. 2024, Fig. 2C; closed form: theory page, "Two cells".
@@ -77,34 +77,34 @@ def transition_map(
 
 
 def parameter_map(chain: Chain, x: Axis, y: Axis, *, progress: Progress = None) -> xr.Dataset:
-    """What a chain does for every value of two of its parameters.
+    """Map of the sequence over two parameters of a chain.
 
-    Any two parameters of any cells or elements, of the actuator's stiffness or of friction; names
-    as in `parameter`. Designs of concave cells of equal travel, or of any two concave cells, are
-    sorted in closed form where the actuator is rigid; all others go through the general engine.
-    `attrs` counts both.
+    Any two parameters of any cells or elements, the actuator's stiffness or friction; names as in
+    `parameter`. Designs of concave cells of equal travel, or of any two concave cells, are
+    evaluated in closed form if the actuator is rigid; all others by the general engine. `attrs`
+    contains both counts.
 
     Args:
         chain: any number of cells.
-        x, y: name and rising values of a parameter, such as ("inner.stiffness", values), SI.
+        x, y: name and increasing values of a parameter, such as ("inner.stiffness", values), SI.
         progress: called with (done, total) while the general engine works.
 
     Returns:
         Dataset with dims ("y", "x") and coordinates in SI:
         sequence, int32, codes in its attrs flag_values and flag_meanings, among them
-        "impossible" where a band's ends would meet and "unsolved" where the engine gave up;
+        "impossible" if the ends of a band would meet and "unsolved" if the engine stopped;
         pathway, int8, the same by the names of `Pathway`, for two cells only;
-        snap_loading, snap_unloading, stroke [m] of the first snap, NaN where there is none;
+        snap_loading, snap_unloading, stroke [m] of the first snap, NaN if there is none;
         snaps_loading, snaps_unloading, steps from state to state in which the chain snaps
-        (a snap handed on from cell to cell counts once); -1 where there is no answer;
-        margin, smallest difference of two F0 or of two F1, over k r of the first cell that stays as
-        it is (of the innermost where none does): zero exactly on a boundary, infinite for one cell,
-        NaN where the general engine had to decide, as with elements;
+        (a snap passed on from cell to cell counts once); -1 without an answer;
+        margin, smallest difference of two F0 or of two F1, over k r of the first cell without a
+        varied parameter (of the innermost if there is none): zero exactly on a boundary, infinite
+        for one cell, NaN for designs simulated by the general engine, as with elements;
         monostable, whether a cell whose parameter varies is stable in one state only;
         degenerate, whether the design is on a boundary (margin below 1e-9, or a tie of the engine).
 
     Raises:
-        ValueError: no such parameter, values that do not rise or that it cannot have, or too many.
+        ValueError: no such parameter, values that do not increase or are not allowed, or too many.
         ExtraError: xarray is not installed.
 
     Source: Kamp et al. 2024, Fig. 2C, for one anchor of two cells; sorting theorem, theory page.
@@ -131,9 +131,8 @@ def anchor(chain: Chain, cell: int | str, x: ArrayLike, y: ArrayLike) -> tuple[C
     if isinstance(one, Element):
         name = chain.names[number]
         raise InputError(
-            f"cell = {cell!r} is an element, without anchors: ask for a map over "
-            f"'{name}.force_scale', '{name}.travel_scale' or '{name}.friction', in Python with "
-            f"parameter_map."
+            f"cell = {cell!r} is an element, without anchors: use parameter_map over "
+            f"'{name}.force_scale', '{name}.travel_scale' or '{name}.friction'."
         )
     cells[number] = replace(one, band=tuple(replace(b, q=one.bands[0].q) for b in one.bands))
     of_cell = {one.part: one for one in parameters(chain) if one.cell == number}
@@ -141,7 +140,7 @@ def anchor(chain: Chain, cell: int | str, x: ArrayLike, y: ArrayLike) -> tuple[C
 
 
 def axes_of(chain: Chain, x: Axis, y: Axis, least: int) -> Axes:
-    """Two parameters with `least` or more values each; ValueError where they are none."""
+    """Two parameters with `least` or more values each; ValueError for others."""
     axes: list[tuple[Parameter, Floats]] = []
     for letter, given in (("x", x), ("y", y)):
         try:
@@ -157,17 +156,17 @@ def axes_of(chain: Chain, x: Axis, y: Axis, least: int) -> Axes:
         if slips:
             raise SlipError(slips, WAY)
         if "." not in one.part:
-            # Values out of range are refused here; an anchor has none.
+            # Values out of range raise their error here; anchors have no range.
             for value in values[[0, -1]].tolist():
                 one.changed(chain, value)
         axes.append((one, values))
     if axes[0][0] == axes[1][0]:
-        raise InputError(f"x and y are both {axes[0][0].name!r}: take two parameters.")
+        raise InputError(f"x and y are both {axes[0][0].name!r}: use two different parameters.")
     return axes[0], axes[1]
 
 
 def require_places(across: int, up: int) -> None:
-    """Refuse a map of too many places before memory is asked for."""
+    """Raise an error for a map of too many places before memory is allocated."""
     memory = across * up * _BYTES / 2**30
     base.require("points", across * up, f"{across} x {up}, which take {memory:.1f} GiB, are")
 
@@ -182,7 +181,7 @@ def _cell_index(chain: Chain, cell: int | str) -> int:
 
 
 def _scale(outcomes: Outcomes) -> tuple[float, str]:
-    """k r [N] that gaps are compared with, of an element its largest force, and the cell's name."""
+    """Unit of the gaps, k r [N] or the largest force of an element, and the cell's name."""
     chain = outcomes.chain
     stays = next((i for i in range(len(chain)) if i not in outcomes.turned), 0)
     cell, name = chain.cells[stays], chain.names[stays]
@@ -216,7 +215,7 @@ def _dataset(outcomes: Outcomes, outcome: Outcome, axes: Axes, asked: int) -> xr
     about["monostable"] = outcome.monostable, _attributes(f"{turned} is stable in one state only")
     about["degenerate"] = outcome.degenerate, _attributes("design on a boundary: a tie decides")
     shape = (len(axes[1][1]), len(axes[0][1]))
-    # From now on this dataset and all others have `.stepwell`.
+    # This gives all datasets the accessor `.stepwell`.
     if not hasattr(xr.Dataset, "stepwell"):
         xr.register_dataset_accessor("stepwell")(MapView)
     return xr.Dataset(

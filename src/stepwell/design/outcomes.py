@@ -1,4 +1,4 @@
-"""What a chain does for any values of two of its parameters: closed form first, then the engine."""
+"""Outcomes of a chain for values of two of its parameters: closed form first, then the engine."""
 
 import math
 from dataclasses import dataclass, replace
@@ -19,18 +19,18 @@ from stepwell.statics import batch, nominal
 
 Codes = NDArray[np.int32]
 
-# Of a cell in the rows below: the fields of `Simple`, and then this one.
+# Column of a cell's row after the fields of `Simple`.
 FRICTION = 6
 
 
 @record
 class VariedCells(NamedTuple):
-    """A chain of n cells, of which two numbers vary."""
+    """A chain of n cells with two varied numbers."""
 
-    base: Floats  # (n, 7) a cell a row: the fields of `Simple`, and its friction
+    base: Floats  # (n, 7) a row per cell: the fields of `Simple`, and its friction
     rows: Ints  # (2,) of the two numbers in `base`
     columns: Ints  # (2,)
-    turned: Ints  # (c,) rows whose numbers change; all others are certified already
+    turned: Ints  # (c,) rows with varied numbers; all others are certified already
 
 
 @record
@@ -42,20 +42,20 @@ class _Work(NamedTuple):
 
     @classmethod
     def of(cls, base: Floats) -> Self:
-        """For designs whose numbers are such."""
+        """Work arrays for designs with these numbers."""
         n = len(base)
         return cls(base.copy(), np.empty((2, n)), np.empty(n), np.empty((2, n), np.int64))
 
 
 @record
 class Swept(NamedTuple):
-    """What `sweep` finds out about m designs of n cells."""
+    """Results of `sweep` for m designs of n cells."""
 
-    # (m,) number of designs that follow each other and do the same; -1 where nothing is proved
+    # (m,) number of the run of consecutive designs with equal orders; -1 if nothing is proved
     run: Codes
     orders: Codes  # (m, 2, n) of each run, cells in the order in which they load, and unload
-    strokes: Floats  # (2, m) of the first snap [m], loading and unloading, NaN where there is none
-    snaps: Codes  # (2, m) how many cells snap
+    strokes: Floats  # (2, m) of the first snap [m], loading and unloading, NaN if there is none
+    snaps: Codes  # (2, m) number of cells that snap
     gap: Floats  # (m,) smallest difference of two F0 or of two F1 [N], infinite for one cell
     monostable: Bools  # (m,) whether a turned cell is stable in one state only
 
@@ -63,25 +63,25 @@ class Swept(NamedTuple):
 @entry(3e-6, "values", "varied.base")
 @leaf
 def sweep(values: Floats, varied: VariedCells, work: _Work, out: Swept) -> int:
-    """What m designs do when a rigid actuator loads and unloads them once, where it is proved.
+    """Cycles of m designs under a rigid actuator, where they are proved.
 
-    It is proved where all cells are certified and without friction and have one full travel (a cell
+    They are proved if all cells are certified, without friction and with one full travel (a cell
     that gives travel back in a snap gives back less than that, and so never reaches its other
-    stop), or where there are two cells, of which neither has to give back all it has.
+    stop), or for two cells, if neither has to give back its full travel.
 
     From the rules (a cell at 0 stays while F0 >= λ, one at 1 while F1 <= λ, one in transit has
     F = λ, two in transit with falling forces are unstable):
     - loading: cells leave 0 by ascending F0. Where cell j moves, λ = F_j(s) falls from F0_j, and
-      the full cells hold their stops while F1 <= λ: for ever if F1_j is the largest, else up to
+      the full cells stay at their stops while F1 <= λ: always if F1_j is the largest, else up to
       F_j(s*) = F1_i for the largest F1_i of a full cell, at the stroke of all full cells and s*.
-      There i comes off its stop, two cells are in transit, and the chain snaps: j runs to its
+      There i leaves its stop, two cells are in transit, and the chain snaps: j runs to its
       stop, i gives back as much and then finishes alone.
     - unloading: the same picture upside down. Cells leave 1 by descending F1; j snaps where
       F_j(s*) = F0_i for the smallest F0_i of an empty cell, at the stroke of the cells that are
       still full and s*.
-    Equal forces, which no rule decides, go to the inner cell first.
+    For equal forces, which no rule decides, the inner cell is first.
 
-    `values` (m, 2) is added to the two numbers that vary; returned is the number of runs.
+    `values` (m, 2) is added to the two varied numbers; returns the number of runs.
     """
     force, order, n = work.force, work.order, len(varied.base)
     for c in range(n):
@@ -123,7 +123,7 @@ def sweep(values: Floats, varied: VariedCells, work: _Work, out: Swept) -> int:
 
 @leaf
 def vary(cells: Floats, varied: VariedCells, values: Floats, i: int) -> None:
-    """Write the two numbers of a design over those of the one before."""
+    """Write the two numbers of a design over those of the previous one."""
     base, rows, columns = varied.base, varied.rows, varied.columns
     for k in range(2):
         cells[rows[k], columns[k]] = base[rows[k], columns[k]]
@@ -190,7 +190,7 @@ def ends(values: Floats, varied: VariedCells, out: Floats) -> None:
             out[i, k, 0], out[i, k, 1] = concave.end_forces(simple_of(cells, turned[k]))
 
 
-# Elements are looked up and not rows: in machine code a row is an object of its own.
+# Single entries are read instead of rows, since in machine code a row is a separate object.
 
 
 @leaf
@@ -209,7 +209,7 @@ def numbers(cells: Floats, c: int) -> tuple[float, float, float]:
 
 @leaf
 def sort(order: Ints, force: Floats, side: int) -> bool:
-    """Sort mostly sorted cells by rising force, equal ones by number; whether any had to move."""
+    """Sort mostly sorted cells by increasing force, then by number; returns whether any moved."""
     moved = False
     for k in range(1, order.shape[1]):
         c = order[side, k]
@@ -226,32 +226,32 @@ def sort(order: Ints, force: Floats, side: int) -> bool:
     return moved
 
 
-# Instead of a sequence, with those of `cycles_of`: a region where only friction could tell.
+# In addition to the codes of `cycles_of`: a region of ties, which only friction could decide.
 TIED = -3
 _MEANINGS = {IMPOSSIBLE: "no mechanism", UNSOLVED: "no answer", TIED: "a tie decides"}
-# Longest chain whose sequences are written out; those of longer ones are told by their moves.
+# Longest chain whose sequences are written out; longer ones are given by their moves.
 _SHORT = 12
-# Of an axis: a design on a boundary is tied and its neighbours are not; within a region of ties
-# they are.
+# Fraction of an axis: at this distance a design on a boundary is no longer tied, but one within a
+# region of ties is.
 _ASIDE = 1e-7 * np.array([0.8, 0.6])
-_BLOCK = 20_000  # designs that one core takes at a time
+_BLOCK = 20_000  # designs per block of one core
 _NUMBERS = {"stiffness": 2, "rest_length": 3, "lever": 4, "limit": 5, "friction": FRICTION}
 
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What is known of m designs; strokes, snaps and the gap as in `Swept`."""
+    """Outcomes of m designs; strokes, snaps and the gap as in `Swept`."""
 
     sequence: Codes  # (m,) its number, or `IMPOSSIBLE`, `UNSOLVED` or `TIED`
     strokes: Floats
-    snaps: Codes  # -1 where nothing is known
-    gap: Floats  # NaN where not proved
+    snaps: Codes  # -1 if unknown
+    gap: Floats  # NaN if not proved
     monostable: Bools
     degenerate: Bools  # whether a tie decides
 
     @classmethod
     def unknown(cls, m: int) -> "Outcome":
-        """Of m designs."""
+        """Unknown outcomes of m designs."""
         return cls(
             np.full(m, UNSOLVED, np.int32),
             np.full((2, m), np.nan),
@@ -263,7 +263,7 @@ class Outcome:
 
 
 class Outcomes:
-    """What a chain does, as a number and more, against two parameters and their spans (2,)."""
+    """Outcomes of a chain over two parameters with spans (2,), with numbered sequences."""
 
     def __init__(self, chain: Chain, parameters: tuple[Parameter, Parameter], spans: Floats):
         self.chain, self.parameters, self._spans = chain, parameters, spans
@@ -273,7 +273,7 @@ class Outcomes:
         self._numbers = {sequence: i for i, sequence in enumerate(self.sequences)}
         self._by_orders: dict[bytes, int] = {}
         self.turned = sorted({k.cell for k in parameters if k.cell is not None})
-        # Rows and columns of the numbers that the parameters change, and with which sign.
+        # Rows, columns and signs of the numbers that the parameters change.
         parts = [k.part.partition(".") for k in parameters]
         places = ["xy".index(axis) if axis else _NUMBERS.get(one, 0) for one, _, axis in parts]
         self.rows = np.array([k.cell or 0 for k in parameters], np.int64)
@@ -286,14 +286,14 @@ class Outcomes:
             self._varied = VariedCells(self.base, self.rows, self.columns, turned)
 
     def design(self, values: Floats) -> Chain:
-        """The chain at (x, y); ValueError where there is none."""
+        """The chain at (x, y); ValueError if there is none."""
         chain = self.chain
         for parameter, value in zip(self.parameters, values.tolist(), strict=True):
             chain = parameter.changed(chain, value)
         return chain
 
     def closed_form(self, values: Floats, tie: float = 0.0) -> Outcome:
-        """What the closed form says of (m, 2) values; a gap below `tie` [N] is degenerate."""
+        """Outcomes of (m, 2) values in closed form; a gap below `tie` [N] is degenerate."""
         result = Outcome.unknown(len(values))
         varied, n = self._varied, len(self.chain)
         if varied is None or len(values) == 0:
@@ -301,7 +301,7 @@ class Outcomes:
         blocks: dict[int, tuple[Outcome, Codes]] = {}
 
         def block(begin: int, end: int) -> None:
-            # Machine code is for arrays that are whole, and parts of others would need their own.
+            # Machine code is compiled for contiguous arrays; slices would need another version.
             one, orders = Outcome.unknown(end - begin), np.empty((end - begin, 2, n), np.int32)
             added = self.added(values[begin:end])
             out = Swept(one.sequence, orders, one.strokes, one.snaps, one.gap, one.monostable)
@@ -321,7 +321,7 @@ class Outcomes:
     def simulate(
         self, which: NDArray[np.intp], values: Floats, result: Outcome, progress: Progress = None
     ) -> None:
-        """Have the engine follow those of (m, 2) designs, and note what they do."""
+        """Simulate the designs `which` of (m, 2) values and store their outcomes."""
         number, cycles = self._simulated(values[which], progress)
         result.sequence[which] = number
         known, at = cycles.found[number >= 0], which[number >= 0]
@@ -344,17 +344,17 @@ class Outcomes:
         return number
 
     def meaning(self, number: int) -> str:
-        """What a number stands for."""
+        """Text of a sequence number."""
         if number < 0:
             return _MEANINGS[number]
         sequence = self.sequences[number]
         if len(self.chain) <= _SHORT:
             return str(sequence)
-        # Cells in the order in which they move, by number.
+        # Numbers of the cells in the order in which they move.
         return "moves:" + ",".join("+".join(map(str, flip)) for flip in sequence.flips)
 
     def added(self, values: Floats) -> Floats:
-        """(m, 2) what the values add to two of the numbers of `base`."""
+        """Increments (m, 2) of two numbers of `base` for these values."""
         added = values * self._signs
         for k, parameter in enumerate(self.parameters):
             if parameter.part == "limit":
@@ -386,7 +386,7 @@ class Outcomes:
                 parameter.put(designs, self.chain, column)
         cycles = cycles_of(lambda i: self.design(values[i]), len(values), designs, progress)
         notify(progress, len(values), len(values))
-        # What has no number of its own is told by a negative one, which counts from the end.
+        # Codes without a sequence are negative and count from the end.
         numbers = [*map(self._number, cycles.sequences), UNSOLVED, IMPOSSIBLE]
         return np.array(numbers, np.int32)[cycles.number], cycles
 
@@ -403,7 +403,7 @@ class Outcomes:
         return self._numbers[sequence]
 
     def _base(self) -> Floats | None:
-        """(n, 7) the cells as numbers, the parameters left out; None where nothing is proved."""
+        """The cells as numbers (n, 7) without the parameters; None if nothing is proved."""
         of_actuator = any(k.cell is None for k in self.parameters)
         if of_actuator or math.isfinite(self.chain.actuator_stiffness):
             return None
@@ -429,7 +429,7 @@ class Outcomes:
             if not axis:
                 row[_NUMBERS[part]] = 0.0
                 continue
-            # d = q - p: what is left is the other end of the band, unless that varies too.
+            # d = q - p: the remainder is the other end of the band, unless that varies too.
             column = "xy".index(axis)
             left = -band.p[column] if end == "q" else band.q[column]
             row[column] = 0.0 if {f"p.{axis}", f"q.{axis}"} <= set(parts) else left
@@ -437,9 +437,9 @@ class Outcomes:
 
 
 class Stability:
-    """How many stable states a cell whose parameters vary has, 1 or 2, by (m, 2) values.
+    """Number of stable states of a cell with varied parameters, 1 or 2, for (m, 2) values.
 
-    `words` tell what changes at each limit in closed form; none where every design is asked.
+    `words` describe the change at each limit in closed form; none if designs are evaluated singly.
     """
 
     def __init__(self, outcomes: Outcomes, cell: int, nodes: Floats):
@@ -470,7 +470,7 @@ class Stability:
         return np.stack([along + across, along - across, lever + np.hypot(dx, dy) - rest], axis=1)
 
     def __call__(self, values: Floats) -> Ints:
-        """The number of states; `IMPOSSIBLE` where there is no such cell."""
+        """The number of states; `IMPOSSIBLE` if there is no such cell."""
         if self.words:
             return 1 + np.all(self.limits(values) > 0, axis=1).astype(np.int64)
         return np.array([self._count_states(one) for one in values], np.int64)

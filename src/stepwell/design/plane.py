@@ -1,4 +1,4 @@
-"""Curves in a plane of two parameters, across which something changes: traced, narrowed, cut."""
+"""Boundary curves in a plane of two parameters: traced, bisected and cut."""
 
 import math
 from collections.abc import Callable
@@ -39,41 +39,40 @@ RESOLVED = 1e-8
 
 
 class BoundaryKind(Enum):
-    """What a boundary of a map separates."""
+    """Kind of change across a boundary of a map."""
 
     LOADING_ORDER = "the cells load in the other order on the other side"
     UNLOADING_ORDER = "the cells unload in the other order on the other side"
-    PATHWAY = "the chain runs through other states on the other side"
+    PATHWAY = "the chain passes other states on the other side"
     BISTABLE = "a cell has two stable states on one side and one on the other"
 
 
 class Method(Advised):
-    """How a boundary, or the nearest change of a chain, was found."""
+    """Method with which a boundary, or the nearest change of a chain, was computed."""
 
     EXACT = (
         "exact",
-        "in closed form, to rounding, and proved: nothing that is nearer, or beside it, was missed",
+        "in closed form, to rounding, and proved: no nearer change and no other boundary exists",
     )
     SEARCH = (
         "search",
-        "asked of the engine place by place, then bisected: what comes and goes between two places "
-        "is not seen. Look at `resolution` or `error`, and ask with a smaller reach or a finer "
-        "search where that is too coarse",
+        "evaluated by the engine point by point, then bisected: changes between two points are "
+        "missed. If `resolution` or `error` is too coarse, use a smaller reach or a finer search",
     )
 
 
 @dataclass(frozen=True, eq=False)
 class Boundary(ByValue):
-    """A curve in the plane of two parameters, across which the chain does something else.
+    """A curve in the plane of two parameters, across which the behaviour changes.
 
     Attributes:
-        kind, changes: what it separates, and what changes across it in words.
+        kind, changes: the kind of change, and the change in words.
         points: (m, 2) along the curve, each column in the SI unit of its parameter.
         method: exact (the closed form's own curve, where two F0 or two F1 are equal or a stop
             is left) or a search (bisection along the edges of a grid).
-        error: farthest a point is from the curve, as a part of the axes.
+        error: largest distance of a point from the curve, as a fraction of the axes.
         parameters, units: of both axes.
-        sequences: what the chain does on either side; words where that is no sequence.
+        sequences: the sequence on either side, or words if there is none.
     """
 
     kind: BoundaryKind
@@ -101,8 +100,8 @@ def trace(
     """Both ends of the grid edges that curves between unlike nodes of label (ny, nx) cross.
 
     There is one curve for every pair of labels that meet along it; a closed one repeats its start.
-    `centre` gives the label in the middle of the square whose lower corner is a node: asked only
-    where two curves enter it and could be joined both ways. Around `ignore` no curve is drawn.
+    `centre` gives the label in the middle of the square whose lower corner is a node. It is used
+    only if two curves enter it and could be joined both ways. Around `ignore` no curve is traced.
     Where three labels meet, curves end within that square.
     """
     columns = label.shape[1]
@@ -148,7 +147,7 @@ def _unlike(a: Ints, b: Ints, ignore: int | None) -> Bools:
 
 
 def _codes(a: Ints, b: Ints, ignore: int | None) -> Ints:
-    """A positive number for every pair of unlike labels, whichever comes first; 0 for others."""
+    """A positive number for every pair of unlike labels, in either order; 0 for others."""
     low, high = np.minimum(a, b), np.maximum(a, b)
     least, most = np.min(low, initial=0), np.max(high, initial=0)
     code = 1 + (low - least) * (most - least + 1) + high - least
@@ -156,7 +155,7 @@ def _codes(a: Ints, b: Ints, ignore: int | None) -> Ints:
 
 
 def _chains(links: dict[int, list[int]]) -> list[list[int]]:
-    # Open curves first, from an end; what is left then are closed ones.
+    # Open curves first, from an end; the remaining ones are closed.
     chains: list[list[int]] = []
     seen: set[int] = set()
     starts = sorted(e for e in links if len(links[e]) < 2) + sorted(links)
@@ -192,12 +191,12 @@ def narrowed(
 
 
 def smoothed(points: Floats, project: Callable[[Floats], Floats], sagitta: float) -> Floats:
-    """The polyline with points added on the curve until no chord is off by more than `sagitta`."""
+    """The polyline with points added on the curve until no chord deviates by over `sagitta`."""
     for _ in range(12 if len(points) > 1 else 0):
         chord = (points[:-1] + points[1:]) / 2
         middle = project(chord)
         off = np.linalg.norm(middle - chord, axis=1)
-        # A projection that runs away has met another strand; the chord is the better answer.
+        # A distant projection lies on another strand of the curve; the chord is kept then.
         bent = (off > sagitta) & (off < np.linalg.norm(points[1:] - points[:-1], axis=1))
         if not np.any(bent):
             break
@@ -208,9 +207,9 @@ def smoothed(points: Floats, project: Callable[[Floats], Floats], sagitta: float
 def parted(
     points: Floats, ask: Callable[[Floats], Ints], project: Callable[[Floats], Floats], steps: int
 ) -> list[tuple[int, Floats]]:
-    """The stretches of a polyline with one label each, cut where the label changes.
+    """The pieces of a polyline with one label each, cut where the label changes.
 
-    `ask` labels the curve's points beside (n, 2) points.
+    `ask` labels the curve's points near (n, 2) points.
     """
     label = ask(points)
     turns = np.flatnonzero(label[1:] != label[:-1])
@@ -228,8 +227,8 @@ def parted(
 
 
 _STEP = 1e-6  # of the square, between which slopes are taken
-_LAST_STEP = 1e-7  # of the square, after which Newton's method has arrived
-_SETTLED = 1e-13  # of an edge, where its crossing is known
+_LAST_STEP = 1e-7  # of the square, after which Newton's method has converged
+_SETTLED = 1e-13  # of an edge, tolerance of its crossing
 _MOST_STEPS = 100
 _AROUND = _STEP * np.array([(0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)])
 
@@ -242,7 +241,7 @@ class LevelCurve:
 
     def look(self, t: Floats) -> tuple[Floats, Floats]:
         """The function (m,) and its gradient (m, 2), by central differences."""
-        # All in one call: the function has its price for being called.
+        # All in one call, since each call of the function is costly.
         around = self.function((t + _AROUND[:, None]).reshape(-1, 2)).reshape(5, -1)
         slope = np.stack([around[1] - around[2], around[3] - around[4]], axis=1) / (2 * _STEP)
         return around[0], slope
@@ -252,13 +251,13 @@ class LevelCurve:
         return self.projected(t)[0]
 
     def projected(self, t: Floats) -> tuple[Floats, Floats]:
-        """The same, and the gradients (m, 2) beside them, no farther than the last step."""
+        """The same, and the gradients (m, 2) within the last step of them."""
         slope = t
         for _ in range(20):
             value, slope = self.look(t)
             step = (value / np.sum(slope**2, axis=1))[:, None] * slope
             t = t - step
-            # What is left is of the order of the step's square.
+            # The remaining error is of the order of the step's square.
             if np.max(np.abs(step), initial=0.0) <= _LAST_STEP:
                 break
         return t, slope
@@ -297,13 +296,13 @@ def _crossings(level: LevelCurve, a: Floats, b: Floats, at_a: Floats, at_b: Floa
         before = at
         with np.errstate(invalid="ignore"):
             at = low + (high - low) * at_a / (at_a - at_b)
-        # Beside a value that is none, halfway.
+        # Next to an undefined value, halfway.
         at = np.where(np.isfinite(at), at, (low + high) / 2)
         if np.max(np.abs(at - before), initial=0.0) <= _SETTLED:
             break
         value = level.function(a + at[:, None] * (b - a))
         as_a = (value > 0) == (at_a > 0)
-        # Where the same end moves twice, the other's value counts half.
+        # If the same end moves twice, the other's value counts half.
         at_b = np.where(as_a, np.where(side > 0, at_b / 2, at_b), value)
         at_a = np.where(as_a, value, np.where(side < 0, at_a / 2, at_a))
         low, high = np.where(as_a, at, low), np.where(as_a, high, at)
@@ -338,7 +337,7 @@ def searched(
             at_a = label[start]
             a, b, at_b = narrowed(ask, grid[start], grid[end], at_a, label[end], steps)
             points = (a + b) / 2
-            # Another label may have turned up on the way.
+            # Bisection may have reached another label.
             pairs = np.sort(np.stack([at_a, at_b], axis=-1), axis=1)
             new = np.ones(len(points), np.bool_) if known is None else ~known(points)
             for part in _runs(new):

@@ -101,8 +101,8 @@ _FINE = 1e-12  # m
 METHOD = (
     "the two neighbours in F0 or F1 that meet first, each displaced in the worst direction; the "
     f"critical force of a taut band is extreme on the rim of a disc: {_DIRECTIONS} directions are "
-    "evaluated and one is refined (not proved to be the extreme); all cells are proved to stay taut "
-    "and concave"
+    "evaluated and one is refined (not proved to be the extreme); all cells are proved to stay "
+    "taut and concave"
 )
 
 

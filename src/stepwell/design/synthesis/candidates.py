@@ -1,4 +1,4 @@
-"""What a cell does with its anchor in any of the allowed places, and how surely."""
+"""Critical forces and robustness of a cell with its anchor at any of the allowed places."""
 
 import math
 from dataclasses import dataclass, replace
@@ -15,23 +15,23 @@ from stepwell.design.synthesis.region import BandType, Region
 from stepwell.design.tolerances.draws import Tolerances
 from stepwell.mechanism import Cell, Linear, geometry
 
-# Places over the travel at which the force is looked at, and steps of the derivatives [1].
+# Samples of the force over the travel, and relative steps of the derivatives [1].
 LOOKS = 129
 _NUDGE = 1e-6
 
 
 class Candidates(NamedTuple):
-    """Ways to build a cell, each with its two end forces."""
+    """Candidates for a cell, each with its two critical forces."""
 
     q: Floats  # (m, 2) places of the anchor that is free [m]
     kind: Ints  # (m,) number of the band and lever
     force: Floats  # (m, 2) F0 and F1 [N]
-    down: Floats  # (m, 2) by how much each may come out too low ...
-    up: Floats  # (m, 2) ... and too high, in what `Rule.combined` adds up
-    room: Floats  # (m,) what limits the cell by itself, in units of its gaps
+    down: Floats  # (m, 2) deviation of each downwards ...
+    up: Floats  # (m, 2) ... and upwards, as added by `Rule.combined`
+    room: Floats  # (m,) limit of the cell by itself, in units of its gaps
 
     def take(self, rows: Ints | Bools) -> "Candidates":
-        """Some of them."""
+        """The candidates of some rows."""
         return Candidates._make(column[rows] for column in self)
 
 
@@ -41,14 +41,14 @@ def joined(parts: list[Candidates]) -> Candidates:
 
 
 def differences(table: Candidates) -> Floats:
-    """By how much F0 and F1 of candidate b are above those of a, [end, a, b] [N]."""
+    """Differences of F0 and F1 of candidate b from those of a, [end, a, b] [N]."""
     force = table.force.T
     return force[:, None, :] - force[:, :, None]
 
 
 @dataclass(frozen=True, eq=False)
 class Kind:
-    """A band on a lever, the limit in rad; `unusual` if odd sizes are meant."""
+    """A band on a lever, the limit in rad; `unusual` to accept unusual lengths."""
 
     band: BandType
     lever: float
@@ -57,14 +57,14 @@ class Kind:
 
     @cached_property
     def cell(self) -> Simple:
-        """As plain numbers, without anchors."""
+        """The cell as plain numbers, without anchors."""
         nowhere = math.nan, math.nan
         sine = math.sin(self.limit)
         return Simple(*nowhere, self.band.stiffness, self.band.rest_length, self.lever, sine)
 
     @property
     def bends(self) -> bool:
-        """Whether the law of the band does; where it is Hooke's, proofs hold."""
+        """Whether the elastic law of the band is nonlinear; proofs hold for linear ones."""
         return not isinstance(self.band.law, Linear)
 
     def ends(self, d: Floats) -> tuple[Floats, Floats]:
@@ -78,7 +78,7 @@ class Kind:
         return self._forces(d), np.stack(slopes, axis=2)
 
     def falls(self, d: Floats) -> Bools:
-        """At which of (m, 2) differences [m] the band is taut and its force falls, (m,)."""
+        """Whether the band is taut with falling force at each of (m, 2) differences [m], (m,)."""
         force, length = self._at(np.linspace(-self.cell.sin_limit, self.cell.sin_limit, LOOKS), d)
         taut = np.all(length > self.band.rest_length, axis=1)
         return taut & np.all(np.diff(force, axis=1) < 0.0, axis=1)
@@ -110,15 +110,15 @@ class Kind:
 
 @dataclass(frozen=True, eq=False)
 class Rule:
-    """What may be built, and what counts as sure."""
+    """Allowed cells, and the measure of robustness."""
 
     fixed: tuple[float, float]  # the anchor that stays [m]
     kinds: tuple[Kind, ...]
     tolerances: Tolerances
     most_force: float  # of the actuator [N]
-    worst: bool  # judge by the largest displacement of all anchors at once, not by the tolerances
-    looked_at: Box  # holds all places of the free anchor
-    as_drawn: bool = False  # a band must be proved taut and concave where it is drawn only
+    worst: bool  # measure the largest displacement of all anchors at once, not the tolerances
+    looked_at: Box  # contains all places of the free anchor
+    as_drawn: bool = False  # a band must be proved taut and concave at its nominal place only
     free: str = "q"  # which anchor is placed: "q", "p", or "both" with p = -q
 
     def cell(self, q: tuple[float, float], k: int) -> Cell:
@@ -127,25 +127,24 @@ class Rule:
         mirrored = -q[0] + 0.0, -q[1] + 0.0  # no -0
         p, q = {"q": (self.fixed, q), "p": (q, self.fixed), "both": (mirrored, q)}[self.free]
         band = kind.band.between(p, q)
-        # Wherever the search went, nobody has typed it.
+        # Places of a search are not user input, so unit errors are not checked here.
         return replace(Cell(band, kind.lever, kind.limit, unusual=True), unusual=kind.unusual)
 
     def combined(self, a: Floats, b: Floats) -> Floats:
-        """How far two end forces may come out nearer than drawn."""
+        """Combined deviation by which two critical forces may approach each other."""
         return a + b if self.worst else np.hypot(a, b)
 
     def everything(self, region: Region, q: Floats, radius: float = 0.0) -> Candidates:
-        """Every kind at every one of (m, 2) places, brought inside the region.
+        """Candidates of every kind at each of (m, 2) places, moved inside the region.
 
-        Left out is what is not proved taut and concave, or is beyond the actuator's force. In the
-        worst case, `radius` [m] is the displacement for which the candidates' `down` and `up` are
-        meant.
+        Places are left out if the cell is not proved taut and concave, or exceeds the actuator's
+        force. In the worst case, `radius` [m] is the displacement of `down` and `up`.
         """
         q = region.clamped(q)
         return joined([self._of_kind(q, k, radius) for k in range(len(self.kinds))])
 
     def these(self, q: Floats, kind: Ints, radius: float = 0.0) -> Candidates:
-        """(m,) kinds at (m, 2) places, one each, for which all the same holds."""
+        """Candidates of (m,) kinds at (m, 2) places, one each, as in `everything`."""
         pairs = enumerate(kind.tolist())
         return joined([self._of_kind(q[i : i + 1], k, radius) for i, k in pairs])
 
@@ -163,7 +162,7 @@ class Rule:
         return Candidates(q, np.full(len(q), k), force, down, up, room)
 
     def allowed(self, q: Floats, k: int) -> Bools:
-        """At which of (m, 2) places the k-th kind is weak enough, and proved or seen to fall."""
+        """Whether the k-th kind is allowed at each of (m, 2) places: force limit, falling force."""
         kind, d = self.kinds[k], self.differences(q)
         weak = np.all(np.abs(kind.ends(d)[0]) <= self.most_force, axis=1)
         if kind.bends:
@@ -181,7 +180,7 @@ class Rule:
 
     @property
     def bends(self) -> bool:
-        """Whether the law of some band bends: then falling forces are looked at, not proved."""
+        """Whether some elastic law is nonlinear: falling forces are then sampled, not proved."""
         return any(kind.bends for kind in self.kinds)
 
     @cached_property
@@ -194,11 +193,11 @@ class Rule:
     def _tolerances(self, k: int) -> Tolerances:
         spread = self.kinds[k].band.spread
         these = self.tolerances if spread is None else replace(self.tolerances, stiffness=spread)
-        # Where nothing varies all designs are as sure; then the gaps are counted in millimetres.
+        # Without tolerances all designs are equally robust; gaps are then measured in millimetres.
         return these if these != Tolerances() else Tolerances(anchor=0.001)
 
     def gaps(self, table: Candidates) -> Floats:
-        """How surely candidate a comes next below b, [end, a, b]; -inf where it does not.
+        """Robustness of candidate a next below b, [end, a, b]; -inf if it is not below.
 
         The gap between them over its deviation, or in the worst case the radius [m] up to which
         the order stays and both cells are proved.
@@ -213,7 +212,7 @@ class Rule:
         return np.where(apart > tie, sure, -np.inf)
 
     def _radii(self, table: Candidates, apart: Floats, tie: float) -> Floats:
-        # What the anchors take of a gap is nearly in proportion to the radius.
+        # The reduction of a gap by the anchors is nearly proportional to the radius.
         above = np.where(apart > tie, apart, np.nan)
         radius = np.full_like(above, 1e-6)
         for _ in range(10):
@@ -222,7 +221,7 @@ class Rule:
         return radius
 
     def _taken(self, table: Candidates, radius: Floats, sign: int) -> Floats:
-        """How far the end forces of candidate a rise or fall within radius[end, a, b]."""
+        """Rise or fall of the critical forces of candidate a within radius[end, a, b]."""
         m = len(table.q)
         out = np.empty_like(radius)
         for k in np.unique(table.kind).tolist():
@@ -238,8 +237,8 @@ class Rule:
 def _deviations(kind: Kind, d: Floats, force: Floats, slope: Floats, t: Tolerances) -> Floats:
     """Standard deviations of F0 and F1 [N] to first order, (m, 2).
 
-    A point anywhere in a disc of radius a has the variance a²/4 along each axis, and two such
-    points make up d; a value anywhere within ±w has w²/3, and one anywhere from 0 to w, w²/12.
+    A uniform point in a disc of radius a has the variance a²/4 along each axis, and d is the
+    difference of two; a uniform value within ±w has w²/3, and one from 0 to w has w²/12.
     """
     by_rest, by_lever = kind.by_sizes(d)
     variance = (

@@ -8,28 +8,28 @@ from stepwell.base import Bools, Floats, Ints
 from stepwell.design.orders import Orders
 from stepwell.kernels import entry, in_blocks, leaf, overspent, record, watched
 
-# The bounds are tables of m² entries for every two cells, and cost m³ for each to make.
+# The bounds are tables of m² entries for every two cells, each at a cost of m³.
 _MOST_ENTRIES = 20_000_000
 _MOST_CANDIDATES = 1000
-# A search that takes more is worth waiting for the compiler, and may take a while.
+# Longer searches are compiled first.
 _FEW_NODES = 2000
-# Entries of paths, each looked at m times, that one core makes at a time.
+# Entries of paths per block of one core, each evaluated m times.
 _BLOCK = 10_000_000
 
 
 def fits(cells: int, candidates: int) -> bool:
-    """Whether so many candidates for so many cells are few enough for a complete search."""
+    """Whether the candidates are few enough for a complete search."""
     small = cells**2 * candidates**2 <= _MOST_ENTRIES
     return small and candidates <= _MOST_CANDIDATES
 
 
 class Selection(NamedTuple):
-    """What a search among candidates found."""
+    """Result of a search among candidates."""
 
     picks: Ints  # (N,) number of the candidate of every cell; empty if none meets both orders
     value: float  # sum, or smallest gap, -inf if there is none
     complete: bool  # whether the choice is proved the best, or none at all
-    nodes: int  # partial choices looked at
+    nodes: int  # number of partial choices
 
 
 def best_choice(
@@ -41,15 +41,15 @@ def best_choice(
     floor: float = -np.inf,
     most_nodes: int = 1_000_000,
 ) -> Selection:
-    """The choice of a candidate a cell, above a floor, with the largest sum or smallest of gaps.
+    """One candidate per cell, above a floor, with the largest sum or smallest gap.
 
-    Each order by itself is a longest path through the candidates, which takes no search. Cells are
-    placed one by one in the order of F0; what is still open is bounded by the best paths of both
-    orders through what is placed, each as if the other did not exist, and where that bound is no
-    better than what is known already, or is -inf, nothing below is looked at.
+    Each order by itself is a longest path through the candidates, which needs no search. Cells are
+    placed one by one in the order of F0. The remaining cells are bounded by the best paths of each
+    order through the placed cells, without the other order. A branch is cut if that bound is no
+    better than the best known value, or is -inf.
 
-    `gap` (2, m, m) is the worth of candidate a next below b, for F0 and F1, -inf where that must
-    not be, and `allowed` (N, m) which candidates each cell may take.
+    `gap` (2, m, m) is the value of candidate a next below b, for F0 and F1, -inf if it is excluded;
+    `allowed` (N, m) are the candidates of each cell.
     """
     n, m = allowed.shape
     rising = np.array(orders.rising)
@@ -77,7 +77,7 @@ def best_choice(
     if not complete and few < most_nodes:
         picks[:] = -1
         search = _search.compiled()
-        # What has to be compiled is compiled here, where Ctrl-C is heard.
+        # Compile here, where Ctrl-C is handled.
         search(tables, floor, np.array([0, 0]), picks)
         value, nodes, complete = watched(
             lambda effort: search(tables, floor, effort, picks), most=most_nodes
@@ -130,7 +130,7 @@ def _best_ends(gap, allowed, add: bool, out):
 
 @leaf
 def _next_to(ranks, depth: int, rank: int, way: int) -> int:
-    """Of the placed cells the one with the next rank above or below, -1 where there is none."""
+    """The placed cell with the next rank above or below, -1 if there is none."""
     nearest = -1
     for k in range(depth):
         if way * (ranks[k] - rank) > 0 and (nearest < 0 or way * (ranks[k] - ranks[nearest]) < 0):
@@ -140,7 +140,7 @@ def _next_to(ranks, depth: int, rank: int, way: int) -> int:
 
 @record
 class _Tables(NamedTuple):
-    """What choices of one of m candidates for each of N cells are worth, cells by rising F0."""
+    """Values of choices of one of m candidates for each of N cells, in ascending F0."""
 
     gap: Floats  # (m, m) of F0
     allowed: Bools  # (N, m)
@@ -148,19 +148,19 @@ class _Tables(NamedTuple):
     segments: Floats  # (N, N, m, m) best paths of F1 between two ranks
     edges: Floats  # (2, N, m) best paths of F1 from the first rank, and to the last
     ahead: Floats  # (N, m) best paths of F0 to the last cell
-    add: bool  # sums, or else the smallest
+    add: bool  # sums, else the smallest
 
 
 @leaf
 def _bounds(tables: _Tables, depth: int, picks: Ints, value: float, out: Floats) -> None:
-    """Bounds of all that may follow from placing each candidate next, out (m,)."""
+    """Upper bounds after placing each candidate next, out (m,)."""
     ranks, segments, edges, add = tables.ranks, tables.segments, tables.edges, tables.add
     rank = ranks[depth]
-    # The placed cells next to it in F1, and what all other stretches between placed cells give.
+    # The placed cells next to it in F1, and the value of all other pieces between placed cells.
     below, above = _next_to(ranks, depth, rank, -1), _next_to(ranks, depth, rank, 1)
     rest = 0.0 if add else np.inf
     for k in range(depth):
-        # The stretch from k upwards, unless it is the one that is to be divided.
+        # The piece from k upwards, unless it is to be divided.
         at: int = ranks[k]
         own: int = picks[k]
         if k != below:
@@ -192,14 +192,14 @@ def _bounds(tables: _Tables, depth: int, picks: Ints, value: float, out: Floats)
 
 @entry()
 def _search(tables: _Tables, floor: float, effort: Ints, best_of: Ints) -> tuple[float, int, bool]:
-    """Search choices worth more than `floor`: the best, how many were looked at, and if all."""
+    """Search choices above `floor`: best value, number of nodes, and whether all were searched."""
     gap, add = tables.gap, tables.add
     n, m = tables.allowed.shape
     picks = np.full(n, -1)
     bound = np.empty((n, m))
     order = np.empty((n, m), np.int64)
     at = np.zeros(n, np.int64)
-    value = np.empty(n + 1)  # of the stretches of F0 between placed cells
+    value = np.empty(n + 1)  # of the pieces of F0 between placed cells
     value[0] = 0.0 if add else np.inf
     best, nodes, depth, c = floor, 0, 0, 0
     _bounds(tables, 0, picks, value[0], bound[0])
@@ -210,7 +210,7 @@ def _search(tables: _Tables, floor: float, effort: Ints, best_of: Ints) -> tuple
             ceiling = bound[depth, c]
         else:
             ceiling = -np.inf
-        # A hair more is not better, only rounded differently.
+        # Differences within rounding do not count.
         if not ceiling > best + 1e-12 * abs(best) if best > -np.inf else ceiling == -np.inf:
             at[depth] = 0
             depth -= 1

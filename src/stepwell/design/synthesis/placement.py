@@ -1,4 +1,4 @@
-"""Places for all cells at once, so that their end forces come in two wanted orders, surely."""
+"""Places of all cells with which their critical forces are in two target orders, robustly."""
 
 import math
 from collections.abc import Callable
@@ -19,12 +19,12 @@ _HALVINGS = 16
 
 
 def outlines(rule: Rule, region: Region) -> list[Floats]:
-    """Closed curves (m, 2) of (F0, F1) [N] round what one cell can have, for every kind.
+    """Closed curves (m, 2) around the feasible (F0, F1) [N] of one cell, for every kind.
 
-    The images of the edges of the allowed anchors, each edge found on a grid and narrowed.
+    The images of the edges of the allowed anchors, each edge located on a grid and bisected.
     """
     grid = region.bounds.grid(_NODES)
-    # One more node all round, so that the sides of the box are edges like all others.
+    # One more node on every side, so that the sides of the box are edges like all others.
     rim = np.pad(grid, ((1, 1), (1, 1), (0, 0)), mode="reflect", reflect_type="odd")
     curves: list[Floats] = []
     for k in range(len(rule.kinds)):
@@ -51,7 +51,7 @@ _FINEST = 64  # squares along the longer side of the region
 def all_proved(rule: Rule, region: Region) -> bool:
     """Whether every kind of cell is proved at every place of the region.
 
-    Squares cover the region; a disc round each is proved as a whole, or cut into four.
+    Squares cover the region; a disc around each is proved as a whole, or the square is divided.
     """
     if rule.bends:
         return False
@@ -63,7 +63,7 @@ def all_proved(rule: Rule, region: Region) -> bool:
         while len(middles):
             if half < side / 2 / _FINEST:
                 return False
-            # Where both anchors are free, d moves twice as far as either.
+            # If both anchors are free, d moves twice as far as either.
             around = (2.0 if rule.free == "both" else 1.0) * half * math.sqrt(2.0)
             held = certified(kind.cell, rule.differences(middles), around)
             corners = half / 2 * np.array([(-1, -1), (1, -1), (-1, 1), (1, 1)])
@@ -80,9 +80,8 @@ _FINEST_STEP = 1e-6  # m, where refining stops
 _MOST_ROUNDS = 1000
 _LEAST_GAIN = 1e-4  # of a score, for a cell to move
 _LATTICE = np.stack(np.meshgrid(*[np.arange(-2.0, 3.0)] * 2), axis=-1).reshape(-1, 2)
-# Where nothing can fail the chances of all designs are 1 and say nothing. So gaps are counted in
-# units that make the smallest of them at most this: the question becomes what happens at larger
-# tolerances. The more, the less do the other gaps count.
+# If no sample fails, all designs have probability 1. So gaps are scaled until the smallest is at
+# most this, which corresponds to larger tolerances. For larger values the other gaps count less.
 _SURE = 3.0
 _SURER = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
 _SHORTER = 0.7  # first step of every next one of these
@@ -92,8 +91,8 @@ _SHORTER = 0.7  # first step of every next one of these
 class Placement:
     """A choice of one candidate for every cell.
 
-    The gaps are those between neighbours in F0, then in F1, over their deviations; in the worst
-    case the radii [m] at which they close, and those at which the proof of a cell ends.
+    Gaps between neighbours in F0, then in F1, over their deviations; in the worst case the radii
+    [m] at which they close, and the radii at which the proof of a cell ends.
     """
 
     cells: Candidates
@@ -105,7 +104,7 @@ class Placement:
         return float(np.min(self.gaps, initial=math.inf))
 
     def quality(self, worst: bool) -> tuple[float, float]:
-        """The larger the better: first the chance that no gap closes, then the smallest gap."""
+        """Quality, larger is better: the chance that no gap closes, then the smallest gap."""
         from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
 
         chance = float(np.sum(log_ndtr(self.gaps)))
@@ -132,7 +131,7 @@ def shared(tables: list[Candidates], owner: tuple[int, ...]) -> Bools:
 def choose(
     rule: Rule, orders: Orders, tables: list[Candidates], owner: tuple[int, ...], most_nodes: int
 ) -> tuple[Placement | None, bool, int]:
-    """The best choice, whether none is better or there is none, and how many nodes that took."""
+    """The best choice, whether this is proved, and the number of nodes searched."""
     from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
 
     table, allowed = joined(tables), shared(tables, owner)
@@ -159,14 +158,14 @@ def choose(
 
 @dataclass(eq=False)
 class Search:
-    """One cell after the other goes where it is best, the others staying, until none moves."""
+    """Coordinate search: each cell in turn takes its best place until none moves."""
 
     rule: Rule
     orders: Orders
     regions: tuple[Region, ...]
 
     def pattern(self, tables: list[Candidates]) -> Placement:
-        """The wanted orders in small in the middle of what is possible, as far as tables allow."""
+        """A small pattern of the target orders in the middle of the feasible forces."""
         force = np.concatenate([table.force for table in tables])
         middle, span = np.median(force, axis=0), 0.5 * np.ptp(force, axis=0) + 1e-300
         picks: list[Candidates] = []
@@ -180,12 +179,12 @@ class Search:
     def settle(
         self, now: Placement, offer: Offer, rounds: int, sure: float = _SURE
     ) -> tuple[Placement, int]:
-        """Every cell in turn takes the best offer until a round moves none; how many rounds did."""
-        # The same for all, or cells could follow each other round in circles.
+        """Place each cell in turn at its best offer until a round moves none; counts the rounds."""
+        # One unit for all, or cells could alternate without end.
         unit = self._unit(now, sure)
         for k in range(rounds):
             before = now
-            # Not by number, so that which cell is which changes nothing.
+            # Not by number, so that the result does not depend on the labels of the cells.
             for i in self.orders.loading[:: -1 if k % 2 else 1]:
                 offered = offer(i, now)
                 if not len(offered.q):
@@ -223,7 +222,7 @@ class Search:
         return total
 
     def refine(self, now: Placement, pitch: float) -> Placement:
-        """Go on with finer and finer lattices round each place, down to a micrometre."""
+        """Refine with finer and finer lattices around each place, down to a micrometre."""
         left = _MOST_ROUNDS
         for turn, sure in enumerate(_SURER if self.rule.worst else (_SURE,)):
             step = pitch * _SHORTER**turn
@@ -241,7 +240,7 @@ class Search:
         return self.recomputed(now)
 
     def recomputed(self, now: Placement) -> Placement:
-        """The same places looked at anew: the worst case is exact for one displacement only."""
+        """The same places recomputed: the worst case is exact for one displacement only."""
         if not self.rule.worst:
             return now
         for _ in range(3):
