@@ -48,25 +48,25 @@ def of_paper(*moving: int) -> tuple[Boundary, ...]:
     return boundaries(PAPER, *moving, x=X, y=Y)
 
 
-def orders(found: tuple[Boundary, ...]) -> list[Boundary]:
-    return [b for b in found if b.kind is not BoundaryKind.BISTABLE]
+def orders(curves: tuple[Boundary, ...]) -> list[Boundary]:
+    return [b for b in curves if b.kind is not BoundaryKind.BISTABLE]
 
 
-def kinds(found: tuple[Boundary, ...]) -> list[BoundaryKind]:
-    return [b.kind for b in found]
+def kinds(curves: tuple[Boundary, ...]) -> list[BoundaryKind]:
+    return [b.kind for b in curves]
 
 
 def test_the_papers_map_has_two_order_curves_and_two_limits_of_bistability():
-    found = of_paper()
+    curves = of_paper()
     # The two order curves cross where both cells are alike, and part four regions there.
-    assert kinds(found) == [
+    assert kinds(curves) == [
         *2 * [BoundaryKind.LOADING_ORDER],
         *2 * [BoundaryKind.UNLOADING_ORDER],
         *2 * [BoundaryKind.BISTABLE],
     ]
-    assert {b.method for b in found} == {"exact"}
-    assert len({frozenset(b.sequences) for b in found[:4]}) == 4
-    for boundary in found[:4]:
+    assert {b.method for b in curves} == {"exact"}
+    assert len({frozenset(b.sequences) for b in curves[:4]}) == 4
+    for boundary in curves[:4]:
         assert np.min(np.linalg.norm(boundary.points - (0.010, 0.0), axis=1)) < 1e-9
 
 
@@ -135,8 +135,8 @@ def test_wherever_neighbours_on_a_map_differ_a_boundary_passes_between(chain):
     box_x, box_y = (X, Y) if chain is PAPER else (SHORT_X, SHORT_Y)
     x, y = np.linspace(*box_x, 31), np.linspace(*box_y, 31)
     pathway = sw.transition_map(chain, x=x, y=y).pathway.values
-    found = boundaries(chain, x=box_x, y=box_y, search=31)
-    points = np.concatenate([b.points for b in orders(found)])
+    curves = boundaries(chain, x=box_x, y=box_y, search=31)
+    points = np.concatenate([b.points for b in orders(curves)])
     step = max(x[1] - x[0], y[1] - y[0])
     for row, column in np.argwhere(pathway[:, 1:] != pathway[:, :-1]):
         middle = np.array([(x[column] + x[column + 1]) / 2, y[row]])
@@ -148,8 +148,8 @@ def test_wherever_neighbours_on_a_map_differ_a_boundary_passes_between(chain):
 
 @pytest.mark.slow
 def test_past_the_proof_the_engine_is_asked_and_the_boundary_says_so():
-    found = boundaries(SHORT, x=SHORT_X, y=SHORT_Y, search=25)
-    searched = [b for b in found if b.method == "search"]
+    curves = boundaries(SHORT, x=SHORT_X, y=SHORT_Y, search=25)
+    searched = [b for b in curves if b.method == "search"]
     assert searched
     for boundary in searched:
         assert boundary.error <= 1e-8
@@ -169,11 +169,14 @@ def test_no_curve_is_drawn_twice():
     # Unequal limits: some designs need the engine though both cells are concave, and the
     # order curves run through them.
     chain = sw.Chain((cell(10, 0), replace(cell(20, 0), limit=0.5)))
-    found = boundaries(chain, x=X, y=Y, search=31)
-    searched = [b for b in found if b.method == "search"]
-    assert [b.kind for b in found[:2]] == [BoundaryKind.LOADING_ORDER, BoundaryKind.UNLOADING_ORDER]
+    curves = boundaries(chain, x=X, y=Y, search=31)
+    searched = [b for b in curves if b.method == "search"]
+    assert [b.kind for b in curves[:2]] == [
+        BoundaryKind.LOADING_ORDER,
+        BoundaryKind.UNLOADING_ORDER,
+    ]
     assert searched
-    exact = np.concatenate([b.points for b in found[:2]])
+    exact = np.concatenate([b.points for b in curves[:2]])
     for boundary in searched:
         distance = np.linalg.norm(boundary.points[:, None] - exact[None], axis=2).min(axis=1)
         assert np.median(distance) > 1e-4
@@ -192,13 +195,13 @@ def test_no_curve_is_drawn_twice():
 )
 def test_a_limit_of_bistability_has_a_bistable_side(moved):
     chain = sw.Chain((cell(10, 0), moved))
-    found = [
+    limits = [
         b
         for b in boundaries(chain, x=(-0.010, 0.020), y=Y, search=examples(9, full=15))
         if b.kind is BoundaryKind.BISTABLE
     ]
-    assert found
-    for boundary in found:
+    assert limits
+    for boundary in limits:
         away = 1e-6 if boundary.method == "exact" else 3e-9
         straight = len(boundary.points) == 2
         for q in (
@@ -225,10 +228,10 @@ def test_on_the_limits_of_bistability_an_end_force_is_zero():
 @pytest.mark.slow
 def test_chains_without_closed_form_have_searched_boundaries_only():
     chain = sw.Chain((replace(cell(10, 0), friction=0.05), cell(20, 0)))
-    found = boundaries(chain, x=X, y=Y, search=9)
-    assert {b.method for b in orders(found)} == {"search"}
-    assert any(b.kind is BoundaryKind.LOADING_ORDER for b in found)
-    assert any("00>10>11>01>00" in b.sequences for b in found)
+    curves = boundaries(chain, x=X, y=Y, search=9)
+    assert {b.method for b in orders(curves)} == {"search"}
+    assert any(b.kind is BoundaryKind.LOADING_ORDER for b in curves)
+    assert any("00>10>11>01>00" in b.sequences for b in curves)
 
 
 def test_a_boundary_prints_what_changes_and_how_it_was_found():
@@ -239,9 +242,9 @@ def test_a_boundary_prints_what_changes_and_how_it_was_found():
 @pytest.mark.slow
 def test_of_any_chain_each_point_parts_the_two_sequences_that_it_says():
     chain = sw.Chain((cell(10, 0), cell(15, 10), cell(12, -5)))
-    found = orders(boundaries(chain, 1, x=X, y=Y))
-    assert len(found) >= 4
-    for boundary in found:
+    curves = orders(boundaries(chain, 1, x=X, y=Y))
+    assert len(curves) >= 4
+    for boundary in curves:
         q = boundary.points[len(boundary.points) // 2]
         assert sequences_around(chain, 1, q, 1e-9) == set(boundary.sequences)
 

@@ -49,8 +49,8 @@ def test_two_bands_in_one_hole_are_odd_once():
     chain = sw.Chain(
         [sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0), 60.0, 0.025)), sw.Cell([band, band])]
     )
-    told = sw.check(chain, samples=60).warnings
-    assert len(told) == len(set(told)) == 1
+    warnings = sw.check(chain, samples=60).warnings
+    assert len(warnings) == len(set(warnings)) == 1
 
 
 @pytest.mark.slow
@@ -62,24 +62,24 @@ def test_what_stands_between_two_sequences_never_works():
 
 def random_chains(count: int) -> list[Chain]:
     rng = np.random.default_rng(12)
-    found: list[Chain] = []
-    while len(found) < count:
+    chains: list[Chain] = []
+    while len(chains) < count:
         places = zip(rng.uniform(0, 0.02, 2), rng.uniform(-0.015, 0.015, 2), strict=True)
         chain = Chain([CELL.with_anchors(q=(float(x), float(y))) for x, y in places])
         if not chain.cycle().degenerate:
-            found.append(chain)
-    return found
+            chains.append(chain)
+    return chains
 
 
 @pytest.mark.slow
 def test_the_killer_breaks_it_and_a_tenth_less_does_not():
     for chain in random_chains(examples(4, full=120)):
-        found = check(chain, samples=300)
-        critical_change = found.critical_change
+        result = check(chain, samples=300)
+        critical_change = result.critical_change
         if critical_change is None:
             continue
         wanted = str(chain.cycle().sequence)
-        assert wanted == found.target
+        assert wanted == result.target
         broken, spared = (moved(critical_change, by) for by in (1.01, 0.9))
         assert str(broken.cycle().sequence) != wanted
         assert str(spared.cycle().sequence) == wanted
@@ -120,8 +120,8 @@ def test_the_measurement_named_is_the_best_of_all_by_counting_each():
     tried = 0
     for chain in random_chains(examples(5, full=200)):
         tolerances = Tolerances(0.0015, 0.10)
-        found = check(chain, None, tolerances, samples=4000)
-        counted = yields(chain, tolerances, samples=4000, target=found.target)
+        result = check(chain, None, tolerances, samples=4000)
+        counted = yields(chain, tolerances, samples=4000, target=result.target)
         each = {
             name: with_tightened_tolerance(
                 counted, name, _left_of(tolerances, part.tolerance), 4000
@@ -129,38 +129,38 @@ def test_the_measurement_named_is_the_best_of_all_by_counting_each():
             for name, part in parts_of(counted).items()
         }
         best = max(each.values(), default=counted.successes)
-        if found.measure is None:
+        if result.measure is None:
             assert best < counted.successes + 0.005 * 4000 or counted.successes == 4000
             continue
         tried += 1
-        assert round(found.measure.after * 4000) == best > counted.successes
+        assert round(result.measure.after * 4000) == best > counted.successes
     assert tried
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", cases(CHAINS, KINDS))
 def test_every_design_gets_a_verdict(name):
-    found = check(sw.load(f"preset:{name}"), samples=20)
-    assert isinstance(found, Check) and found.reason
-    assert found.meets_target and math.isfinite(found.peak_force)
-    assert found.verdict in (Verdict.FRAGILE, Verdict.WORKS, Verdict.WONT)
+    result = check(sw.load(f"preset:{name}"), samples=20)
+    assert isinstance(result, Check) and result.reason
+    assert result.meets_target and math.isfinite(result.peak_force)
+    assert result.verdict in (Verdict.FRAGILE, Verdict.WORKS, Verdict.WONT)
 
 
 @pytest.mark.slow
 def test_a_program_is_checked_by_where_it_ends():
     hand = sw.load("preset:finger-selector")
     program = hand.program("00100")
-    found = check(hand, program, samples=60)
-    assert found.target == "00000 to 00100" and found.meets_target
-    assert found.critical_change is not None
-    broken = found.critical_change.design
+    result = check(hand, program, samples=60)
+    assert result.target == "00000 to 00100" and result.meets_target
+    assert result.critical_change is not None
+    broken = result.critical_change.design
     assert broken is not None
 
 
 def test_what_the_drawing_does_not_do_it_wont():
-    found = check(sw.load("preset:paper-forward"), "00>01>11>10>00", samples=100)
-    assert found.verdict is Verdict.WONT and found.critical_change is None
-    says(found.reason, "drawing", "00>10>11>01>00")
+    result = check(sw.load("preset:paper-forward"), "00>01>11>10>00", samples=100)
+    assert result.verdict is Verdict.WONT and result.critical_change is None
+    says(result.reason, "drawing", "00>10>11>01>00")
 
 
 def test_a_program_of_another_chain_and_no_cycle_are_refused():

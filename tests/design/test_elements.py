@@ -85,10 +85,10 @@ def test_an_element_of_one_phase_has_nothing_to_switch(drive):
     rises = sw.Element.from_points([0.0, 1e-3, 2e-3], [0.0, 1.0, 2.5], "rises")
     alone = sw.Chain([rises], drive)
     assert alone.cycle().sequence == "0"
-    found = alone.yields(samples=5, sensitivity=True)
-    assert found.share == 1.0
-    assert found.sensitivities is not None
-    assert not found.sensitivities.parameters
+    result = alone.yields(samples=5, sensitivity=True)
+    assert result.share == 1.0
+    assert result.sensitivities is not None
+    assert not result.sensitivities.parameters
     assert alone.margin().changes[0].distance == math.inf
     beside = sw.Chain([rises, SNAP], drive)
     assert beside.yields(samples=5).target == beside.cycle().sequence == "00>01>00"
@@ -156,38 +156,38 @@ def test_the_forces_of_drawn_elements_are_those_of_the_elements_that_are_built()
 def test_yields_count_what_the_engine_finds_of_each_mechanism(drive):
     chain = sw.Chain([strong(SNAP, 1.0, "a"), strong(SOFT, 1.1, "b")], drive)
     wanted = "00>10>11>01>00"
-    found = chain.yields(TOLERANCES, samples=40, seed=5, target=wanted)
+    result = chain.yields(TOLERANCES, samples=40, seed=5, target=wanted)
     draws = Draws(chain, TOLERANCES, 5)
     does = Counter(str(draws.sample(k).cycle().sequence) for k in range(40))
-    assert found.successes == does.pop(wanted, 0)
-    assert dict(found.outcomes) == dict(does)
-    assert found.by_engine == (0 if drive == FORCE else 40)
+    assert result.successes == does.pop(wanted, 0)
+    assert dict(result.outcomes) == dict(does)
+    assert result.by_engine == (0 if drive == FORCE else 40)
 
 
 @pytest.mark.slow
 def test_relays_of_several_phases_are_judged_as_the_engine_does():
     chain = sw.Chain([LEAPS, strong(STEPS, 0.9, "b")], FORCE)
-    found = chain.yields(TOLERANCES, samples=30, seed=1)
+    result = chain.yields(TOLERANCES, samples=30, seed=1)
     draws = Draws(chain, TOLERANCES, 1)
     does = Counter(str(draws.sample(k).cycle().sequence) for k in range(30))
-    assert found.target == chain.cycle().sequence
-    assert found.successes == does.pop(found.target, 0)
-    assert dict(found.outcomes) == dict(does)
+    assert result.target == chain.cycle().sequence
+    assert result.successes == does.pop(result.target, 0)
+    assert dict(result.outcomes) == dict(does)
 
 
 @pytest.mark.slow
 def test_yields_of_elements_name_the_critical_switches_and_the_parts_that_count():
     chain = sw.Chain([SNAP, strong(STEPS, 1.05, "steps")], FORCE)
-    found = chain.yields(TOLERANCES, samples=2000, sensitivity=True)
-    assert found.critical is not None
-    assert set(found.critical.names) <= {"snap", "steps 0-1", "steps 1-2"}
-    assert found.sensitivities is not None
-    most = np.argmax(found.sensitivities.total)
-    assert found.sensitivities.parameters[most] in ("snap.force_scale", "steps.force_scale")
+    result = chain.yields(TOLERANCES, samples=2000, sensitivity=True)
+    assert result.critical is not None
+    assert set(result.critical.names) <= {"snap", "steps 0-1", "steps 1-2"}
+    assert result.sensitivities is not None
+    most = np.argmax(result.sensitivities.total)
+    assert result.sensitivities.parameters[most] in ("snap.force_scale", "steps.force_scale")
     # Travels change nothing there.
-    table = dict(zip(found.sensitivities.parameters, found.sensitivities.total, strict=True))
+    table = dict(zip(result.sensitivities.parameters, result.sensitivities.total, strict=True))
     assert table["snap.travel_scale"] == pytest.approx(0.0, abs=1e-9)
-    assert found.end_forces(5).shape == (5, 3, 2)
+    assert result.end_forces(5).shape == (5, 3, 2)
 
 
 def test_states_of_elements_can_be_wanted():
@@ -277,14 +277,14 @@ def test_a_mixed_chain_has_margins_of_anchors_and_of_scales():
 def test_the_nearest_scale_that_reprograms_is_found(drive):
     chain = pair(drive)
     target = "00>01>11>10>00"
-    found = chain.reprogram(target, "a.force_scale")
-    assert found.after == target
-    assert found.place == pytest.approx(1.3, abs=2e-6)
-    assert found.displacement == pytest.approx(0.3, abs=2e-6)
-    assert (found.method == "exact") == (drive == FORCE)
-    assert "a.force_scale" in str(found)
+    change = chain.reprogram(target, "a.force_scale")
+    assert change.after == target
+    assert change.place == pytest.approx(1.3, abs=2e-6)
+    assert change.displacement == pytest.approx(0.3, abs=2e-6)
+    assert (change.method == "exact") == (drive == FORCE)
+    assert "a.force_scale" in str(change)
     # A number is no place in the plane.
-    assert np.all(np.isnan([found.move, found.anchor_at]))
+    assert np.all(np.isnan([change.move, change.anchor_at]))
     # Nothing nearer does it.
     for scale in np.linspace(0.72, 1.28, 15):
         made = parameter(chain, "a.force_scale").changed(chain, float(scale))
@@ -293,8 +293,8 @@ def test_the_nearest_scale_that_reprograms_is_found(drive):
 
 def test_an_element_is_reprogrammed_by_friction_too_or_told_that_it_cannot_be():
     chain = pair(FORCE)
-    found = chain.reprogram("00>01>11>10>00", "a.friction")
-    assert found.place == pytest.approx(0.3)
+    change = chain.reprogram("00>01>11>10>00", "a.friction")
+    assert change.place == pytest.approx(0.3)
     nowhere = chain.reprogram("00>01>11>10>00", "a.travel_scale")
     assert nowhere.distance == math.inf
     says(str(nowhere), "no value", "a.travel_scale", "00>01>11>10>00")
@@ -306,7 +306,7 @@ def test_an_element_is_reprogrammed_by_friction_too_or_told_that_it_cannot_be():
 def test_all_forces_may_be_off_by_the_share_told_and_no_more(seed):
     rng = np.random.default_rng(seed)
     chain = sw.Chain([any_element(rng, name) for name in "abc"], FORCE)
-    found = chain.robustness()
+    result = chain.robustness()
     now = relay_cycle(chain)
 
     def cycles(share: float) -> set[str | None]:
@@ -324,10 +324,10 @@ def test_all_forces_may_be_off_by_the_share_told_and_no_more(seed):
             for corner in corners
         }
 
-    assert 0.0 < found.share < 1.0
-    assert cycles(found.share * (1.0 - 1e-6)) == {now}
-    assert cycles(min(found.share * (1.0 + 1e-6), 0.999)) != {now}
-    says(str(found), "all forces", f"{found.share * 100:.4g} %")
+    assert 0.0 < result.share < 1.0
+    assert cycles(result.share * (1.0 - 1e-6)) == {now}
+    assert cycles(min(result.share * (1.0 + 1e-6), 0.999)) != {now}
+    says(str(result), "all forces", f"{result.share * 100:.4g} %")
 
 
 def test_a_map_over_scales_tells_what_each_chain_does():
@@ -346,8 +346,8 @@ def test_a_map_over_scales_tells_what_each_chain_does():
 def test_boundaries_over_scales_are_where_forces_meet():
     chain = pair(FORCE)
     axes = ("a.force_scale", [0.8, 2.0]), ("b.force_scale", [0.8, 2.0])
-    found = parameter_boundaries(chain, *axes, search=7)
-    curves = [one for one in found if one.kind.name != "BISTABLE"]
+    boundaries_ = parameter_boundaries(chain, *axes, search=7)
+    curves = [one for one in boundaries_ if one.kind.name != "BISTABLE"]
     assert curves
     for one in curves:
         assert np.allclose(one.points[:, 0], one.points[:, 1], atol=1e-6)
@@ -396,24 +396,24 @@ def test_elements_are_scaled_for_a_cycle_as_surely_as_can_be_or_it_is_proved_imp
             sw.design(cycle, elements=kinds, actuator_stiffness=FORCE, samples=20)
         assert why.value.proved
         return
-    found = sw.design(cycle, elements=kinds, actuator_stiffness=FORCE, samples=20)
-    assert found.proved
-    assert found.chain.cycle().sequence == found.sequence == cycle
-    assert found.robustness is not None
+    designed = sw.design(cycle, elements=kinds, actuator_stiffness=FORCE, samples=20)
+    assert designed.proved
+    assert designed.chain.cycle().sequence == designed.sequence == cycle
+    assert designed.robustness is not None
     surest = max((chain.robustness().share for chain in doing), default=0.0)
-    assert found.robustness.share >= surest - 1e-6
-    for cell in found.chain.elements:
+    assert designed.robustness.share >= surest - 1e-6
+    for cell in designed.chain.elements:
         assert 0.5 - 1e-9 <= cell.force_scale <= 2.0 + 1e-9
-    assert "force scale" in str(found)
+    assert "force scale" in str(designed)
 
 
 @pytest.mark.slow
 def test_elements_are_designed_for_states_in_reach():
-    found = sw.design(
+    designed = sw.design(
         states=["00", "10", "11"], elements=[SNAP, SOFT], actuator_stiffness=FORCE, samples=10
     )
-    assert set(found.reached.states) == {"00", "10", "11"}
-    assert found.yield_.states == ("00", "10", "11")
+    assert set(designed.reached.states) == {"00", "10", "11"}
+    assert designed.yield_.states == ("00", "10", "11")
     with pytest.raises(Impossible) as why:
         sw.design(states=["00", "10", "11"], elements=[SNAP], actuator_stiffness=FORCE)
     assert why.value.proved
@@ -421,18 +421,18 @@ def test_elements_are_designed_for_states_in_reach():
 
 def test_elements_of_several_phases_are_designed_phase_by_phase():
     cycle = "00>10>11>12>11>10>00"
-    found = sw.design(cycle, elements=[SNAP, STEPS], actuator_stiffness=FORCE, samples=10)
-    assert found.chain.cycle().sequence == cycle
-    assert found.chain.names == ("snap", "steps")
+    designed = sw.design(cycle, elements=[SNAP, STEPS], actuator_stiffness=FORCE, samples=10)
+    assert designed.chain.cycle().sequence == cycle
+    assert designed.chain.names == ("snap", "steps")
     with refuses(ValueError, "00>10>11>12>11>10>00", "cell 2", "3 phases", "2"):
         sw.design(cycle, elements=[SNAP], actuator_stiffness=FORCE)
 
 
 def test_elements_under_a_stroke_do_what_is_wanted_by_the_engine_and_nothing_is_called_proved():
-    found = sw.design("00>10>11>01>00", elements=[SNAP], samples=10)
-    assert found.chain.cycle().sequence == "00>10>11>01>00"
-    assert not found.proved
-    assert found.yield_.by_engine == 10
+    designed = sw.design("00>10>11>01>00", elements=[SNAP], samples=10)
+    assert designed.chain.cycle().sequence == "00>10>11>01>00"
+    assert not designed.proved
+    assert designed.yield_.by_engine == 10
 
 
 def test_what_makes_no_sense_for_elements_is_refused():
@@ -456,5 +456,5 @@ def test_designs_that_cannot_be_followed_are_counted_and_not_raised(monkeypatch)
 
     monkeypatch.setattr("stepwell.statics.full_cycles", leaves_all)
     monkeypatch.setattr("stepwell.sequences.cycles.cycle", fails)
-    found = pair(STROKE).yields(samples=3, target="00>10>11>01>00")
-    assert found.outcomes == {"no answer": 3}
+    result = pair(STROKE).yields(samples=3, target="00>10>11>01>00")
+    assert result.outcomes == {"no answer": 3}

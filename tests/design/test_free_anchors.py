@@ -32,8 +32,8 @@ def test_placing_p_beside_a_fixed_q_is_placing_q_in_the_mirror():
 
 
 def test_a_fixed_q_may_be_anywhere():
-    found = sw.design(CYCLE, free="p", q=(0.012, 0.002), samples=20)
-    for cell in found.chain.cells:
+    designed = sw.design(CYCLE, free="p", q=(0.012, 0.002), samples=20)
+    for cell in designed.chain.cells:
         assert isinstance(cell, sw.Cell)
         assert cell.bands[0].q == (0.012, 0.002)
         x, y = cell.bands[0].p
@@ -44,10 +44,10 @@ def test_a_fixed_q_may_be_anywhere():
 @pytest.mark.slow
 def test_both_anchors_are_mirror_images_and_no_other_choice_of_holes_is_surer():
     box = AnchorBox(0.0, 0.010, -0.005, 0.005)
-    found = sw.design(CYCLE, free="both", within=box, holes=HOLES, objective="worst", samples=20)
-    assert found.proved
-    assert found.robustness is not None
-    for cell in found.chain.cells:
+    designed = sw.design(CYCLE, free="both", within=box, holes=HOLES, objective="worst", samples=20)
+    assert designed.proved
+    assert designed.robustness is not None
+    for cell in designed.chain.cells:
         assert isinstance(cell, sw.Cell)
         (px, py), (qx, qy) = cell.bands[0].p, cell.bands[0].q
         assert (px, py) == (-qx, -qy)
@@ -62,7 +62,7 @@ def test_both_anchors_are_mirror_images_and_no_other_choice_of_holes_is_surer():
             surest = max(surest, chain.robustness().radius)
         except ValueError:
             continue
-    assert found.robustness.radius == pytest.approx(surest, rel=1e-6)
+    assert designed.robustness.radius == pytest.approx(surest, rel=1e-6)
 
 
 def test_what_is_free_is_told_where_nothing_does_it():
@@ -125,13 +125,13 @@ def test_a_straight_law_is_the_same_by_looking_as_in_closed_form():
 @pytest.mark.slow
 @pytest.mark.parametrize("holes", [None, HOLES])
 def test_measured_bands_are_placed_and_the_engine_decides(holes):
-    found = sw.design(THREE, bands=[BandType.of(rubber(), 0.04)], holes=holes, samples=20)
-    assert found.chain.cycle().sequence == THREE
-    assert not found.proved
-    assert "no proof" in found.assumptions
-    assert found.yield_.by_engine == 20
-    assert found.yield_.tolerances.stiffness == 0.04
-    for cell in found.chain.cells:
+    designed = sw.design(THREE, bands=[BandType.of(rubber(), 0.04)], holes=holes, samples=20)
+    assert designed.chain.cycle().sequence == THREE
+    assert not designed.proved
+    assert "no proof" in designed.assumptions
+    assert designed.yield_.by_engine == 20
+    assert designed.yield_.tolerances.stiffness == 0.04
+    for cell in designed.chain.cells:
         assert isinstance(cell, sw.Cell)
         assert cell.bands[0].law == rubber().law
 

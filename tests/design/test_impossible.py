@@ -40,10 +40,10 @@ def cell(band: BandType, q: tuple[float, float]) -> sw.Cell | None:
 def sequence(cells: Sequence[sw.Cell]) -> str:
     """What a choice does; "" where the engine has no answer, or a tie."""
     try:
-        found = sw.Chain(cells).cycle()
+        cycle = sw.Chain(cells).cycle()
     except StaticsError:
         return ""
-    return "" if found.degenerate else str(found.sequence)
+    return "" if cycle.degenerate else str(cycle.sequence)
 
 
 def answer(*wanted: str, **how) -> Design | Impossible:
@@ -101,12 +101,12 @@ def test_holes_where_the_band_is_not_proved_concave_are_tried_too():
 )
 def test_nothing_that_is_called_impossible_and_proved_has_a_witness(cells, cases):
     rng = np.random.default_rng(cells)
-    proved = found = tried = 0
+    proved = designed = tried = 0
     for _ in range(cases):
         box, pitch, band, wanted = random_case(rng, cells)
         ways = [c for q in lattice(box, pitch).tolist() if (c := cell(band, tuple(q)))]
         # All choices, labels included: nothing here knows of symmetry or of end forces. Equal cells
-        # cannot be told apart, so they do not go one after the other.
+        # are degenerate, so they do not load one after the other.
         numbers = permutations(range(len(ways)), cells)
         doing = [c for c in numbers if sequence(tuple(ways[k] for k in c)) == wanted]
         made = answer(wanted, within=box, holes=pitch, bands=(band,))
@@ -115,10 +115,10 @@ def test_nothing_that_is_called_impossible_and_proved_has_a_witness(cells, cases
             tried += "were run by the engine" in str(made)
             assert not (made.proved and doing), (box, pitch, band, wanted, doing)
         else:
-            found += 1
+            designed += 1
             assert doing
             assert sequence(made.chain.levers) == wanted
-    assert proved > 0 and found > 0 and tried > 0
+    assert proved > 0 and designed > 0 and tried > 0
 
 
 @pytest.mark.slow

@@ -52,9 +52,9 @@ def paper_cell(x: float, y: float) -> sw.Cell:
 
 def refuses_nothing(made: Design, wanted: str) -> None:
     """The engine, asked anew, finds the wanted sequence without a tie."""
-    found = made.chain.cycle()
-    assert str(found.sequence) == made.sequence == wanted
-    assert not found.degenerate
+    cycle = made.chain.cycle()
+    assert str(cycle.sequence) == made.sequence == wanted
+    assert not cycle.degenerate
 
 
 # Found and verified ---------------------------------------------------------------------------
@@ -201,10 +201,12 @@ def test_the_worst_case_between_two_candidates_is_the_robustness_of_such_a_pair(
         sure = [max(gaps[end, a, b], gaps[end, b, a]) for end in (0, 1)]
         if min(sure) == -math.inf:
             continue
-        found = robustness(pair)
-        ended += found.limit == "proof"
+        result = robustness(pair)
+        ended += result.limit == "proof"
         # What is proved of a disc stops a little short of its edge.
-        assert found.radius == pytest.approx(min(sure), rel=0.1 if found.cell is not None else 1e-5)
+        assert result.radius == pytest.approx(
+            min(sure), rel=0.1 if result.cell is not None else 1e-5
+        )
     assert ended > 10
 
 
@@ -224,15 +226,15 @@ def test_first_order_deviations_are_those_of_mechanisms_made_at_random():
     kind = candidates.Kind(PAPER_BAND, PAPER_LEVER, math.pi / 4)
     q = np.array([(0.010, 0.0), (0.003, 0.008), (0.018, -0.012)])
     rule = candidates.Rule((-0.010, 0.0), (kind,), tolerances, math.inf, False, PAPER_BOX)
-    found = rule.everything(PAPER_BOX, q)
+    nominal = rule.everything(PAPER_BOX, q)
     chain = sw.Chain([paper_cell(*place) for place in q.tolist()])
     n = examples(1500, full=4000)
     made = yields(chain, tolerances, samples=n).end_forces(n)
-    np.testing.assert_allclose(found.down, np.std(made, axis=0), rtol=0.06)
-    np.testing.assert_array_equal(found.up, found.down)
+    np.testing.assert_allclose(nominal.down, np.std(made, axis=0), rtol=0.06)
+    np.testing.assert_array_equal(nominal.up, nominal.down)
     # Friction raises all F0 alike, and lowers all F1.
     mean = np.mean(made, axis=0) - np.array([0.005, -0.005])
-    np.testing.assert_allclose(found.force, mean, atol=0.003)
+    np.testing.assert_allclose(nominal.force, mean, atol=0.003)
 
 
 # Holes: found or proved impossible ------------------------------------------------------------
@@ -364,21 +366,21 @@ def test_the_complete_search_is_as_good_as_trying_everything(gap, some, loading,
         return float(sum(gaps)) if add else float(min(gaps))
 
     best = max(worth(picks) for picks in product(range(5), repeat=3))
-    found = holes.best_choice(gap, allowed, orders, add=add)
-    assert found.complete
-    assert found.value == pytest.approx(best, abs=1e-9)
-    assert (len(found.picks) > 0) == (best > -math.inf)
-    if len(found.picks):
-        assert worth(tuple(found.picks.tolist())) == pytest.approx(best, abs=1e-9)
+    choice = holes.best_choice(gap, allowed, orders, add=add)
+    assert choice.complete
+    assert choice.value == pytest.approx(best, abs=1e-9)
+    assert (len(choice.picks) > 0) == (best > -math.inf)
+    if len(choice.picks):
+        assert worth(tuple(choice.picks.tolist())) == pytest.approx(best, abs=1e-9)
 
 
 def test_a_search_that_gave_up_proves_nothing():
     rng = np.random.default_rng(0)
     gap = rng.uniform(0, 1, (2, 12, 12))
     orders = Orders((0, 1, 2, 3, 4), (2, 0, 4, 1, 3))
-    found = holes.best_choice(gap, np.ones((5, 12), bool), orders, add=True, most_nodes=7)
-    assert not found.complete
-    assert found.nodes == 7
+    choice = holes.best_choice(gap, np.ones((5, 12), bool), orders, add=True, most_nodes=7)
+    assert not choice.complete
+    assert choice.nodes == 7
 
 
 # Sets of states -------------------------------------------------------------------------------
@@ -549,8 +551,8 @@ def test_each_cell_may_have_its_own_region():
 
 def test_holes_on_the_edge_of_a_polygon_count_and_are_counted_from_its_lower_left():
     triangle = AnchorPolygon(((0.001, 0.002), (0.004, 0.002), (0.001, 0.005)))
-    found = np.round(lattice(triangle, 0.001) * 1e3, 6).tolist()
-    assert found == [
+    places = np.round(lattice(triangle, 0.001) * 1e3, 6).tolist()
+    assert places == [
         [1, 2], [2, 2], [3, 2], [4, 2], [1, 3], [2, 3], [3, 3], [1, 4], [2, 4], [1, 5],
     ]  # fmt: skip
     assert len(lattice(PAPER_BOX, 0.005)) == 35
@@ -664,7 +666,7 @@ def test_if_the_engine_disagrees_nothing_is_sold_as_a_design(monkeypatch):
     assert len(refusal.value.region) == 1
 
 
-# What is told ---------------------------------------------------------------------------------
+# Texts ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow

@@ -111,7 +111,7 @@ def in_closed_form(chain: sw.Chain) -> xr.Dataset | None:
 
 def first_snaps(cycle: sw.Cycle) -> list[float]:
     strokes = ([s.stroke for s in cycle.snaps if s.direction == way] for way in (1, -1))
-    return [found[0] if found else math.nan for found in strokes]
+    return [way[0] if way else math.nan for way in strokes]
 
 
 @pytest.mark.slow
@@ -124,22 +124,22 @@ def test_concave_cells_do_in_closed_form_what_the_engine_follows():
             unequal = {"lever": rng.uniform(0.010, 0.020), "limit": rng.uniform(0.3, 1.0)}
             cells[rng.integers(2)] = replace(cells[rng.integers(2)], **unequal)
         chain = sw.Chain(tuple(cells))
-        cycle, found = chain.cycle(), in_closed_form(chain)
-        if found is None:
+        cycle, outcome = chain.cycle(), in_closed_form(chain)
+        if outcome is None:
             # The proof fails, or a cell is pushed through its whole travel in the snap.
             left += 1
             continue
-        words = found.sequence.attrs["flag_meanings"].split()
-        assert words[int(found.sequence)] == str(cycle.sequence)
+        words = outcome.sequence.attrs["flag_meanings"].split()
+        assert words[int(outcome.sequence)] == str(cycle.sequence)
         met.add(cycle.pathway)
         expected = first_snaps(cycle)
         tolerance = 1e-12 * chain.full_stroke
-        strokes = [float(found.snap_loading), float(found.snap_unloading)]
+        strokes = [float(outcome.snap_loading), float(outcome.snap_unloading)]
         assert strokes == pytest.approx(expected, abs=tolerance, nan_ok=True)
         gaps = [np.diff(np.sort([getattr(c, f"force_{k}") for c in cells])) for k in (0, 1)]
-        smallest = np.min(gaps) / found.margin.attrs["k_r_N"]
-        assert float(found.margin) == pytest.approx(smallest, abs=1e-12)
-        assert bool(found.monostable) is not cells[-1].is_bistable
+        smallest = np.min(gaps) / outcome.margin.attrs["k_r_N"]
+        assert float(outcome.margin) == pytest.approx(smallest, abs=1e-12)
+        assert bool(outcome.monostable) is not cells[-1].is_bistable
     assert met == {None, *MEANINGS.values()} - {sw.Pathway.OTHER}
     assert left > 0
 
@@ -151,10 +151,10 @@ def test_snap_strokes_agree_with_brute_force():
     while snapped < examples(3):
         cells = [concave_cell(rng), concave_cell(rng)]
         chain = sw.Chain(tuple(cells))
-        found = in_closed_form(chain)
-        if found is None or np.isnan(found.snap_loading) or np.isnan(found.snap_unloading):
+        outcomes = in_closed_form(chain)
+        if outcomes is None or np.isnan(outcomes.snap_loading) or np.isnan(outcomes.snap_unloading):
             continue
-        expected = [float(found.snap_loading), float(found.snap_unloading)]
+        expected = [float(outcomes.snap_loading), float(outcomes.snap_unloading)]
         full, steps = chain.full_stroke, 400
         # A snap smaller than a drive step is none to a follower with steps.
         if min(full - expected[0], expected[1]) < 4 * full / steps:
@@ -169,8 +169,8 @@ def test_snap_strokes_agree_with_brute_force():
             for c in cells
         ]
         run = follow(slow, [0.0, full, 0.0], steps=steps, snap_travel=2 * full / steps)
-        words = found.sequence.attrs["flag_meanings"].split()
-        assert run.sequence == words[int(found.sequence)]
+        words = outcomes.sequence.attrs["flag_meanings"].split()
+        assert run.sequence == words[int(outcomes.sequence)]
         assert [s.drive for s in run.snaps] == pytest.approx(expected, abs=2 * full / steps)
 
 

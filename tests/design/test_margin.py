@@ -135,15 +135,15 @@ def test_the_nearest_anchor_is_the_one_a_general_optimiser_finds():
                 return 10 * (getattr(moved, end) - wanted)
 
             for start in ((1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)):
-                found = minimize(
+                optimum = minimize(
                     lambda mm: float(mm @ mm),
                     np.array(start),
                     method="SLSQP",
                     constraints={"type": "eq", "fun": gap},
                     options={"ftol": 1e-14, "maxiter": 500},
                 )
-                if found.success and abs(gap(found.x)) < 1e-9:
-                    distances.append(math.sqrt(float(found.fun)) * 1e-3)
+                if optimum.success and abs(gap(optimum.x)) < 1e-9:
+                    distances.append(math.sqrt(float(optimum.fun)) * 1e-3)
         assert change.distance == pytest.approx(min(distances), rel=1e-5)
 
 
@@ -221,10 +221,10 @@ def test_where_the_proof_holds_a_search_finds_the_same_to_its_resolution():
     now = chain.cycle().sequence
     ways = Displacements.of(None, False, 0.020)
     for number in range(2):
-        found = nearest(Aim(chain, now, of_cell(chain, number, "q"), None), None, ways)
-        assert found.method == "search"
-        assert exact.anchors[number] - 1e-9 <= found.distance
-        assert found.distance <= exact.anchors[number] + 1.5e-7
+        change = nearest(Aim(chain, now, of_cell(chain, number, "q"), None), None, ways)
+        assert change.method == "search"
+        assert exact.anchors[number] - 1e-9 <= change.distance
+        assert change.distance <= exact.anchors[number] + 1.5e-7
         stiff = number_change(chain, None, now, number, "stiffness")
         assert stiff.distance == pytest.approx(exact.stiffness[number], abs=2e-6)
 

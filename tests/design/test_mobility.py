@@ -39,13 +39,13 @@ def test_a_landing_that_hangs_on_the_mobilities_takes_the_yield_away():
 @pytest.mark.slow
 def test_what_is_counted_is_right_and_all_its_landings_hold():
     chain = any_chain(np.random.default_rng(4), 3, friction=False)
-    found = chain.yields(sw.Tolerances(anchor=0.0005), samples=examples(6), robust=RATIO)
-    made = [found.mechanism(number).cycle() for number in range(found.samples)]
-    right = [one for one in made if str(one.sequence) == found.target and not one.degenerate]
+    result = chain.yields(sw.Tolerances(anchor=0.0005), samples=examples(6), robust=RATIO)
+    made = [result.mechanism(number).cycle() for number in range(result.samples)]
+    right = [one for one in made if str(one.sequence) == result.target and not one.degenerate]
     holding = [one for one in right if all(x.holds for x in one.path.landings(RATIO))]
-    assert found.successes == len(holding)
-    assert found.outcomes.get(BY_MOBILITY, 0) == len(right) - len(holding)
-    assert found.proved is not None and 0 <= found.proved <= found.successes
+    assert result.successes == len(holding)
+    assert result.outcomes.get(BY_MOBILITY, 0) == len(right) - len(holding)
+    assert result.proved is not None and 0 <= result.proved <= result.successes
 
 
 @pytest.mark.parametrize("stiffness", [math.inf, 300.0, 0.0])
@@ -56,15 +56,15 @@ def test_what_end_forces_tell_counts_as_proved_for_any_mobilities(stiffness):
     assert plain.by_engine == robust.by_engine == 0
     assert (robust.successes, robust.proved) == (plain.successes, plain.successes)
     assert dict(robust.outcomes) == dict(plain.outcomes)
-    # And it is: drawn mobilities change nothing that the closed form told.
+    # And it is: random mobilities change nothing in the closed form.
     drawn = chain.yields(sw.Tolerances(0.0003, 0.05, mobility=1000.0), samples=2000)
     assert drawn.successes == plain.successes
     for number in range(examples(5)):
         assert found_by_engine(drawn, number) == found_by_engine(plain, number)
 
 
-def found_by_engine(found: Yield, number: int) -> str:
-    return str(found.mechanism(number).cycle().sequence)
+def found_by_engine(counted: Yield, number: int) -> str:
+    return str(counted.mechanism(number).cycle().sequence)
 
 
 def test_states_are_wanted_with_landings_that_hold():
@@ -111,9 +111,9 @@ def test_a_mechanism_by_number_is_the_one_that_was_counted():
 
 @pytest.mark.slow
 def test_unknown_dampers_lower_the_yield_by_as_much_as_they_decide():
-    found = RACE.yields(replace(NARROW, mobility=10.0), samples=60)
-    assert 0.5 < found.share < 1.0
-    assert BY_MOBILITY not in found.outcomes
+    result = RACE.yields(replace(NARROW, mobility=10.0), samples=60)
+    assert 0.5 < result.share < 1.0
+    assert BY_MOBILITY not in result.outcomes
 
 
 @pytest.mark.parametrize("ratio", [0.9, 0.0, -2.0, math.inf, math.nan])

@@ -29,11 +29,11 @@ def test_beyond_several_lines_the_nearest_one_is_found():
     for _ in range(examples(60)):
         normal = directions(rng, 4)
         away = REACH * rng.uniform(0.001, 0.99, 4)
-        found = nearest_found(
+        place = nearest_found(
             lambda u, n=normal, a=away: bool(np.any(n @ u > a)), PLANE, REACH, False
         )
-        assert found is not None
-        assert 0 <= np.linalg.norm(found) - away.min() < CLOSE
+        assert place is not None
+        assert 0 <= np.linalg.norm(place) - away.min() < CLOSE
 
 
 @pytest.mark.slow
@@ -45,11 +45,11 @@ def test_in_the_corner_between_two_lines_the_tip_is_found():
         middle, side = math.atan2(tip[1], tip[0]), rng.uniform(0.9, 1.4, 2)
         turns = middle + side[0] - math.pi / 2, middle - side[1] + math.pi / 2
         normal = np.array([(math.cos(t), math.sin(t)) for t in turns])
-        found = nearest_found(
+        place = nearest_found(
             lambda u, n=normal, t=tip: bool(np.all(n @ (u - t) > 0)), PLANE, REACH, True
         )
-        assert found is not None
-        assert 0 <= np.linalg.norm(found) - np.linalg.norm(tip) < 1e-3 * np.linalg.norm(tip)
+        assert place is not None
+        assert 0 <= np.linalg.norm(place) - np.linalg.norm(tip) < 1e-3 * np.linalg.norm(tip)
 
 
 @pytest.mark.slow
@@ -63,18 +63,18 @@ def test_of_two_islands_the_nearer_is_found_and_none_farther_than_asked():
         def does(u: np.ndarray, middle=middle, radius=radius) -> bool:
             return bool(np.any(np.linalg.norm(u - middle, axis=1) < radius))
 
-        found = nearest_found(does, PLANE, REACH, True)
-        assert found is not None
-        assert 0 <= np.linalg.norm(found) - nearest < CLOSE
+        place = nearest_found(does, PLANE, REACH, True)
+        assert place is not None
+        assert 0 <= np.linalg.norm(place) - nearest < CLOSE
         assert nearest_found(does, PLANE, 0.99 * nearest, True) is None
 
 
 @pytest.mark.parametrize("one_way", [False, True])
 def test_on_a_line_the_first_place_is_found_in_either_sense(one_way):
     line = Displacements.of((1.0, 2.0), one_way, REACH)
-    found = nearest_found(lambda u: u[0] < -0.003 or u[0] > 0.0051, line, REACH, True)
-    assert found is not None
-    assert found[0] == pytest.approx(0.0051 if one_way else -0.003, abs=CLOSE)
+    place = nearest_found(lambda u: u[0] < -0.003 or u[0] > 0.0051, line, REACH, True)
+    assert place is not None
+    assert place[0] == pytest.approx(0.0051 if one_way else -0.003, abs=CLOSE)
 
 
 def rubbing(rng: np.random.Generator) -> sw.Chain:

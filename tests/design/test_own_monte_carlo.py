@@ -33,18 +33,18 @@ def made_at_random(made: Design, n: int, rng: np.random.Generator) -> np.ndarray
     """(n, N, 4) d_x, d_y, k, ℓ0 of mechanisms within the tolerances of a design."""
     t, cells = made.yield_.tolerances, made.chain.levers
     bands = np.array([(*c.bands[0].d, c.bands[0].stiffness, c.bands[0].rest_length) for c in cells])
-    found = np.tile(bands, (n, 1, 1))
+    samples = np.tile(bands, (n, 1, 1))
     for _ in range(2):  # p and q, each anywhere in its disc
         away = t.anchor * np.sqrt(rng.random((n, len(cells))))
         angle = rng.uniform(0, 2 * math.pi, (n, len(cells)))
-        found[..., 0] += away * np.cos(angle)
-        found[..., 1] += away * np.sin(angle)
+        samples[..., 0] += away * np.cos(angle)
+        samples[..., 1] += away * np.sin(angle)
     for column, spread in ((2, t.stiffness), (3, t.rest_length)):
         normal = rng.standard_normal((n, len(cells)))
         while np.any(np.abs(normal) > 4):
             normal = np.where(np.abs(normal) > 4, rng.standard_normal(normal.shape), normal)
-        found[..., column] *= 1 + spread * normal
-    return found
+        samples[..., column] *= 1 + spread * normal
+    return samples
 
 
 def sorted_sequence(bands: np.ndarray) -> str:

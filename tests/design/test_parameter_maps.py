@@ -47,9 +47,9 @@ def some(curve: Boundary, count: int) -> list[int]:
     return inside[np.linspace(0, len(inside) - 1, min(count, len(inside))).astype(int)].tolist()
 
 
-def orders(found: tuple[Boundary, ...]) -> tuple[Boundary, ...]:
+def orders(curves: tuple[Boundary, ...]) -> tuple[Boundary, ...]:
     """Without the limits of bistability."""
-    return tuple(b for b in found if b.kind is not BoundaryKind.BISTABLE)
+    return tuple(b for b in curves if b.kind is not BoundaryKind.BISTABLE)
 
 
 def beside(curve: Boundary, i: int, spans: np.ndarray, away: float) -> list[np.ndarray]:
@@ -81,8 +81,8 @@ def test_over_an_anchor_of_a_pair_it_is_the_transition_map(chain, moving):
     for row in range(9):
         for column in range(9):
             word = words[codes.index(int(known.pathway[row, column]))]
-            told = meaning(data, row, column)
-            assert told == four[word] if word in four else told not in four.values()
+            sequence = meaning(data, row, column)
+            assert sequence == four[word] if word in four else sequence not in four.values()
     for way in ("loading", "unloading"):
         snaps = np.isfinite(known[f"snap_{way}"])
         assert np.array_equal(data[f"snaps_{way}"] > 0, snaps)
@@ -114,11 +114,11 @@ def test_every_node_does_what_the_engine_says(case):
         raise
     for row in range(3):
         for column in range(3):
-            told = meaning(data, row, column)
-            if told in ("impossible", "unsolved"):
+            sequence = meaning(data, row, column)
+            if sequence in ("impossible", "unsolved"):
                 continue
             result = design(chain, names, (float(x[column]), float(y[row]))).cycle()
-            assert told == str(result.sequence)
+            assert sequence == str(result.sequence)
             snaps = int(data.snaps_loading[row, column]), int(data.snaps_unloading[row, column])
             assert snaps == snapping_steps(result)
             assert bool(data.degenerate[row, column]) == bool(result.degenerate)
@@ -190,9 +190,9 @@ def test_on_the_two_sides_of_a_curve_the_chain_does_the_two_sequences(chain):
     names = (f"{chain.names[-1]}.q.x", f"{chain.names[0]}.stiffness")
     x, y = (0.0, 0.020), (15.0, 60.0)
     spans = np.array([np.ptp(x), np.ptp(y)])
-    found = orders(parameter_boundaries(chain, (names[0], x), (names[1], y), search=31))
-    assert found
-    for curve in found:
+    curves = orders(parameter_boundaries(chain, (names[0], x), (names[1], y), search=31))
+    assert curves
+    for curve in curves:
         assert curve.method == "exact"
         for i in some(curve, examples(4)):
             sides = {
@@ -205,12 +205,12 @@ def test_on_the_two_sides_of_a_curve_the_chain_does_the_two_sequences(chain):
 @pytest.mark.slow
 def test_an_exact_curve_is_where_two_forces_are_equal_to_rounding():
     names = ("inner.stiffness", "outer.q.x")
-    found = orders(
+    curves = orders(
         parameter_boundaries(TILTED, (names[0], (15.0, 60.0)), (names[1], (0.0, 0.020)), search=31)
     )
-    kinds = {curve.kind for curve in found}
+    kinds = {curve.kind for curve in curves}
     assert kinds == {BoundaryKind.LOADING_ORDER, BoundaryKind.UNLOADING_ORDER}
-    for curve in found:
+    for curve in curves:
         end = "force_0" if curve.kind is BoundaryKind.LOADING_ORDER else "force_1"
         for point in curve.points:
             inner, outer = design(TILTED, names, tuple(point)).levers
@@ -222,10 +222,10 @@ def test_without_tilt_both_orders_change_on_one_straight_line_of_stiffnesses():
     # F = k × (a length): the sequence depends on the ratio of the two k.
     inner, outer = PAPER.levers
     ratio = outer.force_0 / inner.force_0
-    found = parameter_boundaries(
+    curves = parameter_boundaries(
         PAPER, ("inner.stiffness", (20.0, 80.0)), ("outer.stiffness", (10.0, 40.0)), search=21
     )
-    (curve,) = found
+    (curve,) = curves
     assert curve.kind is BoundaryKind.PATHWAY
     says(curve.changes, "inner and outer", "loading and unloading")
     assert set(curve.sequences) == {"00>10>11>01>00", "00>01>11>10>00"}
@@ -236,10 +236,10 @@ def test_without_tilt_both_orders_change_on_one_straight_line_of_stiffnesses():
 def test_friction_moves_the_curves_by_its_force_exactly():
     # A cell leaves 0 at F0 + f and leaves 1 at F1 - f.
     names = ("outer.q.x", "inner.friction")
-    found = orders(
+    curves = orders(
         parameter_boundaries(TILTED, (names[0], (0.0, 0.020)), (names[1], (0.01, 0.15)), search=15)
     )
-    kinds = {curve.kind: curve for curve in found}
+    kinds = {curve.kind: curve for curve in curves}
     assert set(kinds) == {BoundaryKind.LOADING_ORDER, BoundaryKind.UNLOADING_ORDER}
     for kind, curve in kinds.items():
         assert curve.method == "search"
@@ -265,14 +265,14 @@ def test_a_softer_actuator_keeps_the_sequence_and_snaps_more():
     assert np.all(data.snaps_loading[0] == 2)
     assert np.all(data.snaps_loading[-1] < 2)
     nodes = np.geomspace(3.0, 3000.0, 9)
-    found = parameter_boundaries(
+    curves = parameter_boundaries(
         TILTED, ("outer.q.x", (0.001, 0.020)), ("actuator_stiffness", nodes), search=9
     )
-    assert [curve.kind for curve in found] == [
+    assert [curve.kind for curve in curves] == [
         BoundaryKind.LOADING_ORDER,
         BoundaryKind.UNLOADING_ORDER,
     ]
-    for curve in found:
+    for curve in curves:
         assert curve.method == "search"
         assert np.ptp(curve.points[:, 0]) < 1e-9
         # The grid keeps the spacing of the values.
@@ -282,9 +282,9 @@ def test_a_softer_actuator_keeps_the_sequence_and_snaps_more():
 def test_wherever_neighbours_on_a_map_differ_a_curve_passes_between():
     x, y = np.linspace(0.002, 0.012, 21), np.linspace(0.0, 0.020, 21)
     data = parameter_map(THREE, ("1.rest_length", x), ("3.q.x", y))
-    found = parameter_boundaries(THREE, ("1.rest_length", x), ("3.q.x", y), search=21)
-    assert {curve.parameters for curve in found} == {("cell 1.rest_length", "cell 3.q.x")}
-    points = np.concatenate([curve.points for curve in found])
+    curves = parameter_boundaries(THREE, ("1.rest_length", x), ("3.q.x", y), search=21)
+    assert {curve.parameters for curve in curves} == {("cell 1.rest_length", "cell 3.q.x")}
+    points = np.concatenate([curve.points for curve in curves])
     step = np.array([x[1] - x[0], y[1] - y[0]])
     code = data.sequence.values
     for row, column in np.argwhere(code[:, 1:] != code[:, :-1]):
@@ -298,13 +298,13 @@ def test_wherever_neighbours_on_a_map_differ_a_curve_passes_between():
 @pytest.mark.slow
 def test_a_long_chain_names_the_cells_that_change_places():
     chain = concave_chain(np.random.default_rng(8), 6)
-    found = parameter_boundaries(
+    curves = parameter_boundaries(
         chain, ("3.q.x", (0.0, 0.020)), ("3.q.y", (-0.010, 0.010)), search=31
     )
-    named = [curve.changes for curve in found]
+    named = [curve.changes for curve in curves]
     assert any("cell 3" in text and "change places while" in text for text in named)
     assert all(">" not in text for text in named)
-    assert all(">" in side for curve in found for side in curve.sequences)
+    assert all(">" in side for curve in curves for side in curve.sequences)
 
 
 def test_progress_counts_the_designs_of_the_engine():
@@ -319,12 +319,12 @@ def test_progress_counts_the_designs_of_the_engine():
 
 
 def test_a_curve_prints_what_changes_and_how_it_was_found():
-    found = parameter_boundaries(
+    curves = parameter_boundaries(
         PAPER, ("outer.q.x", (0.005, 0.015)), ("outer.stiffness", (20.0, 40.0)), search=9
     )
-    assert found[0].error < 1e-14
-    assert f"exact, within {found[0].error:.1g} of the axes" in repr(found[0])
-    assert "change places" in repr(found[0])
+    assert curves[0].error < 1e-14
+    assert f"exact, within {curves[0].error:.1g} of the axes" in repr(curves[0])
+    assert "change places" in repr(curves[0])
 
 
 @pytest.mark.parametrize(

@@ -47,15 +47,15 @@ def somewhere(rng: np.random.Generator, most: float) -> tuple[float, float]:
 def tasks(seed: int, count: int) -> list[tuple[sw.Chain, str, str, float]]:
     """Chains, an anchor, a target that some displacement reaches, and how long that one is."""
     rng = np.random.default_rng(seed)
-    found: list[tuple[sw.Chain, str, str, float]] = []
-    while len(found) < count:
+    chosen: list[tuple[sw.Chain, str, str, float]] = []
+    while len(chosen) < count:
         chain = concave_chain(rng, int(rng.integers(2, 5)))
         by = f"{1 + rng.integers(len(chain))}.{rng.choice(['p', 'q'])}"
         move = somewhere(rng, REACH)
         target = does(chain, by, move)
         if target != str(chain.cycle().sequence):
-            found.append((chain, by, target, math.hypot(*move)))
-    return found
+            chosen.append((chain, by, target, math.hypot(*move)))
+    return chosen
 
 
 @pytest.mark.slow

@@ -56,10 +56,10 @@ def by_brute_force(x: tuple[float, ...]) -> float:
     [((0.01, 9.82, 19.97), 4.071), ((0.0, 20 / 3, 40 / 3, 20.0), 2.664), ((0.0, 12.0), 4.960)],
 )
 def test_the_radius_is_that_of_dense_sampling(x, known):
-    found = robustness(row(*x))
-    assert found.limit == "order"
-    assert found.radius * 1e3 == pytest.approx(by_brute_force(x), abs=2e-5)
-    assert found.radius * 1e3 == pytest.approx(known, abs=6e-4)
+    result = robustness(row(*x))
+    assert result.limit == "order"
+    assert result.radius * 1e3 == pytest.approx(by_brute_force(x), abs=2e-5)
+    assert result.radius * 1e3 == pytest.approx(known, abs=6e-4)
 
 
 def moved(chain: sw.Chain, moves: np.ndarray) -> sw.Chain:
@@ -73,11 +73,11 @@ def test_no_displacement_of_all_anchors_within_the_radius_changes_the_sequence()
     rng = np.random.default_rng(0)
     for _ in range(examples(5)):
         chain = concave_chain(rng, int(rng.integers(2, 5)))
-        found = robustness(chain)
+        result = robustness(chain)
         now = chain.cycle().sequence
         for _ in range(30):
             angle = rng.uniform(0, 2 * np.pi, len(chain))
-            out = 0.999 * found.radius * np.column_stack([np.cos(angle), np.sin(angle)])
+            out = 0.999 * result.radius * np.column_stack([np.cos(angle), np.sin(angle)])
             assert moved(chain, out).cycle().sequence == now
 
 
@@ -87,14 +87,14 @@ def test_past_the_radius_the_two_that_meet_change_places():
     met = 0
     for _ in range(examples(12)):
         chain = concave_chain(rng, int(rng.integers(2, 5)))
-        found = robustness(chain)
-        if found.meeting is None:
+        result = robustness(chain)
+        if result.meeting is None:
             continue
         met += 1
-        meeting = found.meeting
+        meeting = result.meeting
         moves = np.zeros((len(chain), 2))
         moves[[meeting.first, meeting.second]] = meeting.moves
-        np.testing.assert_allclose(np.linalg.norm(moves, axis=1).max(), found.radius, rtol=1e-9)
+        np.testing.assert_allclose(np.linalg.norm(moves, axis=1).max(), result.radius, rtol=1e-9)
         before, after = (moved(chain, k * moves).cycle() for k in (0.9999, 1.0001))
         assert before.sequence == chain.cycle().sequence != after.sequence
         orders = [getattr(c, f"{meeting.way}_order") for c in (before, after)]
@@ -116,25 +116,25 @@ def test_all_at_once_is_less_than_one_at_a_time():
 
 def test_where_the_proof_of_a_cell_ends_the_radius_does_and_says_so():
     wide = sw.Chain([sw.Cell(sw.Band((-0.010, 0.0), (x, y))) for x, y in ((0, 0.0148), (0.02, 0))])
-    found = robustness(wide)
-    assert (found.limit, found.cell, found.meeting) == ("proof", 0, None)
+    result = robustness(wide)
+    assert (result.limit, result.cell, result.meeting) == ("proof", 0, None)
     d = 0.010, 0.0148
     cell = Simple(*d, 28.5, 0.010, R, math.sin(LIMIT))
-    assert concave_disc(cell, found.radius)
-    assert not concave_disc(cell, 1.01 * found.radius)
-    says(str(found), "beyond", "inner", "not proved")
+    assert concave_disc(cell, result.radius)
+    assert not concave_disc(cell, 1.01 * result.radius)
+    says(str(result), "beyond", "inner", "not proved")
 
 
 def test_a_single_cell_has_no_order_to_lose():
-    found = robustness(row(20.0))
-    assert found.meeting is None
-    assert found.limit in ("proof", "none")
+    result = robustness(row(20.0))
+    assert result.meeting is None
+    assert result.limit in ("proof", "none")
 
 
 def test_two_equal_cells_may_be_off_by_nothing():
-    found = robustness(row(5.0, 5.0))
-    assert found.radius == 0.0
-    assert found.limit == "order"
+    result = robustness(row(5.0, 5.0))
+    assert result.radius == 0.0
+    assert result.limit == "order"
 
 
 @pytest.mark.parametrize(
@@ -166,10 +166,10 @@ def test_end_forces_on_a_disc_are_extreme_where_they_were_followed_to():
             t, c = side * math.sin(LIMIT), math.cos(LIMIT)
             length = np.hypot(R * c + disc[..., 0], R * t + disc[..., 1])
             force = 28.5 * (1 - 0.010 / length) * (disc[..., 1] - disc[..., 0] * t / c)
-            found, x, y = farthest(cell, side, d, radius, sign)[0].tolist()
+            extreme, x, y = farthest(cell, side, d, radius, sign)[0].tolist()
             assert math.hypot(x, y) == pytest.approx(radius, rel=1e-12)
-            assert sign * found >= np.max(sign * force) - 1e-12
-            assert sign * found <= np.max(sign * force) + 1e-5
+            assert sign * extreme >= np.max(sign * force) - 1e-12
+            assert sign * extreme <= np.max(sign * force) + 1e-5
 
 
 def test_the_room_of_a_proof_is_the_radius_of_its_disc():
@@ -193,8 +193,8 @@ def test_the_room_of_a_proof_is_the_radius_of_its_disc():
 
 
 def test_a_printed_robustness_names_the_cells_that_meet():
-    found = robustness(row(0.0, 9.0, 19.0))
-    assert isinstance(found, Robustness)
-    text = str(found)
-    says(text, "all anchors", f"{found.radius * 1e3:.4g} mm", "cell ", " and cell ")
-    assert repr(found) == f"Robustness({text})"
+    result = robustness(row(0.0, 9.0, 19.0))
+    assert isinstance(result, Robustness)
+    text = str(result)
+    says(text, "all anchors", f"{result.radius * 1e3:.4g} mm", "cell ", " and cell ")
+    assert repr(result) == f"Robustness({text})"

@@ -106,9 +106,9 @@ def test_the_yield_is_the_share_of_mechanisms_with_exactly_that_set():
 
 def test_a_chain_that_reaches_more_is_no_success_and_the_outcome_says_what():
     chain, exact = crossed(), Tolerances()
-    found = yields(chain, exact, samples=3, target=WANTED)
-    assert found.share == 0.0
-    assert dict(found.outcomes) == {"also reaches 011": 3}
+    result = yields(chain, exact, samples=3, target=WANTED)
+    assert result.share == 0.0
+    assert dict(result.outcomes) == {"also reaches 011": 3}
     assert yields(chain, exact, samples=3, target=[*WANTED, "011"]).share == 1.0
     lacking = yields(chain, exact, samples=3, target=[*WANTED, "011", "010"])
     assert dict(lacking.outcomes) == {"does not reach 010": 3}
@@ -122,9 +122,9 @@ def test_the_independent_follower_reaches_nothing_else():
     for cells in (2, 3):
         for _ in range(examples(1, full=40)):
             chain = concave_chain(rng, cells)
-            found = reached(chain)
-            assert found.whole
-            assert by_random_strokes(chain, rng, 30) <= set(found.states)
+            states = reached(chain)
+            assert states.whole
+            assert by_random_strokes(chain, rng, 30) <= set(states.states)
 
 
 @pytest.mark.slow
@@ -147,7 +147,7 @@ def test_all_states_are_told_by_orders_alone_only_where_that_is_proved():
 
 @pytest.mark.slow
 def test_what_cannot_be_searched_whole_says_so():
-    def told(made: Design) -> str:
+    def assumptions(made: Design) -> str:
         return str(made) + made.reached.how + made.assumptions
 
     nine = ["1" * k + "0" * (9 - k) for k in range(10)]
@@ -155,7 +155,7 @@ def test_what_cannot_be_searched_whole_says_so():
     assert not long.reached.whole
     assert set(long.states) == set(nine)
     says(str(long), "surely")
-    assert "8 cells" in told(long)
+    assert "8 cells" in assumptions(long)
     assert long.yield_.states is None and long.yield_.target == long.sequence
     says(long.assumptions, "yield", "cycle")
     rubbing = design(states=WANTED, tolerances=Tolerances(anchor=0.0003, friction=0.01), samples=20)
@@ -184,7 +184,7 @@ def ideals(up: Iterable[float], down: Iterable[float]) -> set[str]:
     """States in which every cell at 1 has those at 1 that come before and go after it."""
     up, down = list(up), list(down)
     n = len(up)
-    found = set()
+    states = set()
     for number in range(2**n):
         state = f"{number:0{n}b}"
         if all(
@@ -193,8 +193,8 @@ def ideals(up: Iterable[float], down: Iterable[float]) -> set[str]:
             for j in range(n)
             if state[j] == "1" and up[i] < up[j] and down[i] < down[j]
         ):
-            found.add(state)
-    return found
+            states.add(state)
+    return states
 
 
 @pytest.mark.slow
@@ -214,9 +214,9 @@ def test_concave_chains_reach_their_ideals_at_least():
 def test_under_a_force_what_long_chains_reach_is_known_whole(cells):
     chain = concave_chain(np.random.default_rng(cells), cells)
     forced = sw.Chain(chain.cells, actuator_stiffness=0.0)
-    found = reached(forced)
-    assert found.whole
-    assert found.count == forced.implicit_graph().reached_count
+    states = reached(forced)
+    assert states.whole
+    assert states.count == forced.implicit_graph().reached_count
     if cells == 9:
         listed = forced.graph()
-        assert set(found.states) == listed.reachable()
+        assert set(states.states) == listed.reachable()

@@ -63,8 +63,8 @@ def test_a_question_without_sense_is_refused(given, words):
 
 
 def test_progress_ends_at_the_number_of_mechanisms():
-    told = []
+    calls = []
     survival(
-        LEG, PROGRAM, "01", Tolerances(), start="10", samples=2, progress=lambda *a: told.append(a)
+        LEG, PROGRAM, "01", Tolerances(), start="10", samples=2, progress=lambda *a: calls.append(a)
     )
-    assert told[-1] == (2, 2) and math.isclose(told[0][0], 0)
+    assert calls[-1] == (2, 2) and math.isclose(calls[0][0], 0)

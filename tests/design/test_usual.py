@@ -27,9 +27,9 @@ ODD = sw.Chain([sw.Cell(cell.band, unusual=True) for cell in LEG.cells])
 
 
 def test_a_yield_without_tolerances_takes_the_usual_ones_everywhere():
-    found = [LEG.yields(samples=300), yields(LEG, samples=300), yields(LEG, USUAL, samples=300)]
-    assert {one.tolerances for one in found} == {sw.Tolerances(anchor=0.0003, stiffness=0.05)}
-    assert len({one.share for one in found}) == 1
+    results = [LEG.yields(samples=300), yields(LEG, samples=300), yields(LEG, USUAL, samples=300)]
+    assert {one.tolerances for one in results} == {sw.Tolerances(anchor=0.0003, stiffness=0.05)}
+    assert len({one.share for one in results}) == 1
     assert survival(LEG, (0.0, 0.04), "11", samples=3).tolerances == USUAL
     assert design("00>10>11>01>00", samples=10).yield_.tolerances.anchor == USUAL.anchor
 
@@ -50,9 +50,9 @@ def test_few_are_made_where_the_engine_follows_each():
 
 def test_a_yield_without_friction_says_so():
     f = min(abs(force) for cell in LEG.cells for force in (cell.force_0, cell.force_1))
-    told = f"without any friction, beside forces F0 and F1 of {f * 1e3:.3g} mN and more"
-    assert told in LEG.yields(samples=10).assumptions
-    assert told in survival(LEG, (0.0, 0.04), "11", samples=1).assumptions
+    note = f"without any friction, beside forces F0 and F1 of {f * 1e3:.3g} mN and more"
+    assert note in LEG.yields(samples=10).assumptions
+    assert note in survival(LEG, (0.0, 0.04), "11", samples=1).assumptions
     rubbing = sw.Tolerances(friction=0.01)
     assert "without any friction" not in LEG.yields(rubbing, samples=10).assumptions
     assert (
@@ -153,11 +153,11 @@ def test_a_mechanism_of_any_ordinary_size_is_asked_all_questions_without_a_word(
     chain = sw.Chain([sw.Cell(band, lever=PAPER_LEVER * scale) for band in bands])
     axis = np.linspace(-0.02, 0.02, 3) * scale
     loose = sw.Tolerances(anchor=0.003 * scale, stiffness=0.2, friction=0.01)
-    found = chain.yields(loose, samples=50)
+    result = chain.yields(loose, samples=50)
     transition_map(chain, x=axis, y=axis)
     parameter_map(chain, ("1.stiffness", [0.1, 1e4]), ("2.rest_length", [0.0, 0.02 * scale]))
     assert chain.margin().reach == reprogram(chain, None, "1.p").reach == 0.020
     assert str(chain.cycle().sequence) == "00>10>11>01>00"
     for number in range(10):
-        made = found.mechanism(number)
+        made = result.mechanism(number)
         assert loads(dumps(made)).subject == made

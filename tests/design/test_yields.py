@@ -36,9 +36,9 @@ def judged(draws: Draws, n: int):
     """Verdicts and the cycles they stand for, of the first n mechanisms."""
     judge = DrawJudge.of(draws.chain, draws.spread, np.tile(np.arange(len(draws.chain)), (2, 1)))
     assert judge is not None
-    found = [judge(piece) for piece in draws.chunks(n)]
-    verdict = np.concatenate([f.verdict for f in found])
-    does = np.concatenate([f.does for f in found])
+    verdicts = [judge(piece) for piece in draws.chunks(n)]
+    verdict = np.concatenate([f.verdict for f in verdicts])
+    does = np.concatenate([f.does for f in verdicts])
     return verdict, [numbered_cycle(int(d), len(draws.chain)) for d in does]
 
 
@@ -108,24 +108,24 @@ def test_one_yield_whether_the_closed_form_counts_or_the_engine(seed):
 def test_the_share_is_that_of_the_engine_run_on_the_same_mechanisms(tolerances):
     rng = np.random.default_rng(2)
     for cells in (2, 3, 4):
-        found = yields(
+        result = yields(
             concave_chain(rng, cells), tolerances, samples=examples(80, full=4000), seed=5
         )
-        done = [str(found.mechanism(i).cycle().sequence) for i in range(found.samples)]
-        assert found.successes == done.count(found.target)
-        for sequence, times in found.outcomes.items():
+        done = [str(result.mechanism(i).cycle().sequence) for i in range(result.samples)]
+        assert result.successes == done.count(result.target)
+        for sequence, times in result.outcomes.items():
             assert done.count(sequence) == times
-        assert found.successes + sum(found.outcomes.values()) == found.samples
+        assert result.successes + sum(result.outcomes.values()) == result.samples
 
 
 def test_where_the_closed_form_is_not_proved_the_engine_decides():
     # Anchors that the tolerance brings to where the force no longer falls all the way.
     chain = sw.Chain((cell(-3, 4), cell(12)))
-    found = yields(chain, Tolerances(anchor=0.004), samples=60)
-    assert 0 < found.by_engine < found.samples
-    done = [str(found.mechanism(i).cycle().sequence) for i in range(found.samples)]
-    assert found.successes == done.count(found.target)
-    says(str(found), f"{found.by_engine} followed", "general engine")
+    result = yields(chain, Tolerances(anchor=0.004), samples=60)
+    assert 0 < result.by_engine < result.samples
+    done = [str(result.mechanism(i).cycle().sequence) for i in range(result.samples)]
+    assert result.successes == done.count(result.target)
+    says(str(result), f"{result.by_engine} followed", "general engine")
 
 
 @pytest.mark.slow
@@ -161,9 +161,9 @@ def test_an_independent_formula_finds_the_same_orders():
         proved = verdict != ASK
         assert np.mean(proved) > 0.5
         for i in np.flatnonzero(proved):
-            told = orders_of(does[i])
-            assert told is not None
-            assert told.tolist() == [loading[i].tolist(), unloading[i].tolist()]
+            orders = orders_of(does[i])
+            assert orders is not None
+            assert orders.tolist() == [loading[i].tolist(), unloading[i].tolist()]
 
 
 def test_cells_in_another_order_change_nothing_but_their_names():
@@ -197,11 +197,11 @@ def test_the_interval_covers_a_probability_known_on_paper():
     a, b = (c.force_0 for c in chain.levers)
     truth = norm.cdf((b - a) / (0.12 * math.hypot(a, b)))
     assert 0.8 < truth < 0.99
-    found = yields(chain, Tolerances(stiffness=0.12), samples=examples(200_000))
-    assert found.target == CLOCKWISE
-    low, high = found.interval
-    assert low < found.share < high and low < truth < high
-    assert list(found.outcomes) == ["00>01>11>10>00"]
+    result = yields(chain, Tolerances(stiffness=0.12), samples=examples(200_000))
+    assert result.target == CLOCKWISE
+    low, high = result.interval
+    assert low < result.share < high and low < truth < high
+    assert list(result.outcomes) == ["00>01>11>10>00"]
 
 
 @pytest.mark.slow
@@ -220,9 +220,9 @@ def test_nineteen_intervals_in_twenty_cover_it():
 def test_exact_parts_always_work():
     rng = np.random.default_rng(7)
     for cells in (1, 2, 3):
-        found = yields(concave_chain(rng, cells), Tolerances(), samples=1000)
-        assert found.share == 1.0 and not found.outcomes
-        assert found.interval[1] == 1.0 and 0.99 < found.interval[0] < 1.0
+        result = yields(concave_chain(rng, cells), Tolerances(), samples=1000)
+        assert result.share == 1.0 and not result.outcomes
+        assert result.interval[1] == 1.0 and 0.99 < result.interval[0] < 1.0
 
 
 def test_wider_tolerances_yield_less():
@@ -234,14 +234,14 @@ def test_wider_tolerances_yield_less():
 
 def test_two_equal_cells_do_either_thing():
     chain = sw.Chain((cell(10), cell(10)))
-    found = yields(chain, Tolerances(stiffness=0.05), samples=20_000, target=CLOCKWISE)
-    assert found.interval[0] < 0.5 < found.interval[1]
+    result = yields(chain, Tolerances(stiffness=0.05), samples=20_000, target=CLOCKWISE)
+    assert result.interval[0] < 0.5 < result.interval[1]
     says(yields(chain, Tolerances(stiffness=0.05), samples=10).assumptions, "drawing", "tie")
 
 
 def test_a_tie_is_no_success():
-    found = yields(sw.Chain((cell(10), cell(10))), Tolerances(), samples=100, target=CLOCKWISE)
-    assert found.successes == 0 and dict(found.outcomes) == {TIED: 100}
+    result = yields(sw.Chain((cell(10), cell(10))), Tolerances(), samples=100, target=CLOCKWISE)
+    assert result.successes == 0 and dict(result.outcomes) == {TIED: 100}
 
 
 # --- the same seed, the same mechanisms -------------------------------------------------------
@@ -261,8 +261,8 @@ def test_more_mechanisms_keep_the_first_ones_however_they_are_cut(monkeypatch):
     many = np.concatenate([piece.copy() for piece in draws.chunks(2000)])
     np.testing.assert_array_equal(few, many[:700])
     for number in (0, 1, 699, 1999):
-        made, told = draws.sample(number), draws.built(many[number])
-        assert made == told
+        made, rebuilt = draws.sample(number), draws.built(many[number])
+        assert made == rebuilt
 
 
 def test_a_part_keeps_its_numbers_whichever_tolerances_are_given():
@@ -309,12 +309,12 @@ def test_chains_without_a_closed_form_go_to_the_engine_whole():
         chain = any_chain(rng, 2)
         if DrawJudge.of(chain, np.zeros(5), np.zeros((2, 2), np.int64)) is not None:
             continue
-        found = yields(chain, replace(ALL, lever=0.0002), samples=12)
-        assert found.by_engine == 12 and found.critical is None
-        says(found.assumptions, "general engine", "all 12")
+        result = yields(chain, replace(ALL, lever=0.0002), samples=12)
+        assert result.by_engine == 12 and result.critical is None
+        says(result.assumptions, "general engine", "all 12")
         draws = Draws(chain, replace(ALL, lever=0.0002), 0)
         done = [*simulated_outcomes(draws, next(draws.chunks(12)))]
-        assert found.successes == done.count(found.target)
+        assert result.successes == done.count(result.target)
 
 
 def test_what_cannot_be_built_or_followed_is_a_failure_with_a_name():
@@ -322,8 +322,10 @@ def test_what_cannot_be_built_or_followed_is_a_failure_with_a_name():
     zigzag = tuple(0.01 * (i % 2) + 1e-4 * i for i in range(8000))
     extension = np.linspace(0, 0.04, len(zigzag)).tolist()
     rubber = sw.Band.from_table((-0.010, 0.0), (0.010, 0.0), 0.01, extension, zigzag)
-    found = yields(sw.Chain((sw.Cell(rubber), cell(20))), Tolerances(), samples=3, target=CLOCKWISE)
-    assert dict(found.outcomes) == {NO_ANSWER: 3}
+    result = yields(
+        sw.Chain((sw.Cell(rubber), cell(20))), Tolerances(), samples=3, target=CLOCKWISE
+    )
+    assert dict(result.outcomes) == {NO_ANSWER: 3}
     # A spring that may push, and whose ends meet if q is off by half a millimetre.
     spring = sw.Band((0.0, 0.0), (-LEVER - 0.0005, 0.0), rest_length=0.005, two_sided=True)
     draws = Draws(sw.Chain((sw.Cell(spring), cell(20))), Tolerances(anchor=0.001), 0)
@@ -336,36 +338,36 @@ def test_what_cannot_be_built_or_followed_is_a_failure_with_a_name():
 def test_chains_too_long_to_tell_orders_apart_still_count_successes():
     rng = np.random.default_rng(12)
     chain = concave_chain(rng, 12)
-    found = yields(chain, Tolerances(stiffness=0.001), samples=40)
-    done = [str(found.mechanism(i).cycle().sequence) for i in range(found.samples)]
-    assert found.successes == done.count(found.target)
-    assert sum(found.outcomes.values()) == found.samples - found.successes
-    assert len(repr(found)) < 400
+    result = yields(chain, Tolerances(stiffness=0.001), samples=40)
+    done = [str(result.mechanism(i).cycle().sequence) for i in range(result.samples)]
+    assert result.successes == done.count(result.target)
+    assert sum(result.outcomes.values()) == result.samples - result.successes
+    assert len(repr(result)) < 400
 
 
 def test_rare_outcomes_are_counted_as_one(monkeypatch):
     monkeypatch.setattr(tally, "_MOST_OUTCOMES", 3)
     chain = sw.Chain([cell(x) for x in (10, 10.2, 10.4, 10.6)])
-    found = yields(chain, Tolerances(stiffness=0.1), samples=500)
-    assert len(found.outcomes) == 4 and list(found.outcomes)[-1] == tally.ANOTHER
-    assert found.successes + sum(found.outcomes.values()) == 500
+    result = yields(chain, Tolerances(stiffness=0.1), samples=500)
+    assert len(result.outcomes) == 4 and list(result.outcomes)[-1] == tally.ANOTHER
+    assert result.successes + sum(result.outcomes.values()) == 500
 
 
 # --- what is wanted ---------------------------------------------------------------------------
 
 
 def test_a_sequence_that_the_drawing_does_not_do_may_be_wanted():
-    found = yields(leg(), Tolerances(anchor=0.0005), samples=500, target="00>01>11>10>00")
-    assert found.share == 0.0 and dict(found.outcomes) == {CLOCKWISE: 500}
-    assert found.critical is not None and found.critical.share == 1.0
+    result = yields(leg(), Tolerances(anchor=0.0005), samples=500, target="00>01>11>10>00")
+    assert result.share == 0.0 and dict(result.outcomes) == {CLOCKWISE: 500}
+    assert result.critical is not None and result.critical.share == 1.0
     with_spaces = yields(leg(), Tolerances(), samples=5, target="00 > 10 > 11 > 01 > 00")
     assert with_spaces.share == 1.0 and with_spaces.target == CLOCKWISE
 
 
 def test_two_cells_at_once_is_no_cycle_of_concave_cells():
-    found = yields(leg(), ALL, samples=500, target="00>11>00")
-    assert found.share == 0.0 and found.critical is None
-    assert CLOCKWISE in found.outcomes
+    result = yields(leg(), ALL, samples=500, target="00>11>00")
+    assert result.share == 0.0 and result.critical is None
+    assert CLOCKWISE in result.outcomes
 
 
 @pytest.mark.parametrize(
@@ -409,12 +411,12 @@ def test_what_cannot_be_meant_is_refused_with_advice(arguments, advice):
 @pytest.mark.slow
 def test_the_critical_pair_is_the_one_that_changes_places_most_often():
     chain = sw.Chain([cell(x) for x in (10, 14, 14.6, 19)])
-    found = yields(chain, Tolerances(stiffness=0.03), samples=examples(300, full=1000))
-    critical = found.critical
+    result = yields(chain, Tolerances(stiffness=0.03), samples=examples(300, full=1000))
+    critical = result.critical
     assert critical is not None
     assert {critical.first, critical.second} == {1, 2}
     # Straight bands: F1 = -F0, so loading and unloading go wrong together, by the same factor.
-    forces = found.end_forces(found.samples)
+    forces = result.end_forces(result.samples)
     assert critical.share == np.mean(forces[:, 1, 0] > forces[:, 2, 0])
     assert critical.names == ("cell 2", "cell 3") or critical.names == ("cell 3", "cell 2")
     says(str(critical), "cell ", "cell ", critical.way, "order", "%")
@@ -433,28 +435,28 @@ def test_where_nothing_fails_the_critical_pair_is_the_nearest():
 def test_sensitivities_of_two_stiffnesses_are_those_on_paper():
     # The gap of straight bands is k2 b - k1 a: additive, each share is its own variance.
     chain = leg()
-    found = yields(chain, Tolerances(stiffness=0.05), samples=10, sensitivity=True).sensitivities
-    assert found is not None
+    indices = yields(chain, Tolerances(stiffness=0.05), samples=10, sensitivity=True).sensitivities
+    assert indices is not None
     a, b = (c.force_0 for c in chain.levers)
     shares = np.array([a * a, b * b]) / (a * a + b * b)
-    assert found.parameters == ("inner.stiffness", "outer.stiffness")
-    np.testing.assert_allclose(found.first_order, shares, atol=0.01)
-    np.testing.assert_allclose(found.total, shares, atol=0.01)
-    assert found.deviation == pytest.approx(0.05 * math.hypot(a, b), rel=0.01)
+    assert indices.parameters == ("inner.stiffness", "outer.stiffness")
+    np.testing.assert_allclose(indices.first_order, shares, atol=0.01)
+    np.testing.assert_allclose(indices.total, shares, atol=0.01)
+    assert indices.deviation == pytest.approx(0.05 * math.hypot(a, b), rel=0.01)
 
 
 def test_sensitivities_share_out_the_variance_and_rank_the_obvious_first():
     chain = sw.Chain((cell(10), replace(cell(16), name="far")))
     tolerances = Tolerances(0.0001, stiffness=0.1, rest_length=0.001, lever=1e-6, friction=1e-4)
-    found = yields(chain, tolerances, samples=10, sensitivity=True).sensitivities
-    assert found is not None
-    assert len(found.parameters) == 10 and "far.d" in found.parameters
-    order = np.argsort(-found.total)
-    assert [found.parameters[i] for i in order[:2]] == ["far.stiffness", "inner.stiffness"]
-    assert np.all(found.first_order > -0.02) and np.all(found.total > -0.02)
-    assert 0.9 < found.first_order.sum() < 1.02 and found.total.sum() > 0.98
-    assert str(found).startswith("far.stiffness: 0.")
-    assert "and 4 more" in str(found)
+    indices = yields(chain, tolerances, samples=10, sensitivity=True).sensitivities
+    assert indices is not None
+    assert len(indices.parameters) == 10 and "far.d" in indices.parameters
+    order = np.argsort(-indices.total)
+    assert [indices.parameters[i] for i in order[:2]] == ["far.stiffness", "inner.stiffness"]
+    assert np.all(indices.first_order > -0.02) and np.all(indices.total > -0.02)
+    assert 0.9 < indices.first_order.sum() < 1.02 and indices.total.sum() > 0.98
+    assert str(indices).startswith("far.stiffness: 0.")
+    assert "and 4 more" in str(indices)
 
 
 def test_sensitivities_do_not_depend_on_how_often_a_mechanism_is_made():
@@ -484,8 +486,8 @@ def test_a_single_cell_has_no_gap_to_vary():
 
 def test_cells_of_one_name_are_told_apart_by_number():
     chain = sw.Chain([replace(cell(x), name="leg") for x in (10, 14)])
-    found = yields(chain, Tolerances(lever=1e-4), samples=5, sensitivity=True).sensitivities
-    assert found is not None and found.parameters == ("1.lever", "2.lever")
+    indices = yields(chain, Tolerances(lever=1e-4), samples=5, sensitivity=True).sensitivities
+    assert indices is not None and indices.parameters == ("1.lever", "2.lever")
 
 
 # --- the result -------------------------------------------------------------------------------
@@ -496,11 +498,11 @@ def full_result() -> Yield:
 
 
 def test_a_result_reads_like_a_sentence():
-    found = full_result()
-    text = str(found)
+    result = full_result()
+    text = str(result)
     says(text, "400 mechanisms", CLOCKWISE, "95 % confidence")
     says(text, "critical: ", "variance", "assumed: ")
-    assert repr(found).startswith(f"Yield({CLOCKWISE}: ")
+    assert repr(result).startswith(f"Yield({CLOCKWISE}: ")
     assert "100 %" in str(yields(leg(), Tolerances(), samples=5))
     # Rounding must not turn nearly certain into certain.
     nearly = yields(leg(), Tolerances(stiffness=0.06), samples=20_000)
@@ -510,29 +512,29 @@ def test_a_result_reads_like_a_sentence():
 
 @pytest.mark.slow
 def test_a_result_can_be_kept(tmp_path):
-    found = full_result()
-    found.to_csv(tmp_path / "yield.csv")
+    result = full_result()
+    result.to_csv(tmp_path / "yield.csv")
     lines = (tmp_path / "yield.csv").read_text().splitlines()
     assert lines[0] == "outcome,count,share_1"
-    assert lines[1].startswith(f"{CLOCKWISE},{found.successes},")
-    data = found.to_xarray()
+    assert lines[1].startswith(f"{CLOCKWISE},{result.successes},")
+    data = result.to_xarray()
     assert int(data["count"].sum()) == 400
     assert str(data.outcome.values[0]) == CLOCKWISE
-    assert found.sensitivities is not None
-    assert tuple(data.parameter.values) == found.sensitivities.parameters
-    assert data.attrs["share"] == found.share
+    assert result.sensitivities is not None
+    assert tuple(data.parameter.values) == result.sensitivities.parameters
+    assert data.attrs["share"] == result.share
     data.to_netcdf(tmp_path / "yield.nc", engine="scipy")
 
 
 @pytest.mark.slow
 def test_clouds_are_the_forces_at_which_cells_let_go():
-    found = full_result()
-    cloud = found.end_forces(20)
+    result = full_result()
+    cloud = result.end_forces(20)
     assert cloud.shape == (20, 2, 2)
     for i in (0, 7, 19):
-        for c, (up, down) in zip(found.mechanism(i).levers, cloud[i], strict=True):
+        for c, (up, down) in zip(result.mechanism(i).levers, cloud[i], strict=True):
             assert (up, down) == (c.force_0 + c.friction, c.force_1 - c.friction)
-    assert found.end_forces(10_000).shape == (400, 2, 2)
+    assert result.end_forces(10_000).shape == (400, 2, 2)
 
 
 def test_only_mechanisms_that_were_made_can_be_looked_at():
@@ -562,17 +564,17 @@ def test_progress_rises_to_all():
     ],
 )
 def test_a_cycle_that_one_stroke_cannot_make_says_so_and_what_to_ask(wanted, words):
-    found = yields(leg(), Tolerances(anchor=0.0003), samples=50, target=wanted)
-    assert found.share == 0.0
-    says(found.advice, "one stroke", "cannot")
-    assert words in found.advice and found.advice in str(found)
-    assert "stepwell program" in found.advice
+    result = yields(leg(), Tolerances(anchor=0.0003), samples=50, target=wanted)
+    assert result.share == 0.0
+    says(result.advice, "one stroke", "cannot")
+    assert words in result.advice and result.advice in str(result)
+    assert "stepwell program" in result.advice
 
 
 def test_any_other_cycle_that_none_makes_comes_with_one_that_the_drawing_makes():
-    found = yields(leg(), Tolerances(anchor=0.0003), samples=50, target="00>01>11>10>00")
-    says(found.advice, "such as", CLOCKWISE, "drawing")
-    assert "cannot" not in found.advice
+    result = yields(leg(), Tolerances(anchor=0.0003), samples=50, target="00>01>11>10>00")
+    says(result.advice, "such as", CLOCKWISE, "drawing")
+    assert "cannot" not in result.advice
     assert yields(leg(), Tolerances(anchor=0.0003), samples=50).advice == ""
 
 
@@ -580,9 +582,9 @@ def test_cells_that_move_together_are_not_told_that_they_cannot():
     rising = sw.Cell(sw.Band((0.0, 0.0), (-0.009, 0.012), 30.0, 0.0))
     stiffer = sw.Cell(sw.Band((0.0, 0.0), (-0.009, 0.012), 31.0, 0.0))
     pair = sw.Chain((rising, stiffer))
-    found = yields(pair, Tolerances(anchor=0.0002), samples=5, target=CLOCKWISE)
-    assert found.by_engine == 5
-    assert "cells of falling force" not in found.advice
+    result = yields(pair, Tolerances(anchor=0.0002), samples=5, target=CLOCKWISE)
+    assert result.by_engine == 5
+    assert "cells of falling force" not in result.advice
 
 
 def tables(rest: float = 0.010) -> sw.Chain:
@@ -599,17 +601,17 @@ def tables(rest: float = 0.010) -> sw.Chain:
 def test_sensitivities_of_cells_with_a_table_are_those_of_the_law_that_it_holds(monkeypatch):
     monkeypatch.setattr(sensitivity, "_POWER_BUILT", examples(9, full=10))
     tolerances = Tolerances(anchor=0.002, stiffness=0.05, rest_length=0.02)
-    found = yields(tables(), tolerances, samples=20, sensitivity=True).sensitivities
+    indices = yields(tables(), tolerances, samples=20, sensitivity=True).sensitivities
     closed = yields(leg(), tolerances, samples=20, sensitivity=True).sensitivities
-    assert found is not None and closed is not None
-    assert found.parameters == closed.parameters
-    assert (found.points, closed.points) == (2 ** examples(9, full=10), 4096)
-    np.testing.assert_allclose(found.first_order, closed.first_order, atol=0.06)
-    np.testing.assert_allclose(found.total, closed.total, atol=0.06)
-    assert found.deviation == pytest.approx(closed.deviation, rel=0.05)
+    assert indices is not None and closed is not None
+    assert indices.parameters == closed.parameters
+    assert (indices.points, closed.points) == (2 ** examples(9, full=10), 4096)
+    np.testing.assert_allclose(indices.first_order, closed.first_order, atol=0.06)
+    np.testing.assert_allclose(indices.total, closed.total, atol=0.06)
+    assert indices.deviation == pytest.approx(closed.deviation, rel=0.05)
     assert closed.agreed is None
-    assert found.agreed == 1.0
-    says(str(found), "gap", "engine", "100.0 %")
+    assert indices.agreed == 1.0
+    says(str(indices), "gap", "engine", "100.0 %")
 
 
 @pytest.mark.slow
@@ -617,8 +619,8 @@ def test_parts_of_several_bands_in_a_cell_are_one_part(monkeypatch):
     monkeypatch.setattr(sensitivity, "_POWER_BUILT", examples(7, full=10))
     two = sw.Cell((*cell(10).bands, *cell(12).bands))
     chain = sw.Chain((two, cell(18)), 100.0)
-    found = yields(chain, Tolerances(stiffness=0.05), samples=5, sensitivity=True).sensitivities
-    assert found is not None
-    assert found.parameters == ("inner.stiffness", "outer.stiffness")
-    assert np.all(found.total > 0.05)
-    assert found.first_order.sum() == pytest.approx(1.0, abs=0.1)
+    indices = yields(chain, Tolerances(stiffness=0.05), samples=5, sensitivity=True).sensitivities
+    assert indices is not None
+    assert indices.parameters == ("inner.stiffness", "outer.stiffness")
+    assert np.all(indices.total > 0.05)
+    assert indices.first_order.sum() == pytest.approx(1.0, abs=0.1)

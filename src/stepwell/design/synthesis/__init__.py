@@ -1,1 +1,1 @@
-"""Chains designed for a wish, or the proof or the search that found none."""
+"""Inverse design: chains that reach a target, or the proof that there are none."""
