@@ -160,7 +160,7 @@ def test_a_program_is_checked_by_where_it_ends():
 def test_what_the_drawing_does_not_do_it_wont():
     result = check(sw.load("preset:paper-forward"), "00>01>11>10>00", samples=100)
     assert result.verdict is Verdict.WONT and result.critical_change is None
-    says(result.reason, "drawing", "00>10>11>01>00")
+    says(result.reason, "nominal", "00>10>11>01>00")
 
 
 def test_a_program_of_another_chain_and_no_cycle_are_refused():

@@ -208,7 +208,7 @@ def test_a_program_survives_where_elements_end_in_their_phases():
     assert exact.share == 1.0
     loose = chain.survival(program.turning_points, "01", sw.Tolerances(stiffness=0.2), samples=40)
     assert 0.0 < loose.share < 1.0
-    says(loose.assumptions, "all forces", "element", "alike")
+    says(loose.assumptions, "all forces", "element", "normal")
 
 
 def just_short(change: Change, by: float) -> sw.Chain:
@@ -440,7 +440,7 @@ def test_what_makes_no_sense_for_elements_is_refused():
         sw.design("00>10>11>01>00", elements=[SNAP], holes=0.005)
     with refuses(ValueError, "force_scale = (2.0, 1.0)", "(least, largest)"):
         sw.design("00>10>11>01>00", elements=[SNAP], force_scale=(2.0, 1.0))
-    with refuses(ValueError, "sequence or states", "design(", "states="):
+    with refuses(ValueError, "sequence", "states", "design(", "order="):
         sw.design(elements=[SNAP])
     with pytest.raises(ValueError, match="phase by phase"):
         sw.design("00>11>01>00", elements=[SNAP])

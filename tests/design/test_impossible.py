@@ -156,7 +156,7 @@ def test_what_is_left_out_is_not_called_proved(monkeypatch):
 
     box = AnchorBox(0.0, 0.010, -0.010, 0.010)
     monkeypatch.setattr(remaining, "_THROUGH_A_CYCLE", 6)
-    with refuses(Impossible, "2 of 371 choices") as refusal:
+    with refuses(Impossible, "2 of 371 remaining candidates") as refusal:
         design(ISSUE, within=box, holes=0.005, bands=(LONG,), samples=1)
     assert not refusal.value.proved
     says(str(refusal.value), f"{ISSUE}: not found", "anchors q", "5 mm apart")

@@ -1,6 +1,7 @@
 """A design is a promise: it does what was wanted, from what was allowed, and none is better."""
 
 import math
+import re
 from collections.abc import Callable, Iterable
 from itertools import combinations, islice, pairwise, permutations, product
 
@@ -14,7 +15,7 @@ from facts import refuses, says
 from sizes import SIZE, cases, examples
 from stepwell import sequences
 from stepwell.design.margins.robustness import robustness
-from stepwell.design.orders import Orders, of_states
+from stepwell.design.orders import Orders, checked_cycle, of_states
 from stepwell.design.synthesis import attempt, candidates, holes, placement
 from stepwell.design.synthesis.designed import Design, Impossible
 from stepwell.design.synthesis.inverse import PAPER_LEVER, USUAL, design
@@ -465,10 +466,10 @@ def test_all_orders_of_a_set_of_states_are_tried():
 @pytest.mark.parametrize(
     ("states", "reason"),
     [
-        (["10", "11"], "00 is not among the wanted states"),
-        (["00", "10"], "11 is not among the wanted states"),
-        (["000", "100", "010", "111"], "010 and 100 are wanted, so 110"),
-        (["000", "110", "011", "111"], "011 and 110 are wanted, so 010"),
+        (["10", "11"], "00 is not among the target states"),
+        (["00", "10"], "11 is not among the target states"),
+        (["000", "100", "010", "111"], "010 and 100 also reaches 110"),
+        (["000", "110", "011", "111"], "011 and 110 also reaches 010"),
         (["000", "110", "111"], "cells 1 and 2 are in the same state"),
     ],
 )
@@ -690,7 +691,7 @@ def test_a_design_tells_what_was_searched_and_what_it_stands_on():
     made = design(NESTED, samples=FEW)
     assert "local optimum" in made.method
     assert not made.proved
-    assert "concave" in made.assumptions and "engine" in made.assumptions
+    assert "concave" in made.assumptions and "simulation" in made.assumptions
     assert repr(made).startswith(f"Design({NESTED}: q (")
     assert made.critical is made.yield_.critical
     text = str(made)
@@ -699,6 +700,40 @@ def test_a_design_tells_what_was_searched_and_what_it_stands_on():
     says(text, "all anchors", f"{made.robustness.radius * 1e3:.4g} mm")
     assert all(f"{name}: q (" in text for name in made.chain.names)
     assert made.chain.title == f"Designed for {NESTED}"
+
+
+# Orders as targets ----------------------------------------------------------------------------
+
+
+def test_a_target_may_be_two_orders_by_number_or_name():
+    full = design(order="2-1/1-2", samples=FEW)
+    assert full.sequence == "00>01>11>01>00"
+    assert design("outer-inner/inner-outer", samples=1).sequence == full.sequence
+    for target in ("2-1/1-2", "outer-inner/inner-outer"):
+        assert full.chain.yields(samples=FEW, target=target).target == full.sequence
+        assert sw.check(full.chain, target, samples=FEW).meets_target
+
+
+def test_a_loading_order_leaves_unloading_free():
+    made = design(order=[2, 1], samples=FEW)
+    assert made.loading == (1, 0)
+    with refuses(ValueError, "2-1", "00>01>11", "2-1/2-1"):
+        made.chain.yields(samples=FEW, target="2-1")
+
+
+@pytest.mark.parametrize("target", ["2>1>3", "2-1-3", "2, 1, 3", "2 1 3"])
+def test_an_order_that_is_no_sequence_is_refused_with_its_states(target):
+    with refuses(ValueError, "2-1-3", "000>010>110>111") as refusal:
+        checked_cycle(target, "111")
+    # The advice holds: both forms that the message gives are accepted.
+    states, orders = re.findall(r"'([^']+)'", str(refusal.value))[-2:]
+    assert checked_cycle(states, "111") == checked_cycle(orders, "111") == states
+
+
+@pytest.mark.parametrize("order", [[2, 2], [1], "3-1", []])
+def test_what_is_no_order_is_refused(order):
+    with refuses(ValueError, "order", "[2, 1, 3]"):
+        design(order=order)
 
 
 def test_drawn_anchors_are_whole_micrometres():
@@ -722,17 +757,17 @@ def test_progress_never_goes_back_and_arrives():
 @pytest.mark.parametrize(
     ("how", "words"),
     [
-        ({}, "say what is wanted"),
-        ({"sequence": NESTED, "states": ["0", "1"]}, "say what is wanted"),
+        ({}, "give one target"),
+        ({"sequence": NESTED, "states": ["0", "1"]}, "give one target"),
         ({"sequence": "00>10>11>01"}, "begins and ends with all cells at 0"),
-        ({"sequence": "00>10>00"}, "passes the state with all at 1"),
+        ({"sequence": "00>10>00"}, "includes the state with all at 1"),
         ({"sequence": "00>1>11>01>00"}, "must be 2 characters 0 or 1"),
-        ({"sequence": "00>10>01>11>01>00"}, "one cell at a time"),
-        ({"sequence": "000>110>111>011>001>000"}, "one cell at a time"),
+        ({"sequence": "00>10>01>11>01>00"}, "one at a time"),
+        ({"sequence": "000>110>111>011>001>000"}, "one at a time"),
         ({"sequence": ""}, "must be"),
         ({"states": "some"}, 'must be "all" or a list'),
-        ({"states": "all"}, "say how many cells"),
-        ({"states": ["00", "1"]}, "as long as each other"),
+        ({"states": "all"}, "give the number"),
+        ({"states": ["00", "1"]}, "all of one length"),
         ({"states": []}, "must be states of 0 and 1"),
         ({"states": ["00", "10", "11"], "cells": 3}, "leave `cells` out"),
         ({"sequence": NESTED, "within": ()}, "must be an AnchorBox or an AnchorPolygon"),

@@ -331,7 +331,7 @@ def test_a_curve_prints_what_changes_and_how_it_was_found():
     ("x", "y", "words"),
     [
         (("inner.q.x", [0.0, 0.1]), ("1.q.x", [0.0, 0.1]), "are both 'inner.q.x'"),
-        (("inner.q", [0.0, 1.0]), ("outer.q.x", [0.0, 1.0]), "is a place, not a number"),
+        (("inner.q", [0.0, 1.0]), ("outer.q.x", [0.0, 1.0]), "is a point, not a number"),
         (("inner.stiffness", [-1.0, 1.0]), ("outer.q.x", [0.0, 1.0]), "must be > 0"),
         (("inner.limit", [0.5, 2.0]), ("outer.q.x", [0.0, 1.0]), "0.01° to 89.9°"),
         (("inner.stifness", [1.0, 2.0]), ("outer.q.x", [0.0, 1.0]), "Did you mean"),

@@ -165,7 +165,7 @@ def test_two_cells_of_one_name_are_told_apart_by_number():
         ("inner.stiffness", "stiff", r"must be a number \[N/m\]"),
         ("inner.friction", math.nan, r"must be a number \[N\]"),
         ("inner.limit", 1.6, "0.01° to 89.9°"),
-        ("inner.q", 0.010, r"must be a place \(x, y\)"),
+        ("inner.q", 0.010, r"must be a point \(x, y\)"),
         ("inner.q.x", math.inf, "must be finite"),
         ("actuator_stiffness", -1.0, "must be from 1e-6"),
     ],
@@ -188,7 +188,7 @@ def test_the_actuators_stiffness_may_be_infinite():
         ("inner.stiffness", [[1.0, 2.0]], r"shape \(1, 2\)"),
         ("inner.stiffness", [20.0, math.inf], r"\[N/m\]"),
         ("inner.stiffness", [20.0, 20.0], "must rise"),
-        ("inner.q", [0.0, 0.010], "take inner.q.x or inner.q.y"),
+        ("inner.q", [0.0, 0.010], "use inner.q.x or inner.q.y"),
     ],
 )
 def test_values_of_an_axis_rise_and_are_finite(name, values, words):

@@ -385,7 +385,7 @@ def test_what_is_no_anchor_is_refused(by):
         ({"along": (0.0, 0.0)}, "must be a direction"),
         ({"along": (1.0, 0.0, 0.0)}, "must be a direction"),
         ({"along": (math.nan, 0.0)}, "must be a direction"),
-        ({"one_way": True}, "give the direction as well"),
+        ({"one_way": True}, "needs a direction"),
         ({"reach": 0.0}, "must be > 0"),
         ({"reach": math.inf}, "must be > 0"),
     ],

@@ -112,7 +112,7 @@ def test_a_chain_that_reaches_more_is_no_success_and_the_outcome_says_what():
     assert yields(chain, exact, samples=3, target=[*WANTED, "011"]).share == 1.0
     lacking = yields(chain, exact, samples=3, target=[*WANTED, "011", "010"])
     assert dict(lacking.outcomes) == {"does not reach 010": 3}
-    assert "the drawing reaches 000 100 001 110 101 011 111" in lacking.advice
+    assert "the nominal design reaches 000 100 001 110 101 011 111" in lacking.advice
 
 
 @pytest.mark.slow
@@ -172,7 +172,7 @@ def test_what_cannot_be_searched_whole_says_so():
         (crossed(), Tolerances(friction=0.1), WANTED, "with friction"),
         (crossed(), Tolerances(), ["00", "11"], "3 characters 0 or 1"),
         (crossed(), Tolerances(), [], "3 characters 0 or 1"),
-        (sw.Chain([*crossed().cells] * 3), Tolerances(), ["0" * 9, "1" * 9], "more than 8 cells"),
+        (sw.Chain([*crossed().cells] * 3), Tolerances(), ["0" * 9, "1" * 9], "up to 8 cells only"),
     ],
 )
 def test_states_that_cannot_be_counted_are_refused(chain, tolerances, wanted, words):

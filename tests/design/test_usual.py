@@ -50,15 +50,12 @@ def test_few_are_made_where_the_engine_follows_each():
 
 def test_a_yield_without_friction_says_so():
     f = min(abs(force) for cell in LEG.cells for force in (cell.force_0, cell.force_1))
-    note = f"without any friction, beside forces F0 and F1 of {f * 1e3:.3g} mN and more"
+    note = f"no friction (smallest critical force {f * 1e3:.3g} mN"
     assert note in LEG.yields(samples=10).assumptions
     assert note in survival(LEG, (0.0, 0.04), "11", samples=1).assumptions
     rubbing = sw.Tolerances(friction=0.01)
-    assert "without any friction" not in LEG.yields(rubbing, samples=10).assumptions
-    assert (
-        "without any friction"
-        not in survival(LEG, (0.0, 0.04), "11", rubbing, samples=1).assumptions
-    )
+    assert "no friction" not in LEG.yields(rubbing, samples=10).assumptions
+    assert "no friction" not in survival(LEG, (0.0, 0.04), "11", rubbing, samples=1).assumptions
 
 
 def across(chain: sw.Chain) -> object:

@@ -125,7 +125,7 @@ def test_where_the_closed_form_is_not_proved_the_engine_decides():
     assert 0 < result.by_engine < result.samples
     done = [str(result.mechanism(i).cycle().sequence) for i in range(result.samples)]
     assert result.successes == done.count(result.target)
-    says(str(result), f"{result.by_engine} followed", "general engine")
+    says(str(result), f"{result.by_engine} by simulation")
 
 
 @pytest.mark.slow
@@ -236,7 +236,7 @@ def test_two_equal_cells_do_either_thing():
     chain = sw.Chain((cell(10), cell(10)))
     result = yields(chain, Tolerances(stiffness=0.05), samples=20_000, target=CLOCKWISE)
     assert result.interval[0] < 0.5 < result.interval[1]
-    says(yields(chain, Tolerances(stiffness=0.05), samples=10).assumptions, "drawing", "tie")
+    says(yields(chain, Tolerances(stiffness=0.05), samples=10).assumptions, "nominal", "tie")
 
 
 def test_a_tie_is_no_success():
@@ -311,7 +311,7 @@ def test_chains_without_a_closed_form_go_to_the_engine_whole():
             continue
         result = yields(chain, replace(ALL, lever=0.0002), samples=12)
         assert result.by_engine == 12 and result.critical is None
-        says(result.assumptions, "general engine", "all 12")
+        says(result.assumptions, "simulated", "all 12")
         draws = Draws(chain, replace(ALL, lever=0.0002), 0)
         done = [*simulated_outcomes(draws, next(draws.chunks(12)))]
         assert result.successes == done.count(result.target)
@@ -378,7 +378,7 @@ def test_two_cells_at_once_is_no_cycle_of_concave_cells():
         ("00>1x>11>01>00", "'1x' must be"),
         ("", "2 characters 0 or 1"),
         ("00>10>11", "begins and ends with all cells at 0"),
-        ("00>10>00", "passes the state with all at 1"),
+        ("00>10>00", "includes the state with all at 1"),
         ("00>10>10>11>01>00", "twice in a row"),
     ],
 )
@@ -396,7 +396,7 @@ def test_a_sequence_that_is_no_full_cycle_is_refused_with_an_example(wanted, adv
         ({"seed": -1}, "seed = -1"),
         ({"tolerances": 0.05}, "must be Tolerances, for example"),
         ({"tolerances": Tolerances(lever=0.02)}, "must be smaller than the shortest lever"),
-        ({"sensitivity": True, "target": "00>11>00"}, "not every step moves one cell"),
+        ({"sensitivity": True, "target": "00>11>00"}, "changes one cell per step"),
     ],
 )
 def test_what_cannot_be_meant_is_refused_with_advice(arguments, advice):
@@ -500,7 +500,7 @@ def full_result() -> Yield:
 def test_a_result_reads_like_a_sentence():
     result = full_result()
     text = str(result)
-    says(text, "400 mechanisms", CLOCKWISE, "95 % confidence")
+    says(text, "400 samples", CLOCKWISE, "95 % confidence")
     says(text, "critical: ", "variance", "assumed: ")
     assert repr(result).startswith(f"Yield({CLOCKWISE}: ")
     assert "100 %" in str(yields(leg(), Tolerances(), samples=5))
@@ -566,14 +566,14 @@ def test_progress_rises_to_all():
 def test_a_cycle_that_one_stroke_cannot_make_says_so_and_what_to_ask(wanted, words):
     result = yields(leg(), Tolerances(anchor=0.0003), samples=50, target=wanted)
     assert result.share == 0.0
-    says(result.advice, "one stroke", "cannot")
+    says(result.advice, "one full cycle", "cannot")
     assert words in result.advice and result.advice in str(result)
     assert "stepwell program" in result.advice
 
 
 def test_any_other_cycle_that_none_makes_comes_with_one_that_the_drawing_makes():
     result = yields(leg(), Tolerances(anchor=0.0003), samples=50, target="00>01>11>10>00")
-    says(result.advice, "such as", CLOCKWISE, "drawing")
+    says(result.advice, "such as", CLOCKWISE, "nominal")
     assert "cannot" not in result.advice
     assert yields(leg(), Tolerances(anchor=0.0003), samples=50).advice == ""
 

@@ -333,7 +333,7 @@ def _checked(
     verdict = verdict_of(meets_target=meets_target, tied=tied, interval=counted.interval)
     low, high = map(base.percent, counted.interval)
     if not meets_target:
-        reason = f"the nominal design does not reach the target; its sequence is {short(does)}"
+        reason = f"the nominal design does not reach the target: it gives {short(does)}"
     elif verdict is Verdict.WORKS:
         reason = f"the nominal design reaches the target; yield ≥ {low} (95 % confidence)"
     elif verdict is Verdict.WONT:

@@ -332,7 +332,7 @@ class Outcomes:
     def label(
         self, values: Floats, progress: Progress = None, result: Outcome | None = None
     ) -> Codes:
-        """Numbers for (m, 2) values, by the engine where the closed form gives no `outcome`."""
+        """Numbers for (m, 2) values, by the engine where the closed form gives no `result`."""
         number = (result or self.closed_form(values)).sequence.copy()
         waiting = np.flatnonzero(number == UNSOLVED)
         number[waiting], cycles = self._simulated(values[waiting], progress)

@@ -140,7 +140,7 @@ class Parameter(ByValue):
             )
         if np.any(np.diff(array) <= 0):
             raise InputError(
-                f"values of {name} must increase [{self.unit}]: sort them and remove repeats."
+                f"values of {name} must rise [{self.unit}]: sort them and remove repeats."
             )
         return array
 
