@@ -311,7 +311,7 @@ def test_chains_without_a_closed_form_go_to_the_engine_whole():
             continue
         result = yields(chain, replace(ALL, lever=0.0002), samples=12)
         assert result.by_engine == 12 and result.critical is None
-        says(result.assumptions, "simulated", "all 12")
+        says(result.assumptions, "all 12", "simulated")
         draws = Draws(chain, replace(ALL, lever=0.0002), 0)
         done = [*simulated_outcomes(draws, next(draws.chunks(12)))]
         assert result.successes == done.count(result.target)
@@ -501,7 +501,7 @@ def test_a_result_reads_like_a_sentence():
     result = full_result()
     text = str(result)
     says(text, "400 samples", CLOCKWISE, "95 % confidence")
-    says(text, "critical: ", "variance", "assumed: ")
+    says(text, "critical: ", "variance", "independent parameters: ")
     assert repr(result).startswith(f"Yield({CLOCKWISE}: ")
     assert "100 %" in str(yields(leg(), Tolerances(), samples=5))
     # Rounding must not turn nearly certain into certain.

@@ -127,7 +127,7 @@ class AnchorPolygon(ByValue):
             raise InputError(f"corners = {corners} m: lie on a line; must enclose an area.")
         if any(a == b for a, b in zip(corners, corners[1:] + corners[:1], strict=True)):
             raise InputError(
-                f"corners = {corners} m: each must differ from the next one: leave out the repeated one."
+                f"corners = {corners} m: neighbours must differ: leave out the repeated one."
             )
         object.__setattr__(self, "corners", corners)
 

@@ -317,8 +317,8 @@ def zero_yield_reason(chain: Chain, target: str, concave: bool) -> str:
     for (a, b), flips in zip(pairwise(states), Sequence.parse(target).flips, strict=True):
         if concave and len(flips) > 1:
             return (
-                f"one full cycle cannot give the target: {a}>{b} changes {len(flips)} cells at "
-                f"once, but cells with falling force change one at a time. Write every step, "
+                f"one full cycle cannot give the target: {a}>{b} moves {len(flips)} cells at "
+                f"once, but cells with falling force move one at a time. Write every step, "
                 f"{_alternative(chain)}. For a program that ends in {b} see "
                 f"`stepwell program --target {b}`"
             )
