@@ -52,7 +52,7 @@ def test_every_form_has_verdict_yield_critical_change_and_actuator_force(works):
     assert found.record["verdict"] == "works"
     force = f"{found.record['peak_force_N']:.3g}".lstrip("-")
     for form in (shown(found), card(found), page(found)):
-        assert "works: the drawing" in form.lower()
+        assert "works: the nominal design" in form.lower()
         assert f"{force} N" in form
         assert "stiffness of outer by" in form
         assert "95 % confidence" in form

@@ -62,7 +62,7 @@ def test_the_record_has_cells_in_file_units_and_the_cycle(back):
 def test_a_page_and_a_terminal_have_robustness_and_reachable_states(back):
     screen, shown, made = _forms(account(back))
     for form in (screen, made):
-        assert f"off by {back.robustness.radius * 1e3:.4g} mm at once" in form
+        assert f"deviate by {back.robustness.radius * 1e3:.4g} mm at once" in form
         assert "4 states: 00, 10, 01, 11" in form
     assert "4 states" not in shown
 

@@ -182,11 +182,11 @@ def test_how_far_pressures_are_from_doing_it_is_told_in_their_unit(stepwell):
 @pytest.mark.slow
 def test_by_which_share_all_forces_may_be_off_is_told_of_elements(stepwell):
     options = "--element", "preset:von-mises-truss", "--drive", "force", "--samples", 50
-    robustness = json.loads(stepwell("design", BACK, *options, "--json").stdout)["robustness"]
-    assert 0.0 < robustness["share"] < 1.0
-    assert robustness["radius_mm"] is None
-    sentence = f"All forces may be off by {robustness['share'] * 100:.4g} % at once"
-    assert sentence in " ".join(stepwell("design", BACK, *options).stdout.split())
+    found = json.loads(stepwell("design", BACK, *options, "--json").stdout)["robustness"]
+    assert 0.0 < found["share"] < 1.0
+    assert found["radius_mm"] is None
+    told = f"All forces may deviate by {found['share'] * 100:.4g} % at once"
+    assert told in " ".join(stepwell("design", BACK, *options).stdout.split())
 
 
 def test_a_span_rises():
@@ -205,7 +205,7 @@ def test_a_span_rises():
         ),
         (("00>11>00",), "'00>11>00'"),
         (("all:0",), "cells = 0"),
-        (("00,1",), "as long as each other"),
+        (("00,1",), "all of one length"),
         (("all:2", "--x", "20:0"), "'20:0': must rise"),
         (("all:2", "--y", "low"), "'low': must be FROM:TO in mm, as in 0:20."),
         (

@@ -210,8 +210,8 @@ def test_a_wrong_parameter_ends_in_code_2_with_what_is_allowed(stepwell, argumen
     ("across", "options", "message"),
     [
         ("outer.qx=0:20:5", (), "Did you mean 'outer.q.x'?"),
-        ("outer.q=0:20:5", (), "take outer.q.x or outer.q.y."),
-        ("inner.stiffness=20:40:5", (), "take two parameters."),
+        ("outer.q=0:20:5", (), "use outer.q.x or outer.q.y."),
+        ("inner.stiffness=20:40:5", (), "use two different parameters."),
         ("outer.lever=-5:5:5", (), "lever"),
         ("outer.q.x=0:20:5", ("--cell", "inner"), "cannot be combined with --cell, --x or --y."),
     ],

@@ -60,7 +60,7 @@ def test_another_cycle_may_be_wanted(stepwell):
 def test_what_one_stroke_cannot_do_is_said_with_what_to_ask_instead(stepwell):
     text = stepwell("yield", "forward.toml", "--target", "00>11>00", "--samples", 50).stdout
     assert text.split("\n\n")[1].startswith("No sample reproduces the target")
-    assert "One stroke out and back cannot do it: 00>11 moves 2 cells at once" in text
+    assert "One full cycle cannot give the target: 00>11 moves 2 cells at once" in text
     assert "stepwell program --target 11" in text.replace("\n", " ")
 
 
@@ -167,7 +167,7 @@ def test_robust_counts_what_works_for_all_mobilities_and_says_how_that_is_known(
     # Of concave cells end forces decide, whatever the mobilities.
     assert record["successes"] == plain["successes"]
     shown = " ".join(stepwell(*arguments).stdout.split())
-    assert f"up to 10 apart: of {record['proved']} " in shown
+    assert f"up to 10 ({record['proved']} proved" in shown
 
 
 def test_robust_is_not_asked_of_a_program(stepwell):

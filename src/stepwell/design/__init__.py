@@ -17,7 +17,7 @@ from stepwell.design.plane import Boundary, BoundaryKind, Method
 from stepwell.design.tolerances.draws import USUAL, Draws, Tolerances
 
 if TYPE_CHECKING:
-    from stepwell.design.checks import Check, Measurement, Verdict, check, verdict_of
+    from stepwell.design.checks import Check, Measurement, Verdict, check, judged
     from stepwell.design.map_boundaries import boundaries, parameter_boundaries
     from stepwell.design.maps import MapView, parameter_map, transition_map
     from stepwell.design.run import Run
@@ -73,6 +73,7 @@ __all__ = [
     "check",
     "checked_cycle",
     "design",
+    "judged",
     "margin",
     "parameter",
     "parameter_boundaries",
@@ -84,7 +85,6 @@ __all__ = [
     "share_of",
     "survival",
     "transition_map",
-    "verdict_of",
     "yields",
 ]
 
@@ -100,7 +100,7 @@ sys.modules[__name__].__class__ = _CallablePackage
 
 # The first cycle needs a margin; other modules are imported at first use.
 _LATE = {
-    "checks": ("Check", "Measurement", "Verdict", "check", "verdict_of"),
+    "checks": ("Check", "Measurement", "Verdict", "check", "judged"),
     "map_boundaries": ("boundaries", "parameter_boundaries"),
     "maps": ("MapView", "parameter_map", "transition_map"),
     "run": ("Run",),

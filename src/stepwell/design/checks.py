@@ -34,7 +34,7 @@ class Verdict(StrEnum):
     WONT = "won't"
 
 
-def verdict_of(*, meets_target: bool, tied: bool, interval: tuple[float, float]) -> Verdict:
+def judged(*, meets_target: bool, tied: bool, interval: tuple[float, float]) -> Verdict:
     """The verdict; the [decision](decisions/verdict.md) says why its bounds are where they are.
 
     `WONT` if the nominal design, which may be a tie, misses the target, or the 95 % confidence
@@ -330,7 +330,7 @@ def _checked(
     critical_change: Change | None,
 ) -> Check:
     tied = bool(path.degenerate)
-    verdict = verdict_of(meets_target=meets_target, tied=tied, interval=counted.interval)
+    verdict = judged(meets_target=meets_target, tied=tied, interval=counted.interval)
     low, high = map(base.percent, counted.interval)
     if not meets_target:
         reason = f"the nominal design does not reach the target: it gives {short(does)}"
