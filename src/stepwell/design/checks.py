@@ -297,9 +297,7 @@ def check(
     counted: dict[str, Any] = {"samples": samples, "seed": seed, "progress": progress}
     if isinstance(target, Program):
         if target.chain != chain:
-            raise base.InputError(
-                "target is a program of another chain: use one of this chain, by chain.program."
-            )
+            raise base.InputError("target: a program of another chain; make it with chain.program.")
         return _check_program(target, tolerances, counted)
     motion = cycle(chain)
     path, does = motion.path, str(motion.sequence)
@@ -337,9 +335,7 @@ def _checked(
     elif verdict is Verdict.WORKS:
         reason = f"the nominal design reaches the target; yield ≥ {low} (95 % confidence)"
     elif verdict is Verdict.WONT:
-        reason = (
-            f"the nominal design reaches the target, but the yield is ≤ {high} (95 % confidence)"
-        )
+        reason = f"the nominal design reaches the target, but yield ≤ {high} (95 % confidence)"
     elif tied:
         reason = "degenerate: two events of the nominal design coincide within numerical tolerance"
     elif counted.share >= SURE:

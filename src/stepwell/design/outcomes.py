@@ -330,10 +330,10 @@ class Outcomes:
         result.snaps[:, at] = known[:, [batch.STEPS_UP, batch.STEPS_DOWN]].T
 
     def label(
-        self, values: Floats, progress: Progress = None, result: Outcome | None = None
+        self, values: Floats, progress: Progress = None, sure: Outcome | None = None
     ) -> Codes:
-        """Numbers for (m, 2) values, by the engine where the closed form gives no `result`."""
-        number = (result or self.closed_form(values)).sequence.copy()
+        """Numbers for (m, 2) values, by the engine where the closed form gives no `sure` one."""
+        number = (sure or self.closed_form(values)).sequence.copy()
         waiting = np.flatnonzero(number == UNSOLVED)
         number[waiting], cycles = self._simulated(values[waiting], progress)
         ties = waiting[cycles.tied > 0]

@@ -8,14 +8,7 @@ from itertools import combinations, product
 import numpy as np
 
 from stepwell.base import Floats, InputError, Ints, Progress, bisected, display_unit, tracked
-from stepwell.design.orders import (
-    TargetOrders,
-    checked_cycle,
-    of_states,
-    order_of,
-    orders_of,
-    short,
-)
+from stepwell.design.orders import checked_cycle, of_states, order_of, orders_of, short
 from stepwell.design.switches import Switches, is_relay, switching_forces
 from stepwell.design.synthesis.designed import Impossible
 from stepwell.design.targets import reachable_states, state_differences
@@ -141,7 +134,7 @@ class ElementTarget:
                 )
             return cls(text, last, (orders,), True, text, None)
         target = states if isinstance(states, str) else tuple(states or ())
-        wanted: TargetOrders = of_states(target, cells, True)
+        wanted = of_states(target, cells, True)
         listed = wanted.states or frozenset(wanted.orders[0].states)
         text = f"states {' '.join(target)}" if target != "all" else f"all states of {cells} cells"
         last = "1" * wanted.cells

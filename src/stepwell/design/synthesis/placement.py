@@ -136,15 +136,13 @@ def choose(
 
     table, allowed = joined(tables), shared(tables, owner)
     gaps = rule.gaps(table)
-    selection = best_choice(gaps, allowed, orders, add=False, most_nodes=most_nodes)
-    proved, nodes = selection.complete, selection.nodes
-    if not len(selection.picks):
+    best = best_choice(gaps, allowed, orders, add=False, most_nodes=most_nodes)
+    proved, nodes = best.complete, best.nodes
+    if not len(best.picks):
         return None, proved, nodes
-    picks = selection.picks
+    picks = best.picks
     if not rule.worst and len(orders) > 1:
-        chance = np.where(
-            gaps > -np.inf, log_ndtr(gaps / max(selection.value / _SURE, 1.0)), -np.inf
-        )
+        chance = np.where(gaps > -np.inf, log_ndtr(gaps / max(best.value / _SURE, 1.0)), -np.inf)
         floor = sum(
             float(chance[end, a, b])
             for end, order in enumerate(orders.rising)

@@ -176,7 +176,7 @@ def _matching_order(target: Target, seen: Behaviour, alike: bool) -> tuple[int, 
         return None
     if target.states is not None:
         assert seen.states is not None
-        return _matching_by_states(target.states, seen.states, alike)
+        return _by_states(target.states, seen.states, alike)
     orders_seen = seen.sequence.orders
     if orders_seen is None:
         return None
@@ -189,9 +189,7 @@ def _matching_order(target: Target, seen: Behaviour, alike: bool) -> tuple[int, 
     return None
 
 
-def _matching_by_states(
-    wanted: frozenset[str], seen: frozenset[str], alike: bool
-) -> tuple[int, ...] | None:
+def _by_states(wanted: frozenset[str], seen: frozenset[str], alike: bool) -> tuple[int, ...] | None:
     """Which cell is which cell of the target for these states; None if no order will do."""
     if Counter(s.count("1") for s in seen) != Counter(s.count("1") for s in wanted):
         return None
