@@ -198,12 +198,15 @@ def explained(
     largest = needed = math.nan
     if any(not len(table.q) for table in nearest.tables):
         # Elsewhere than on holes there may be a place between those looked at.
-        within = "" if nearest.rule.as_drawn else " within the tolerances"
+        within = " within the tolerances" * (not nearest.rule.as_drawn)
+        limited = math.isfinite(nearest.rule.most_force)
+        limit = ", below the force limit of the actuator" * limited
         why = (
             f"for some cell, at none of the {kind} is the {nearest.bands} proved to stay in "
-            f"tension with falling force{within}, below the force limit of the actuator"
+            f"tension with falling force{within}{limit}"
         )
-        advice = "use longer levers, a larger region, another band or a stronger actuator"
+        force = ", a stronger actuator" * limited
+        advice = f"use a larger region, longer levers{force} or another band"
     else:
         region = nearest.region()
         needed = TIED * max(float(np.max(np.abs(table.force))) for table in nearest.tables)
@@ -214,9 +217,7 @@ def explained(
                 f"the chain with F0 and F1 in the target orders {does} in the simulation, because "
                 f"of unequal levers or a snap in which a cell passes another"
             )
-            levers = {kind.lever for kind in nearest.rule.kinds}
-            advice = "equal_levers=True, " * (len(levers) > 1) + "another region or other levers"
-            advice = f"try {advice}"
+            advice = _other_levers(nearest)
         else:
             if nearest.holes is not None and all(attempt.complete for attempt in attempts):
                 largest = nearest.largest_gap()
@@ -235,8 +236,7 @@ def explained(
                 f"{to_unit(largest, 'mN'):.4g} mN; more than {to_unit(needed, 'mN'):.2g} mN is "
                 "needed)"
             )
-            advice = "allow a larger region, a smaller pitch of the holes or other bands"
-            advice = advice if nearest.holes else "allow a larger region or other bands"
+            advice = f"allow a larger region{', finer holes' * bool(nearest.holes)} or other bands"
     return Impossible(
         target.text,
         f"{_and_rest(why, rest, proved)}: {advice}",
@@ -246,6 +246,11 @@ def explained(
         largest_gap=largest,
         gap_needed=needed,
     )
+
+
+def _other_levers(attempt: Attempt) -> str:
+    mixed = len({kind.lever for kind in attempt.rule.kinds}) > 1
+    return f"try {'equal_levers=True, ' * mixed}another region or other levers"
 
 
 def _and_rest(why: str, rest: str, proved: bool) -> str:

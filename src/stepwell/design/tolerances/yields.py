@@ -202,8 +202,8 @@ def yields(
     robust = None if robust is None else statics.checked_ratio("robust", robust)
     states = _checked_states(chain, tolerances, target)
     drawing = sequences.cycle(chain) if target is None or states is not None else None
-    given = "" if drawing else checked_cycle(str(target), chain.last_state, "target", chain.names)
-    sequence = str(drawing.sequence) if drawing else given
+    ends = chain.last_state, "target", chain.names
+    sequence = str(drawing.sequence) if drawing else checked_cycle(str(target), *ends)
     tally = OutcomeCounter(Draws(chain, tolerances, seed), sequence, states, robust)
     if sensitivity and tally.orders is None:
         raise base.InputError(
