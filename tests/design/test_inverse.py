@@ -643,7 +643,7 @@ def test_unequal_levers_are_taken_only_if_the_engine_agrees():
     # A lever five times as long empties the short one in a snap; the next best is taken.
     made = design("00>10>11>01>00", lever=(0.004, 0.020), equal_levers=False, samples=FEW)
     refuses_nothing(made, "00>10>11>01>00")
-    says(made.method, "engine", "(00>10>01>11>01>10>00)")
+    says(made.method, "simulation", "(00>10>01>11>01>10>00)")
 
 
 @pytest.mark.parametrize("stiffness", [0.0, 5.0, 30.0, 500.0])
@@ -661,7 +661,7 @@ def test_if_the_engine_disagrees_nothing_is_sold_as_a_design(monkeypatch):
     real: Callable[..., sequences.Cycle] = target.cycle
     other = real(sw.Chain((paper_cell(0.0, 0.0), paper_cell(0.010, 0.0))))
     monkeypatch.setattr(target, "cycle", lambda chain: other)
-    with refuses(Impossible, "00>01>11>10>00", "engine", "00>10>11>01>00") as refusal:
+    with refuses(Impossible, "00>01>11>10>00", "00>10>11>01>00", "simulation") as refusal:
         design("00>01>11>10>00", samples=1)
     assert not refusal.value.proved
     assert len(refusal.value.region) == 1

@@ -375,7 +375,7 @@ def _method(attempt: Attempt, placed: Placed) -> str:
         "to first order in the tolerances, with independent gaps; if no sample fails, the same "
         "with larger tolerances"
     )
-    how = "complete search:" if attempt.complete else "best candidate"
+    how = "complete search" if attempt.complete else "best candidate"
     places = "places" if attempt.holes is None else "holes"
     how += f" among {attempt.candidates} {places} for a band"
     if attempt.holes is None:
