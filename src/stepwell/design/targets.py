@@ -108,7 +108,9 @@ def state_differences(reached_states: Iterable[str], target: Iterable[str]) -> s
     """States reached in addition to the target, and those not reached; "" for the same states."""
     reached_states, target = set(reached_states), set(target)
     parts = [("also reaches", reached_states - target), ("does not reach", target - reached_states)]
-    listed = ((words, join_first(by_cells_at_1(states), _LISTED, between=" ")) for words, states in parts)
+    listed = (
+        (words, join_first(by_cells_at_1(states), _LISTED, between=" ")) for words, states in parts
+    )
     return ", ".join(f"{words} {states}" for words, states in listed if states)
 
 
