@@ -10,11 +10,11 @@ import stepwell as sw
 from facts import refuses
 from sizes import cases
 from stepwell.concave import (
+    DECIDED,
     FORCE,
     NOT_PROVED,
     STROKE,
     TIES,
-    TOLD,
     KeyCounts,
     classed,
     closed_graph,
@@ -66,8 +66,8 @@ def ways_of(chain, drive):
 def test_closed_form_finds_the_graph_that_the_engine_finds(cells, count, drive):
     numbers = drawn(np.random.default_rng(7), count, cells)
     status = classed(numbers, drive)[3]
-    assert np.sum(status == TOLD) >= count - 1
-    for one in numbers[status == TOLD]:
+    assert np.sum(status == DECIDED) >= count - 1
+    for one in numbers[status == DECIDED]:
         assert sorted(closed_graph(one, drive)) == ways_of(chain_of(one), drive)
 
 
@@ -76,7 +76,7 @@ def test_a_key_is_the_same_for_the_same_graph_and_for_no_other(drive):
     numbers = drawn(np.random.default_rng(1), 60, 3)
     key, _, _, status = classed(numbers, drive)
     by_key, by_graph = {}, {}
-    for one, k in zip(numbers[status == TOLD], key[status == TOLD].tolist(), strict=True):
+    for one, k in zip(numbers[status == DECIDED], key[status == DECIDED].tolist(), strict=True):
         # Cells in the order in which they load, as the key takes them.
         order = np.argsort(proved_ends(one)[0][:, 0])
         graph = frozenset(closed_graph(one[order], drive))

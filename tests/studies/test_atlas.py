@@ -19,7 +19,7 @@ pytest.importorskip("zarr", reason="atlases are not tested: zarr is not installe
 
 from stepwell import figures, reports
 from stepwell.accounts import account
-from stepwell.concave import FORCE, STROKE, TOLD, classed, simple
+from stepwell.concave import DECIDED, FORCE, STROKE, classed, simple
 from stepwell.design import Tolerances, parameter
 from stepwell.studies import (
     Axis,
@@ -420,7 +420,7 @@ def test_a_machine_that_is_passed_over_is_looked_for_by_brute_force(stores):
                 points = np.tile(start, (places, 1))
                 points[:, k] = np.linspace(start[k], end, places)
                 key, _, _, verdict = classed(numbers.at(points), STROKE)
-                other = np.flatnonzero((key != key[0]) & (verdict == TOLD))
+                other = np.flatnonzero((key != key[0]) & (verdict == DECIDED))
                 one = near.get((machine.name, axis.name, end > start[k]))
                 assert (one is None) == (not len(other))
                 if one is not None:

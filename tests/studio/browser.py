@@ -70,7 +70,7 @@ ANSWERED = """async (most) => {
 VALUES = """(names) =>
   names.map((name) => document.querySelector(`input[aria-label=${JSON.stringify(name)}]`).value)
 """
-TOLD = """(names) => {
+SHOWN = """(names) => {
   const output = (name) => document.querySelector(`output[aria-label=${JSON.stringify(name)}]`);
   return names.map((name) => output(name).innerText);
 }"""
@@ -155,7 +155,7 @@ def number(page: Page, name: str) -> float:
 
 def numbers(page: Page, *names: str) -> list[float]:
     """Several at once: each word to a browser takes as long as all of them."""
-    return [float(text.replace("−", "-")) for text in page.evaluate(TOLD, names)]
+    return [float(text.replace("−", "-")) for text in page.evaluate(SHOWN, names)]
 
 
 def shown_as(value: float) -> float:

@@ -173,7 +173,7 @@ def test_a_wall_is_drawn_and_the_robot_sent_past_it(robot_page: Page):
     button(page, "Through the arena").click()
     expect(output(page, "outcome")).to_be_visible(timeout=PATIENT)
     maze: Maze = sw.preset("robot-explorer").maze(files.loads_arena_tables(arena), limit=15)
-    expect(output(page, "outcome")).to_have_text(str(maze.outcome))
+    expect(output(page, "outcome")).to_have_text(maze.ending)
     assert number(page, "contacts") == len(maze.contacts)
     assert number(page, "gait changes") == len(maze.changes)
     assert number(page, "distance") == shown_as(maze.walk.distance * 1e3)

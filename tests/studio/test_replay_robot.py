@@ -95,7 +95,7 @@ def test_the_way_through_an_arena_has_its_walls_and_what_it_touched(
     offline: Opened, tmp_path: Path, pressed: Maze
 ):
     page = opens(offline, tmp_path, replay(pressed))
-    expect(output(page, "outcome")).to_have_text(str(pressed.outcome))
+    expect(output(page, "outcome")).to_have_text(pressed.ending)
     when = pressed.touched["wall 1"]
     assert when is not None
     expect(output(page, "touched")).to_have_text(f"wall 1 at {when:.3g} s")

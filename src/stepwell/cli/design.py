@@ -154,7 +154,8 @@ class AimOptions(Group):
 def design(
     *,
     target: str = argument(
-        "Target: a sequence such as '00>10>11>01>00', reachable states such as 00,10,11, or "
+        "Target: a sequence such as '00>10>11>01>00', an order of loading and unloading such as "
+        "2-1-3/1-2-3 or of loading alone such as 2-1-3, reachable states such as 00,10,11, or "
         "all:N for all states of N cells.",
         "TARGET",
     ),
@@ -282,14 +283,15 @@ def target_of(text: str) -> dict[str, Any]:
     every = re.fullmatch(r"all:(\d{1,2})", text)
     if every:
         return {"states": "all", "cells": int(every[1])}
-    if ">" in text:
+    if ">" in text or "-" in text:
         return {"sequence": text}
     if "," in text:
         return {"states": [state.strip() for state in text.split(",")]}
     raise wrong(
         "TARGET",
-        f"{text!r}: must be a sequence such as 00>10>11>01>00, states such as 00,10,11, or all:N "
-        f"for all states of N cells (put a sequence in quotes, for the shell interprets >).",
+        f"{text!r}: must be a sequence such as 00>10>11>01>00, an order such as 2-1-3 or "
+        f"2-1-3/1-2-3, states such as 00,10,11, or all:N for all states of N cells. Put a sequence "
+        f"in quotes, for the shell interprets >.",
     )
 
 

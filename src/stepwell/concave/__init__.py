@@ -60,12 +60,12 @@ from stepwell.concave.sorting import (
     same_travel,
 )
 from stepwell.concave.strokes import (
+    DECIDED,
     FORCE,
     MOST_CELLS,
     NOT_PROVED,
     STROKE,
     TIES,
-    TOLD,
     WAKES,
     KeyCounts,
     Way,

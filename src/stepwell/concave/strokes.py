@@ -20,7 +20,7 @@ STROKE, FORCE = 0, 1
 # Targets that are no node: the drive ends, or there is no such node.
 END, NONE = -1, -2
 # Status of a design: decided in closed form, or the reason why not.
-TOLD, NOT_PROVED, TIES, WAKES = 0, 1, 2, 3
+DECIDED, NOT_PROVED, TIES, WAKES = 0, 1, 2, 3
 # With more cells nearly every design has a different graph.
 MOST_CELLS = 6
 
@@ -358,7 +358,7 @@ def _classify(
         if clear < 0.0:
             decided[k] = WAKES
             continue
-        decided[k] = TOLD
+        decided[k] = DECIDED
         gap[k, 0] = min(nearest, clear) / scale
         first, second = 1, 1
         for node in range(size):
@@ -464,7 +464,7 @@ def classed(numbers: Floats, drive: int) -> tuple[Ints, Ints, Floats, Ints]:
         (m,) keys of the graphs, equal where graphs are, cells taken by rising F0, or -1; (m,)
         orders of loading and of unloading, the cells' numbers as digits of base N, or -1; (m, 2)
         smallest change of a force, over the largest force, that changes the graph, or the cycle;
-        (m,) TOLD, or why there is no key: NOT_PROVED, TIES, WAKES.
+        (m,) DECIDED, or why there is no key: NOT_PROVED, TIES, WAKES.
 
     Raises:
         ValueError: more cells than `MOST_CELLS`.

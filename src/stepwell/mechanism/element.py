@@ -46,7 +46,7 @@ class Element(ByValue, Drawn):
 
     Raises:
         ValueError: no curve, a number out of range, an open end on which the force does not rise,
-            or a force that turns more often than states can tell.
+            or a force with more turning points than states have digits.
     """
 
     sheets: tuple[Sheet, ...]

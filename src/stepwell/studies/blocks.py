@@ -12,10 +12,10 @@ from stepwell.studies.designs import Block, Subject, changed, unit_in
 
 DRIVES = {"stroke": concave.STROKE, "force": concave.FORCE}
 # Columns with the numbers of designs by result of the closed form. Stores keep the names, so they
-# cannot change: "told" is the number of designs evaluated in closed form.
+# cannot change: this one is the number of designs evaluated in closed form.
 CLOSED_FORM = "told"
 COUNTS = {
-    CLOSED_FORM: concave.TOLD,
+    CLOSED_FORM: concave.DECIDED,
     "not_proved": concave.NOT_PROVED,
     "ties": concave.TIES,
     "wakes": concave.WAKES,
@@ -122,7 +122,7 @@ def block_row(block: Block, numbers: Packed, drive: int) -> dict[str, Any]:
         counts += np.bincount(verdict, minlength=4)
         if len(asked) < _ASKED:
             asked += (
-                first + np.flatnonzero(verdict != concave.TOLD)[: _ASKED - len(asked)]
+                first + np.flatnonzero(verdict != concave.DECIDED)[: _ASKED - len(asked)]
             ).tolist()
     lists = {"graphs": graphs.rows, "cycles": cycles.rows, "asked": asked}
     verdict = {name: int(counts[code]) for name, code in COUNTS.items()}

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from stepwell.base import InputError, Progress, StepwellError, tracked
-from stepwell.concave import TOLD, as_made, classed, closed_graph, motion_orders, proved_ends
+from stepwell.concave import DECIDED, as_made, classed, closed_graph, motion_orders, proved_ends
 from stepwell.design import USUAL, Draws, Share, Tolerances, share_of
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, TransitionGraph
@@ -217,7 +217,7 @@ class _Space:
         for piece in draws.chunks(samples):
             keys, _, _, verdict = classed(as_made(piece, cells, draws.spread), self.drive)
             times += int(np.sum(keys == key))
-            others += (first + np.flatnonzero(verdict != TOLD)).tolist()
+            others += (first + np.flatnonzero(verdict != DECIDED)).tolist()
             first += len(piece)
         return times, others
 
@@ -241,7 +241,7 @@ class _Space:
         seed = self.space.seed + 1
         points = replace(self.space, seed=seed, count=max(self.space.count, most)).points(0, most)
         _, _, _, verdict = classed(self.numbers.at(points), self.drive)
-        checked, agreed = points[verdict == TOLD], 0
+        checked, agreed = points[verdict == DECIDED], 0
         for point in checked:
             ways = machines.ways_of(self.graph(self.made(point.tolist())))
             agreed += sorted(ways) == sorted(

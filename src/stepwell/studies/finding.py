@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, InputError, Ints, nearest_word
-from stepwell.concave import TOLD, classed, closed_graph
+from stepwell.concave import DECIDED, classed, closed_graph
 from stepwell.studies.blocks import DRIVES, packed
 from stepwell.studies.designs import IndependentBlocks
 from stepwell.studies.machines import Atlas, Machine, canonical, name_of
@@ -66,7 +66,7 @@ def borders(study: Study, atlas: Atlas) -> tuple[Border, ...]:
         points = starts[machines[ways]]
         points[np.arange(len(ways)), axes[ways]] += shares * far[ways]
         key, _, _, decided = classed(numbers.at(points), drive)
-        return key, decided == TOLD
+        return key, decided == DECIDED
 
     own, _, _, _ = classed(numbers.at(starts), drive)
     all_ways, shares = np.arange(len(far)), np.arange(1, _STEPS + 1) / _STEPS

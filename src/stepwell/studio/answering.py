@@ -24,7 +24,7 @@ FILES = {
     "targets": ("wish", "yield"),
 }
 _PANELS = {kind: file for file, kinds in FILES.items() for kind in kinds}
-# Panels in a separate process: `ask.tell` reports progress, and the page can cancel them.
+# Panels in a separate process: `ask.report` reports progress, and the page can cancel them.
 LONG = {
     *("atlas", "export", "map_followed", "margin", "maze", "measured", "predict", "replay"),
     *("study", "study_csv", "study_design", "study_estimate", "thumbnails", "walk", "wish"),

@@ -28,8 +28,8 @@ class WorkerProcess:
         self._process: BaseProcess | None = None
         self._pipe: Connection | None = None
 
-    async def run(self, message: Message, tell: Callable[[bytes], None]) -> bytes | None:
-        """The answer to a message, None if the work was ended; `tell` is called with progress."""
+    async def run(self, message: Message, report: Callable[[bytes], None]) -> bytes | None:
+        """The answer to a message, None if the work was ended; `report` is called with progress."""
         pipe = self._started()
         try:
             pipe.send(message)
@@ -37,7 +37,7 @@ class WorkerProcess:
                 last, data = await asyncio.to_thread(pipe.recv)
                 if last:
                     return data
-                tell(data)
+                report(data)
         except (EOFError, OSError):
             self.end()
             return None
@@ -90,7 +90,7 @@ def work(pipe: Connection) -> None:
             message: Message = pipe.recv()
             reported_at = monotonic()
 
-            def tell(done: float, total: float, message: Message = message) -> None:
+            def report(done: float, total: float, message: Message = message) -> None:
                 nonlocal reported_at
                 now = monotonic()
                 if now - reported_at >= _EVERY:
@@ -100,4 +100,4 @@ def work(pipe: Connection) -> None:
             def show(view: View, message: Message = message) -> None:
                 pipe.send((False, part(message.type, message.seq, view)))
 
-            pipe.send((True, answered(message, Ask(message.ask, tell, show, message.studies))))
+            pipe.send((True, answered(message, Ask(message.ask, report, show, message.studies))))

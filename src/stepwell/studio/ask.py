@@ -24,7 +24,7 @@ class View:
     blocks: Mapping[str, np.ndarray[Any, Any]] = field(default_factory=dict)
 
 
-Tell = Callable[[float, float], None]
+Report = Callable[[float, float], None]
 Show = Callable[[View], None]
 
 
@@ -36,7 +36,7 @@ class Ask:
 
     Args:
         keys: of the JSON object.
-        tell: called with (done, total) by slow panels.
+        report: called with (done, total) by slow panels.
         show: called by slow panels with partial answers.
         studies: the server's folder of studies, or None.
     """
@@ -44,13 +44,13 @@ class Ask:
     def __init__(
         self,
         keys: Mapping[str, Any] | None = None,
-        tell: Tell = _silent,
+        report: Report = _silent,
         show: Show = _silent,
         studies: Path | None = None,
     ):
         self._keys = dict(keys or {})
         self._known: list[str] = []
-        self.tell, self.show, self.studies = tell, show, studies
+        self.report, self.show, self.studies = report, show, studies
 
     def number(self, key: str, least: float, most: float, default: float | None = None) -> float:
         """A number between two bounds."""

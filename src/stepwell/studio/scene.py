@@ -209,7 +209,7 @@ def walked(result: Walk | Maze) -> View:
         "arena": None if walk.arena is None else arena_tables(walk.arena),
         "steps": {name: _STEPS.get(name, _STEP) for name in differences},
         "record": account(result).record,
-        "outcome": str(result.outcome) if isinstance(result, Maze) else "",
+        "outcome": result.ending if isinstance(result, Maze) else "",
         "assumptions": simulation_assumptions(walk),
     }
     return View(header, differences)

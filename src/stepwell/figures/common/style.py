@@ -19,7 +19,7 @@ MM, MJ, MN = (UNITS[unit].per_si for unit in ("mm", "mJ", "mN"))
 COLUMN = 85.0
 PAGE = 180.0
 
-# Colours that people with any kind of colour vision can tell apart (Okabe & Ito 2008).
+# Colours that are distinct for every kind of colour vision (Okabe & Ito 2008).
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 

@@ -125,7 +125,7 @@ def _charted(store: Path, ask: Ask) -> tuple[studies.Atlas, tuple[studies.Border
     study = studies.opened(store)
     key = str(store), study.identity, tuple(study.done_chunks())
     if key not in _KNOWN:
-        chart = studies.charted(study, progress=ask.tell)
+        chart = studies.charted(study, progress=ask.report)
         while len(_KNOWN) >= _KEPT:
             _KNOWN.pop(next(iter(_KNOWN)))
         _KNOWN[key] = chart, studies.borders(study, chart)

@@ -241,7 +241,7 @@ def answer_replay(design: PageDesign, ask: Ask) -> View:
     from stepwell.studio.standalone import replay
 
     title = ask.text("title", 10_000) if ask.has("title") else None
-    page = replay(_result(design, ask), title=title, progress=ask.tell)
+    page = replay(_result(design, ask), title=title, progress=ask.report)
     return View({"suffix": "html"}, {"file": np.frombuffer(page.encode(), np.uint8)})
 
 

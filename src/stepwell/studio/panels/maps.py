@@ -327,7 +327,7 @@ def _found(plane: Plane, wide: int, high: int, ask: Ask) -> Known:
     def few(done: float, total: float) -> None:
         if total > _MOST_FOLLOWED:
             raise Unproved(f"{total:.0f} positions have to be simulated one by one.")
-        ask.tell(done, max(total, 1))
+        ask.report(done, max(total, 1))
 
     header: dict[str, Any] = {}
     blocks: Blocks = {}
@@ -339,7 +339,7 @@ def _found(plane: Plane, wide: int, high: int, ask: Ask) -> Known:
             break
         header = {"coarse": coarse, **sequences}
         ask.show(View({**header, **plane.boundary_view(())[0]}, blocks))
-    return header, blocks, plane.curves(_SEARCH, ask.tell)
+    return header, blocks, plane.curves(_SEARCH, ask.report)
 
 
 def answer_border(design: PageDesign, ask: Ask) -> View:

@@ -39,7 +39,7 @@ def answer_evaluate(design: PageDesign, ask: Ask) -> View:
 def answer_margin(design: PageDesign, ask: Ask) -> View:
     """The margins as panel `evaluate` has them, by closed forms or a search."""
     ask.close()
-    return View(motion.margins_of(margin(design.chain, progress=ask.tell)))
+    return View(motion.margins_of(margin(design.chain, progress=ask.report)))
 
 
 _POINTS = 121

@@ -34,7 +34,7 @@ def asked_run(design: PageDesign, ask: Ask, *, in_maze: bool) -> "partial[Walk |
     # Imported late: errors in a robot's parameters are reported without a simulator too.
     from stepwell.simulation import maze, walk
 
-    return partial(maze if in_maze else walk, robot, arena=arena, progress=ask.tell, **how)
+    return partial(maze if in_maze else walk, robot, arena=arena, progress=ask.report, **how)
 
 
 def answer_arenas(_design: PageDesign, ask: Ask) -> View:
@@ -96,7 +96,7 @@ def _answer(run: "partial[Walk | Maze]", ask: Ask) -> View:
     result = run(look=live.look)
     record = accounts.account(result).record
     if isinstance(result, Maze):
-        return live.view(result.walk, record=record, outcome=str(result.outcome))
+        return live.view(result.walk, record=record, outcome=result.ending)
     return live.view(result, record=record)
 
 

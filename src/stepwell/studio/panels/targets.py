@@ -34,7 +34,7 @@ def answer_wish(_design: PageDesign, ask: Ask) -> View:
         "most_force": force,
         "seed": seed,
     }
-    result = designed(**wanted, **how, holes=holes, progress=ask.tell)
+    result = designed(**wanted, **how, holes=holes, progress=ask.report)
     tables = files.tables_in(files.dumps(result.chain))
     shown = evaluated(PageDesign(tables), Ask())
     header = {**accounts.account(result).record, "design": tables, "shown": shown.header}
@@ -73,12 +73,12 @@ def answer_yield(design: PageDesign, ask: Ask) -> View:
     chain = design.chain
     tied = bool(sequences.cycle(chain).path.degenerate)
     if n is None:
-        first = yields(chain, tolerances, samples=_FIRST, seed=seed, progress=ask.tell)
+        first = yields(chain, tolerances, samples=_FIRST, seed=seed, progress=ask.report)
         view = View(_yield_record(first, tied))
         if first.by_engine > _FIRST // 10:
             return view
         ask.show(view)
-    result = yields(chain, tolerances, samples=n, seed=seed, progress=ask.tell)
+    result = yields(chain, tolerances, samples=n, seed=seed, progress=ask.report)
     return View(_yield_record(result, tied))
 
 
