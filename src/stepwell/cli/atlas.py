@@ -10,19 +10,8 @@ import typer
 
 import stepwell as sw
 from stepwell.accounts import account
-from stepwell.cli import tolerances as parts
-from stepwell.cli.options import (
-    Group,
-    Json,
-    Output,
-    argument,
-    by_name,
-    command,
-    designs,
-    local,
-    option,
-    read_design,
-)
+from stepwell.cli import options as opts, tolerances as parts
+from stepwell.cli.options import Group, Json, Output, designs
 from stepwell.cli.screen import progress, report, show_lines, subcommands, usable, warn, wrong
 from stepwell.cli.sweep import Effort, going_on, read_axes
 
@@ -43,22 +32,22 @@ _SPACE = {"q.x": (0.0, 0.020), "q.y": (-0.015, 0.015), "stiffness": (28.5, 57.0)
 class SpaceOptions(Group):
     """The space of designs, and its sampling."""
 
-    design: str | None = argument(
+    design: str | None = opts.argument(
         "Design to vary; equal cells of the paper by default.",
         "DESIGN",
         default=None,
         autocompletion=designs,
-        callback=by_name,
+        callback=opts.by_name,
     )
-    cells: int = option(
+    cells: int = opts.option(
         "Number of the paper's cells, if no design is given.", "N", default=2, min=1, max=6
     )
-    vary: list[str] | None = option(
+    vary: list[str] | None = opts.option(
         "Parameter to vary, such as outer.q.x=0:20, in the units of `stepwell map`. May be "
         "repeated. By default anchors and stiffness of the paper's cells.",
         "--vary NAME=FROM:TO",
     )
-    designs: float = option(
+    designs: float = opts.option(
         "Number of designs, such as 1e8.", "N", default=1e6, min=1, show_default="1e6"
     )
     seed: parts.Seed = 0
@@ -71,7 +60,7 @@ class SpaceOptions(Group):
             band = sw.Band(p=(-0.010, 0.0), q=(0.010, 0.0), stiffness=28.5, rest_length=0.010)
             subject = sw.Chain([sw.Cell(band)] * self.cells)
         else:
-            _, subject = read_design(self.design)
+            _, subject = opts.read_design(self.design)
             if not isinstance(subject, sw.Chain):
                 raise wrong("DESIGN", "is a robot: must be a chain.")
             if not self.vary:
@@ -86,17 +75,17 @@ class SpaceOptions(Group):
         )
 
 
-@command(commands)
+@opts.command(commands)
 def build(
     *,
-    out: Path = option(
+    out: Path = opts.option(
         "Write the results into this folder, a Zarr store.",
         "--out -o DIR",
         default=...,
-        callback=local,
+        callback=opts.local,
     ),
     space: SpaceOptions,
-    drive: str = option(
+    drive: str = opts.option(
         "Drive: stroke (displacement control) or force (force control).", "DRIVE", default="stroke"
     ),
     effort: Effort,
@@ -119,7 +108,7 @@ def build(
     _show(study, _charted(study, parts.BandTolerances()), Output(as_json=as_json))
 
 
-@command(commands)
+@opts.command(commands)
 def show(store: _Store = None, *, within: parts.BandTolerances, output: Output) -> None:
     """List the transition graphs of a store, with fractions, yields and proofs.
 
@@ -130,20 +119,20 @@ def show(store: _Store = None, *, within: parts.BandTolerances, output: Output) 
     _show(study, _charted(study, within), output)
 
 
-@command(commands)
+@opts.command(commands)
 def find(
-    query: str = argument(
+    query: str = opts.argument(
         'Behaviour, such as "counts to two by hand and not remembers", or a sequence such as '
         "00>10>11>01>00.",
         "QUERY",
     ),
     store: _Store = None,
-    least: str = option("Minimum guaranteed yield [%].", "--yield PERCENT", default="0"),
-    out: Path | None = option(
+    least: str = opts.option("Minimum guaranteed yield [%].", "--yield PERCENT", default="0"),
+    out: Path | None = opts.option(
         "Write this file (.toml): the first result as a design file.",
         "--out -o FILE",
         dir_okay=False,
-        callback=local,
+        callback=opts.local,
     ),
     *,
     within: parts.BandTolerances,

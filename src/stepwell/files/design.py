@@ -12,19 +12,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import ByValue, Shown, content_of, nearest_word
+from stepwell.files import text as toml_text
 from stepwell.files.cells import Shared, cells_of, chain_of
 from stepwell.files.curves import with_curves
 from stepwell.files.folder import mixed_results
 from stepwell.files.program import WrittenProgram, program_of
 from stepwell.files.schema import chain as schema, wording
-from stepwell.files.text import (
-    DesignError,
-    did_you_mean,
-    in_decimals,
-    in_floats,
-    parsed,
-    refuse_any,
-)
+from stepwell.files.text import DesignError
 from stepwell.mechanism import Chain
 
 if TYPE_CHECKING:
@@ -94,7 +88,7 @@ def loads(text: str, name: str = "design") -> DesignFile:
     Raises:
         DesignError: the text is no TOML, or has invalid values.
     """
-    return DesignFile(text, name, *_made(parsed(text, name, _EMPTY), name))
+    return DesignFile(text, name, *_made(toml_text.parsed(text, name, _EMPTY), name))
 
 
 def loads_tables(tables: Any, name: str = "design") -> DesignFile:
@@ -109,7 +103,7 @@ def loads_tables(tables: Any, name: str = "design") -> DesignFile:
     """
     if not isinstance(tables, dict) or not tables:
         raise DesignError(name, [_EMPTY])
-    return DesignFile("", name, *_made(in_decimals(tables, name), name))
+    return DesignFile("", name, *_made(toml_text.in_decimals(tables, name), name))
 
 
 def tables_in(text: str, name: str = "design") -> dict[str, Any]:
@@ -121,9 +115,9 @@ def tables_in(text: str, name: str = "design") -> dict[str, Any]:
     Raises:
         DesignError: as for `loads`.
     """
-    tables = parsed(text, name, _EMPTY)
+    tables = toml_text.parsed(text, name, _EMPTY)
     _made(tables, name)
-    return in_floats(tables)
+    return toml_text.in_floats(tables)
 
 
 def text_of(design: str | os.PathLike[str]) -> str:
@@ -175,7 +169,9 @@ def preset_text(name: str) -> str:
     """
     texts = _texts()
     if name not in texts:
-        raise DesignError(f"preset {name}", [f"no such design. {did_you_mean(name, texts)}"])
+        raise DesignError(
+            f"preset {name}", [f"no such design. {toml_text.did_you_mean(name, texts)}"]
+        )
     return texts[name]
 
 
@@ -207,13 +203,13 @@ def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | No
     shared = Shared.of(chain.band.given(), chain)
     problems: list[str] = []
     cells = cells_of(chain.cell, shared, "chain.cell", problems)
-    refuse_any(name, problems)
+    toml_text.refuse_any(name, problems)
     try:
         made = chain_of(cells, chain, keys.title)
     except ValueError as error:
         raise DesignError(name, [f"chain: {error}"]) from None
     program = None if keys.program is None else program_of(keys.program, made, problems)
-    refuse_any(name, problems)
+    toml_text.refuse_any(name, problems)
     return made, program
 
 

@@ -7,16 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from stepwell.base import (
-    ByValue,
-    Drawn,
-    Floats,
-    Measure,
-    Shown,
-    StepwellError,
-    display_unit,
-    to_unit,
-)
+from stepwell import base
+from stepwell.base import ByValue, Drawn, Floats, Measure, Shown, StepwellError
 from stepwell.concave import TIED, SortedChain
 from stepwell.design.margins.robustness import Robustness, robustness
 from stepwell.design.orders import short
@@ -112,7 +104,7 @@ class Design(ByValue, Drawn):
         least = "" if self.reached.whole else "at least "
         lines = [f"{short(self.sequence)}, {least}{self.reached.count} reachable states"]
         placed = len({cell.bands[0].p for cell in levers_of(self.chain)}) > 1
-        force, factor = display_unit(self.chain.measure.force_unit)
+        force, factor = base.display_unit(self.chain.measure.force_unit)
         for name, cell in zip(self.chain.names, self.chain.cells, strict=True):
             if isinstance(cell, Element):
                 scales = f"force scale {cell.force_scale:.4g}, travel scale {cell.travel_scale:.4g}"
@@ -123,11 +115,11 @@ class Design(ByValue, Drawn):
                 lines.append(f"{name}: {scales}: {fields}")
                 continue
             band = cell.bands[0]
-            px, py, x, y = (f"{to_unit(part, 'mm') + 0.0:.3f}" for part in (*band.p, *band.q))
+            px, py, x, y = (f"{base.to_unit(part, 'mm') + 0.0:.3f}" for part in (*band.p, *band.q))
             lines.append(
                 f"{name}: {f'p ({px}, {py}) mm, ' * placed}q ({x}, {y}) mm, k "
-                f"{band.stiffness:.4g} N/m, ℓ0 {to_unit(band.rest_length, 'mm'):.4g} mm, r "
-                f"{to_unit(cell.lever, 'mm'):.4g} mm: F0 {cell.force_0:.4f} N, F1 "
+                f"{band.stiffness:.4g} N/m, ℓ0 {base.to_unit(band.rest_length, 'mm'):.4g} mm, r "
+                f"{base.to_unit(cell.lever, 'mm'):.4g} mm: F0 {cell.force_0:.4f} N, F1 "
                 f"{cell.force_1:.4f} N"
             )
         low, high = self.yield_.interval
@@ -146,7 +138,7 @@ class Design(ByValue, Drawn):
             scales = ", ".join(f"{cell.force_scale:.4g}" for cell in self.chain.elements)
             parts = f"force scales {scales}"
         else:
-            places = to_unit(self.anchors, "mm").tolist()
+            places = base.to_unit(self.anchors, "mm").tolist()
             parts = f"q {', '.join(f'({x:.4g}, {y:.4g})' for x, y in places)} mm"
         return f"Design({short(self.sequence)}: {parts}, yield {self.yield_.share * 100:.4g} %)"
 
@@ -233,8 +225,8 @@ def explained(
             first, second = (" < ".join(str(cell + 1) for cell in order) for order in rising)
             why = (
                 f"{how} F0 in the order {first} and F1 in the order {second} of cells ({evidence} "
-                f"{to_unit(largest, 'mN'):.4g} mN; more than {to_unit(needed, 'mN'):.2g} mN is "
-                "needed)"
+                f"{base.to_unit(largest, 'mN'):.4g} mN; more than "
+                f"{base.to_unit(needed, 'mN'):.2g} mN is needed)"
             )
             advice = f"allow a larger region{', finer holes' * bool(nearest.holes)} or other bands"
     return Impossible(

@@ -12,17 +12,10 @@ from stepwell import base, sequences, statics
 from stepwell.design.orders import by_cells_at_1, checked_cycle, is_state, short
 from stepwell.design.switches import Switches, switching_forces
 from stepwell.design.targets import reached, unsearchable
-from stepwell.design.tolerances import draws, survival
+from stepwell.design.tolerances import draws, survival, tally as tallies
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.sensitivity import Sensitivities, gaps_of_built, sensitivities
-from stepwell.design.tolerances.tally import (
-    BY_MOBILITY,
-    Counted,
-    OutcomeCounter,
-    RelayJudge,
-    sampling_text,
-    zero_yield_reason,
-)
+from stepwell.design.tolerances.tally import Counted, OutcomeCounter, RelayJudge
 from stepwell.mechanism import Chain
 
 if TYPE_CHECKING:
@@ -272,13 +265,13 @@ def _check_arguments(chain: Chain, tolerances: draws.Tolerances, samples: int, s
 def _advice(tally: OutcomeCounter, target: str) -> str:
     if tally.successes:
         return ""
-    if tally.outcomes().get(BY_MOBILITY):
+    if tally.outcomes().get(tallies.BY_MOBILITY):
         return (
             "no sample reaches the target for all mobilities of its cells: use a smaller ratio, or "
             "in Python compute the yield with Tolerances(mobility=...)"
         )
     if tally.states is None:
-        return zero_yield_reason(tally.draws.chain, target, tally.by_engine == 0)
+        return tallies.zero_yield_reason(tally.draws.chain, target, tally.by_engine == 0)
     states = reached(tally.draws.chain)
     text = short(" ".join(states.states))
     return f"no sample reaches the target; the nominal design reaches {text}"
@@ -338,7 +331,7 @@ def _assumptions(tally: OutcomeCounter, n: int, drawing: sequences.Cycle | None)
             f"{tally.by_form} samples evaluated in closed form (every cell proved in tension with "
             f"falling force), {tally.by_engine} by simulation"
         )
-    sampling = sampling_text(tally.draws.chain) + " full cycle" * (tally.states is None)
+    sampling = tallies.sampling_text(tally.draws.chain) + " full cycle" * (tally.states is None)
     fails = "ties and failed samples count as failures"
     yield f"{sampling}; {fails}; {how}"
     if tally.robust is not None:

@@ -8,15 +8,9 @@ from stepwell.statics.following.landing import LANDED, STOPPED
 from stepwell.statics.following.pieces import stand_all_on
 from stepwell.statics.following.snap import along_line
 from stepwell.statics.following.state import DrivenChain, State
+from stepwell.statics.landings import reachable_box as reachable
 from stepwell.statics.landings.reachability import boxes_of, grid_of, keeps_off
-from stepwell.statics.landings.reachable_box import (
-    ReachableBox,
-    energy_of,
-    full_box,
-    leads_on,
-    narrow,
-    narrowed_box,
-)
+from stepwell.statics.landings.reachable_box import ReachableBox
 from stepwell.statics.landings.rests import places_of_rest
 from stepwell.statics.landings.start import Start, empty_state, stand_before
 
@@ -84,7 +78,7 @@ def lands_only_at(
             known = known and high[i] - low[i] <= _KNOWN * laws.full[i]
         here = here or same
         # The chain cannot reach a place with more energy than the start.
-        if same or (known and energy_of(problem, start, 0.5 * (low + high)) > more):
+        if same or (known and reachable.energy_of(problem, start, 0.5 * (low + high)) > more):
             continue
         places[others] = places[c]
         others += 1
@@ -107,11 +101,11 @@ def energy_holds(problem: DrivenChain, start: Start, landing: Floats) -> bool:
     if np.max(problem.laws.friction) > 0.0 or len(landing) > MOST_MOVING:
         return False
     stand_all_on(problem.laws, problem.sheets, problem.pieces, start.sheet)
-    box = full_box(problem, start)
+    box = reachable.full_box(problem, start)
     # Each time with shorter steps, as the box is smaller.
     for _ in range(3):
-        narrow(problem, start, box)
-    if leads_on(problem, box):
+        reachable.narrow(problem, start, box)
+    if reachable.leads_on(problem, box):
         return False
     return lands_only_at(problem, start, box, landing, np.inf)
 
@@ -124,13 +118,13 @@ def enclosed(problem: DrivenChain, start: Start, landing: Floats, ratio: float) 
         # Under a force the cells do not interact: nothing is to be enclosed.
         return False
     stand_all_on(laws, problem.sheets, problem.pieces, start.sheet)
-    box = narrowed_box(problem, start, full_box(problem, start))
+    box = reachable.narrowed_box(problem, start, reachable.full_box(problem, start))
     for _ in range(2):
         moving = np.flatnonzero(box.high > box.low)
         if not 0 < len(moving) <= MOST_MOVING or np.max(laws.friction[moving]) > 0.0:
             return False
-        narrow(problem, start, box)
-        box = narrowed_box(problem, start, box)
-    if leads_on(problem, box):
+        reachable.narrow(problem, start, box)
+        box = reachable.narrowed_box(problem, start, box)
+    if reachable.leads_on(problem, box):
         return False
     return lands_only_at(problem, start, box, landing, ratio)
