@@ -124,7 +124,7 @@ def test_an_interrupted_sweep_goes_on_where_it_stopped(stepwell, tmp_path, monke
 @pytest.mark.parametrize(
     ("ranges", "message"),
     [
-        (("foot.blow_mm=0:1:3",), "robot-forward: foot.blow_mm: means none"),
+        (("foot.blow_mm=0:1:3",), "robot-forward: foot.blow_mm: selects none"),
         (("foot.below_mm=0:1",), "must be KEY=FROM:TO:COUNT"),
         (("foot.below_mm=0:1:3", "--random", "2"), "must be KEY=FROM:TO with --random"),
         (("foot.below_mm=0:one:3",), "must be KEY=FROM:TO:COUNT"),

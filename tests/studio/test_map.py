@@ -161,7 +161,7 @@ def test_a_map_is_asked_within_bounds(keys: Any, at: str):
 
 def test_a_map_that_cannot_be_is_refused_in_the_words_of_python():
     for keys, words in (
-        ({"y": "2.q.x"}, "take two parameters"),
+        ({"y": "2.q.x"}, "use two different parameters"),
         ({"x": "2.friction", "x_range": [-1, 1]}, "friction"),
     ):
         assert words in ask("map", FORWARD, **(MAP | keys)).header["problems"][0]["text"]

@@ -215,7 +215,7 @@ def test_a_study_lies_in_the_servers_folder_whatever_its_design_is_called(
         ({"what": "cycle"}, "ask.vary"),
         ({"what": "cycle", "vary": [{**VARY[0], "count": 1}]}, "from 2 to"),
         ({"what": "cycle", "vary": [{**VARY[0], "to": 0}]}, "must rise"),
-        ({"what": "cycle", "vary": [{**VARY[0], "key": "2.q"}]}, "is a place"),
+        ({"what": "cycle", "vary": [{**VARY[0], "key": "2.q"}]}, "is a point"),
         ({"what": "cycle", "vary": [VARY[0], VARY[0]]}, "each name once"),
         ({"what": "cycle", "vary": [{**one, "count": 4000} for one in VARY]}, "at most 10000000"),
         ({"what": "cycle", "how": "drawn", "vary": VARY}, "ask.how"),
