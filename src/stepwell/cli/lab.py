@@ -11,19 +11,8 @@ import typer
 
 import stepwell as sw
 from stepwell.base import display_unit
-from stepwell.cli import tolerances as given
-from stepwell.cli.options import (
-    Design,
-    Group,
-    Output,
-    argument,
-    by_name,
-    command,
-    designs as design_names,
-    flag,
-    option,
-    read_chain,
-)
+from stepwell.cli import options as opts, tolerances as given
+from stepwell.cli.options import Design, Group, Output, designs as design_names
 from stepwell.cli.ranges import length, window as read_window
 from stepwell.cli.screen import WRONG_INPUT, progress, subcommands, usable, wrong
 from stepwell.cli.tolerances import recordings_in
@@ -38,10 +27,10 @@ commands = subcommands(
 )
 
 
-@command(commands)
+@opts.command(commands)
 def read(
     *,
-    files: list[Path] = argument(
+    files: list[Path] = opts.argument(
         "Recordings (files or folders): Bluehill raw data as text, or CSV with named columns.",
         "FILE...",
     ),
@@ -67,16 +56,16 @@ def read(
 class FittedPart(Group):
     """The part of tension tests that is fitted."""
 
-    window: str | None = option(
+    window: str | None = opts.option(
         "Stroke range of the fit [mm]; 5:35 by default, or all if 5:35 is not recorded.",
         "--window FROM:TO",
     )
-    cycles: str | None = option(
+    cycles: str | None = opts.option(
         "Cycles of the fit, counted from 1; by default 5:9, or all but the first.",
         "--fit-cycles FROM:TO",
     )
-    drop: list[int] | None = option("Sample to exclude. May be repeated.", "SAMPLE")
-    cycles_per_sample: int | None = option(
+    drop: list[int] | None = opts.option("Sample to exclude. May be repeated.", "SAMPLE")
+    cycles_per_sample: int | None = opts.option(
         "Number of consecutive files per sample, if file names are only numbers.", "N", min=1
     )
 
@@ -93,18 +82,18 @@ class FittedPart(Group):
         )
 
 
-@command(commands)
+@opts.command(commands)
 def band(
     *,
-    folders: list[Path] = argument(
+    folders: list[Path] = opts.argument(
         "Tension tests of bands, folders or files: of a machine, or of a scale and a ruler.",
         "PATH...",
     ),
     part: FittedPart,
-    gauge: float | None = option(
+    gauge: float | None = opts.option(
         "Length of the band at stroke 0, if known [mm].", "--gauge LENGTH", parser=length(-math.inf)
     ),
-    law: str | None = option(
+    law: str | None = opts.option(
         "Force law: write this one instead of the one that is selected automatically.", "NAME"
     ),
     output: Output,
@@ -144,11 +133,11 @@ _Data = Annotated[
 class BaselineOptions(Group):
     """The friction that is subtracted."""
 
-    baseline: Path | None = option(
+    baseline: Path | None = opts.option(
         "Recordings without a band; by default those in DATA with `friction` in their name.",
         "--baseline PATH",
     )
-    no_baseline: bool = flag("Do not subtract the friction baseline.", "--no-baseline")
+    no_baseline: bool = opts.flag("Do not subtract the friction baseline.", "--no-baseline")
 
     def read(self) -> list[Recording] | None:
         """The recordings to subtract: those given, none, or None to select them by name."""
@@ -162,12 +151,12 @@ class BaselineOptions(Group):
 class RigOptions(Group):
     """The rig of a test machine."""
 
-    bar: float | None = option(
+    bar: float | None = opts.option(
         "Length of the bar of the rig [mm], inf for none; 70 by default.",
         "--bar LENGTH",
         parser=length(20),
     )
-    rig: Path | None = option(
+    rig: Path | None = opts.option(
         "Rig file from `stepwell lab calibrate`; it sets how the rig shows snaps of a pair.", "FILE"
     )
 
@@ -180,17 +169,17 @@ class RigOptions(Group):
         return sw.lab.PAPER_RIG if self.bar is None else sw.lab.Rig(self.bar * 1e-3)
 
 
-@command(commands)
+@opts.command(commands)
 def compare(
     data: _Data,
-    designs: list[str] | None = argument(
+    designs: list[str] | None = opts.argument(
         "Designs that were tested, or parameters that file names leave open; the paper's cell by "
         "default.",
         "[DESIGN]...",
         default=None,
         autocompletion=design_names,
     ),
-    as_designed: bool = flag(
+    as_designed: bool = opts.flag(
         "Use the design unchanged; ignore parameters in file names.", "--as-designed"
     ),
     *,
@@ -208,7 +197,7 @@ def compare(
     """
     output.check_output_folder("lab compare")
     given = recordings_in([data])
-    names = [by_name(design) or design for design in designs or ()]
+    names = [opts.by_name(design) or design for design in designs or ()]
     designed = {design: sw.files.text_of(design) for design in names}
     comparison = sw.lab.compare(
         given,
@@ -221,10 +210,10 @@ def compare(
     output.report(comparison, data_sha256=sw.lab.hashes(given), designs_sha256=hashes)
 
 
-@command(commands)
+@opts.command(commands)
 def calibrate(
     data: _Data,
-    law: str | None = option(
+    law: str | None = opts.option(
         "Force law: linear, cubic, or the folder of tension tests in DATA; by default the law with "
         "the best predictions.",
         "NAME",
@@ -257,10 +246,10 @@ class BuiltTolerances(given.BandTolerances):
     friction: given.Friction = 0.0
     travel_tolerance: given.TravelTolerance = 5.0
 
-    hole: float = option(
+    hole: float = opts.option(
         "Spacing of the holes for anchors [mm].", "--holes LENGTH", default=5.0, parser=length(0.1)
     )
-    wrong_hole: float = option(
+    wrong_hole: float = opts.option(
         "Probability that an anchor is in a hole next to its own [%].",
         "PERCENT",
         default=5.0,
@@ -275,33 +264,33 @@ BUILT = BuiltTolerances(anchor=1.0, stiffness_tolerance=10.0)
 class BuildSampling(Group):
     """Number and seed of the sampled prototypes."""
 
-    samples: int = option(given.SAMPLES, "N", default=200, min=100)
+    samples: int = opts.option(given.SAMPLES, "N", default=200, min=100)
     seed: given.Seed = 0
 
 
 class SeenOptions(Group):
     """Observations of a prototype, with their uncertainty."""
 
-    seen: str | None = option("Observed sequence of states, such as 00>10>11>01>00.", "STATES")
-    snaps_loading: str | None = option(
+    seen: str | None = opts.option("Observed sequence of states, such as 00>10>11>01>00.", "STATES")
+    snaps_loading: str | None = opts.option(
         "Strokes of snaps during loading, separated by commas [mm, mL or deg]; none for no snap.",
         "LIST",
     )
-    snaps_unloading: str | None = option(
+    snaps_unloading: str | None = opts.option(
         "Strokes of snaps during unloading, separated by commas [mm, mL or deg]; none for no snap.",
         "LIST",
     )
-    pulls: str | None = option(
+    pulls: str | None = opts.option(
         "Forces read during loading, as STROKE:FORCE separated by commas [mm:N, mL:kPa, deg:N mm].",
         "LIST",
     )
-    data: Path | None = option(
+    data: Path | None = opts.option(
         "Recordings (one file) of stroke and force [mm, N].", "PATH", exists=True
     )
-    ruler: float = option(
+    ruler: float = opts.option(
         "Standard deviation of a measured stroke [mm, mL or deg].", "NUMBER", default=1.0, min=0.01
     )
-    scale: float | None = option(
+    scale: float | None = opts.option(
         "Standard deviation of a measured force [N, kPa or N mm]; by default 5 % of the extreme "
         "force of the nominal design.",
         "NUMBER",
@@ -309,11 +298,11 @@ class SeenOptions(Group):
     )
 
 
-@command(commands)
+@opts.command(commands)
 def as_built(
     design: Design,
     observed: SeenOptions,
-    target: str | None = option(
+    target: str | None = opts.option(
         "Target: a sequence such as 00>10>11>01>00; the cycle of the nominal design by default.",
         "TARGET",
     ),
@@ -332,7 +321,7 @@ def as_built(
     Example: stepwell lab as-built preset:paper-forward --seen '00>01>11>10>00'
     """
     output.check_output_folder("lab as-built")
-    text, chain = read_chain(design)
+    text, chain = opts.read_chain(design)
     (_, driven), (_, forced) = (
         display_unit(chain.drive_unit),
         display_unit(chain.measure.force_unit),
@@ -365,7 +354,7 @@ def as_built(
     output.report(result, text, design)
 
 
-def _strokes(text: str | None, option: str, factor: float) -> tuple[float, ...] | None:
+def _strokes(text: str | None, name: str, factor: float) -> tuple[float, ...] | None:
     if text is None:
         return None
     if text.strip() in ("", "none"):
@@ -374,7 +363,7 @@ def _strokes(text: str | None, option: str, factor: float) -> tuple[float, ...] 
         return tuple(float(one) / factor for one in text.split(","))
     except ValueError:
         raise wrong(
-            option, f"{text!r}: must be numbers separated by commas, such as 36.5,38, or none."
+            name, f"{text!r}: must be numbers separated by commas, such as 36.5,38, or none."
         ) from None
 
 

@@ -10,18 +10,10 @@ from itertools import product
 import numpy as np
 
 from stepwell.base import ByValue, Drawn, Vec2, bisected, to_unit
+from stepwell.robot import rounds as cycling
 from stepwell.robot.parts import Leg
 from stepwell.robot.robot import Robot
-from stepwell.robot.rounds import (
-    ROUNDING,
-    Round,
-    footing,
-    forces,
-    gait,
-    go_round,
-    go_rounds,
-    rounds,
-)
+from stepwell.robot.rounds import Round, gait
 from stepwell.robot.slide import STEPS, Slide, slide
 from stepwell.robot.stance import Spring, largest, leaning
 from stepwell.statics import StaticsError
@@ -335,7 +327,7 @@ class Prediction(ByValue, Drawn):
 
 def predict(robot: Robot) -> Prediction:
     """Predict a cycle of a robot without simulation. All else as for `Robot.predict`."""
-    cycles = rounds(robot)
+    cycles = cycling.rounds(robot)
     slid, firsts = slide(robot, cycles), tuple(one.first for one in cycles)
     x, y, turn = slid.displacement()
     first_x = x if firsts == cycles else slide(robot, firsts).displacement()[0]
@@ -374,14 +366,14 @@ def predict(robot: Robot) -> Prediction:
 
 def predicted_gaits(robot: Robot) -> tuple[str, ...]:
     """For each leg the states of the cycle that repeats itself; errors as for `Robot.predict`."""
-    return _gaits(rounds(robot))
+    return _gaits(cycling.rounds(robot))
 
 
 def too_soft(robot: Robot) -> str:
     """Effect of the drive's compliance on the gait, in words; "" without one."""
-    cycles, stiffness = rounds(robot), robot.drive.stiffness
+    cycles, stiffness = cycling.rounds(robot), robot.drive.stiffness
     gaits = _gaits(cycles)
-    if _completes(robot, cycles, stiffness) or gaits == _gaits(rounds(robot, math.inf)):
+    if _completes(robot, cycles, stiffness) or gaits == _gaits(cycling.rounds(robot, math.inf)):
         return ""
     text = (
         f"the drive is too soft: with {stiffness:g} N/m the legs move from "
@@ -413,26 +405,31 @@ def _other_drives(
     if _completes(robot, cycles, robot.drive.stiffness, unknown):
         return _gaits(cycles), []
     stances = [one.stances for one in cycles]
-    others = (go_rounds(robot, stances, robot.drive.stiffness, by) for by in (unknown, -unknown))
-    return _gaits(rounds(robot, math.inf)), list(map(_gaits, others))
+    others = (
+        cycling.go_rounds(robot, stances, robot.drive.stiffness, by) for by in (unknown, -unknown)
+    )
+    return _gaits(cycling.rounds(robot, math.inf)), list(map(_gaits, others))
 
 
 def _completes(robot: Robot, cycles: Sequence[Round], stiffness: float, more: float = 0.0) -> bool:
     """Whether the carriage reaches both ends of its stroke in these cycles."""
     spring = Spring(robot.drive.amplitude, stiffness, more)
     reach = min(robot.drive.amplitude, *(one.leg.chain.full_stroke for one in cycles))
-    out, back = spring.stops(forces(cycles, 0), 1), spring.stops(forces(cycles, 1), -1)
-    return out >= reach - ROUNDING and back <= ROUNDING
+    out, back = (
+        spring.stops(cycling.forces(cycles, 0), 1),
+        spring.stops(cycling.forces(cycles, 1), -1),
+    )
+    return out >= reach - cycling.ROUNDING and back <= cycling.ROUNDING
 
 
 def _visits_same_states(robot: Robot, cycles: Sequence[Round], stiffness: float) -> bool:
     """Whether the legs visit the same states in the strokes that the carriage reaches."""
     spring = Spring(robot.drive.amplitude, stiffness)
     for half, way in enumerate((1, -1)):
-        end = spring.stops(forces(cycles, half), way)
+        end = spring.stops(cycling.forces(cycles, half), way)
         for one in cycles:
             ahead, full = one.halves[half], np.array(one.leg.chain.full_travels)
-            gone = ahead.travel[way * ahead.stroke <= way * end + ROUNDING]
+            gone = ahead.travel[way * ahead.stroke <= way * end + cycling.ROUNDING]
             travels = np.concatenate([gone, ahead.at(np.array([end]))[0]])
             if gait(travels / full) != gait(ahead.travel / full):
                 return False
@@ -442,8 +439,8 @@ def _visits_same_states(robot: Robot, cycles: Sequence[Round], stiffness: float)
 @lru_cache(maxsize=32)
 def drive_needs(robot: Robot) -> DriveNeeds:
     """Requirements on the actuator for the gaits that a robot has with a rigid drive."""
-    cycles = rounds(robot, math.inf)
-    push, pull = largest(forces(cycles, 0), 1), largest(forces(cycles, 1), -1)
+    cycles = cycling.rounds(robot, math.inf)
+    push, pull = largest(cycling.forces(cycles, 0), 1), largest(cycling.forces(cycles, 1), -1)
     scale = max(push, pull) / robot.drive.amplitude
     softest, stiffest = scale / STIFFNESSES, scale * STIFFNESSES
 
@@ -459,7 +456,7 @@ def drive_needs(robot: Robot) -> DriveNeeds:
     needed = min(enough, least(partial(_visits_same_states, robot, cycles)))
 
     def gaits(stiffness: float) -> str:
-        return str(_gaits(go_rounds(robot, [one.stances for one in cycles], stiffness)))
+        return str(_gaits(cycling.go_rounds(robot, [one.stances for one in cycles], stiffness)))
 
     looks = np.geomspace(enough, needed * (1.0 - WITHIN), LOOKS_FOR_STIFFNESS).tolist()
     if needed < (1.0 - WITHIN) * enough:
@@ -474,7 +471,7 @@ def depths(robot: Robot) -> tuple[tuple[float, float], ...]:
     In this range the gait does not depend on the uncertain force. If the gait is uncertain at the
     feet's own depth, both ends are that depth.
     """
-    cycles = tuple(one.first for one in rounds(robot))
+    cycles = tuple(one.first for one in cycling.rounds(robot))
     own = cache(lambda i: _depths(robot, i, cycles))
     return tuple(map(own, _first_alike(cycles)))
 
@@ -515,7 +512,11 @@ def _margin_and_alternatives(one: Round) -> tuple[float, str, tuple[str, ...]]:
         def pushed(force: float, cell: int = cell, sense: float = sense) -> str:
             extra = {cell: sense * force}
             # Without a force it is the known cycle.
-            return go_round(one.leg, one.stances, one.turns, extra).gait() if force else one.gait()
+            return (
+                cycling.go_round(one.leg, one.stances, one.turns, extra).gait()
+                if force
+                else one.gait()
+            )
 
         nearer = [force for force in FORCES if force < margin]
         looks = [*nearer, margin] if math.isfinite(margin) else nearer
@@ -528,7 +529,7 @@ def _margin_and_alternatives(one: Round) -> tuple[float, str, tuple[str, ...]]:
         [replace(foot, drags=False) for foot in one.stances],
         [replace(foot, load=np.full_like(foot.load, foot.load[0])) for foot in one.stances],
     ):
-        others.add(go_round(one.leg, (out, back), one.turns).gait())
+        others.add(cycling.go_round(one.leg, (out, back), one.turns).gait())
     return margin, nearest, tuple(sorted(others - {one.gait()}))
 
 
@@ -541,11 +542,11 @@ def _depths(robot: Robot, index: int, cycles: Sequence[Round]) -> tuple[float, f
 
     def gait_at(below: float) -> str:
         other = replace(robot, foot=replace(foot, below=below))
-        stances = footing(other, index, cycles, leaning(other))
+        stances = cycling.footing(other, index, cycles, leaning(other))
         for force in (unknown, -unknown):
             extra = {len(leg.chain) - 1: force}
             try:
-                after = go_round(leg, stances, cycles[index].turns, extra).gait()
+                after = cycling.go_round(leg, stances, cycles[index].turns, extra).gait()
             except StaticsError:
                 return "not followed"  # counts as another gait
             if after != gait:
@@ -568,7 +569,7 @@ def _flips(robot: Robot, one: Round, cell: int | str, moves: Vec2, swing: float)
     def thresholds(force: float) -> list[tuple[float, str]]:
         def pressed(share: float) -> str:
             leg, last = one.leg.with_moved_anchor(cell, moves, share), len(one.leg.chain) - 1
-            return go_round(leg, one.stances, one.turns, {last: force}).gait()
+            return cycling.go_round(leg, one.stances, one.turns, {last: force}).gait()
 
         return list(changes(pressed, np.linspace(0.0, 1.0, LOOKS).tolist()))
 
@@ -608,7 +609,7 @@ def _largest_drag(robot: Robot, one: Round, load: float, sharing: float) -> tupl
     def dragged(drag: float) -> str:
         other = replace(robot, floor=replace(robot.floor, drag=drag))
         out, back = (replace(foot, robot=other) for foot in one.stances)
-        return go_round(one.leg, (out, back), one.turns).gait()
+        return cycling.go_round(one.leg, (out, back), one.turns).gait()
 
     if slips > robot.floor.drag:
         for drag, _ in changes(dragged, np.linspace(robot.floor.drag, slips, 9).tolist()):
