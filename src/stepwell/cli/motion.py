@@ -228,13 +228,7 @@ def map_(design: options.Design, plane: PlaneOptions, output: options.Output) ->
 
     Example: stepwell map preset:paper-forward --out map
     """
-    from stepwell.design import (
-        MapView,
-        boundaries,
-        parameter_boundaries,
-        parameter_map,
-        transition_map,
-    )
+    import stepwell.design as maps
 
     text, chain = options.read_chain(design)
     output.check_output_folder("map")
@@ -244,18 +238,18 @@ def map_(design: options.Design, plane: PlaneOptions, output: options.Output) ->
             index = cell_of(chain, plane.cell)
             designs = marks(chain, index)
             places = {"x": plane.x.values(1e3), "y": plane.y.values(1e3)}
-            nodes = partial(transition_map, chain, index, **places)
-            curves = partial(boundaries, chain, index, **places)
+            nodes = partial(maps.transition_map, chain, index, **places)
+            curves = partial(maps.boundaries, chain, index, **places)
         else:
             (across, here_across), (up, here_up) = (_axis(one, chain) for one in both)
-            nodes = partial(parameter_map, chain, across, up)
-            curves = partial(parameter_boundaries, chain, across, up)
+            nodes = partial(maps.parameter_map, chain, across, up)
+            curves = partial(maps.parameter_boundaries, chain, across, up)
             designs = {"this design": (here_across, here_up)}
         with screen.progress("map") as tell:
             dataset = nodes(progress=tell)
         with screen.progress("boundaries") as tell:
             lines = curves(progress=tell)
-        output.report(MapView(dataset, lines, designs), text, design)
+        output.report(maps.MapView(dataset, lines, designs), text, design)
 
 
 def _axis(given: Range, chain: Chain) -> tuple[tuple[str, Floats], float]:
