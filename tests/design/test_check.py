@@ -28,19 +28,19 @@ CHAINS = [name for name in presets() if not name.startswith("robot-")]
 @pytest.mark.parametrize(
     ("low", "high", "verdict"),
     [
-        (0.95, 1.0, Verdict.WORKS),
-        (math.nextafter(0.95, 0.0), 1.0, Verdict.FRAGILE),
-        (0.3, 0.5, Verdict.FRAGILE),
-        (0.3, math.nextafter(0.5, 0.0), Verdict.WONT),
-        (0.0, 0.0, Verdict.WONT),
-        (1.0, 1.0, Verdict.WORKS),
+        (0.95, 1.0, Verdict.ROBUST),
+        (math.nextafter(0.95, 0.0), 1.0, Verdict.MARGINAL),
+        (0.3, 0.5, Verdict.MARGINAL),
+        (0.3, math.nextafter(0.5, 0.0), Verdict.FAILS),
+        (0.0, 0.0, Verdict.FAILS),
+        (1.0, 1.0, Verdict.ROBUST),
     ],
 )
 def test_the_rule_holds_at_its_bounds(low, high, verdict):
     assert judged(meets_target=True, tied=False, interval=(low, high)) is verdict
-    assert judged(meets_target=False, tied=False, interval=(low, high)) is Verdict.WONT
+    assert judged(meets_target=False, tied=False, interval=(low, high)) is Verdict.FAILS
     tied = judged(meets_target=True, tied=True, interval=(low, high))
-    assert tied is not Verdict.WORKS
+    assert tied is not Verdict.ROBUST
 
 
 @pytest.mark.slow
@@ -57,7 +57,7 @@ def test_two_bands_in_one_hole_are_odd_once():
 def test_what_stands_between_two_sequences_never_works():
     for place in (0.010, 0.020):
         pair = Chain([CELL.with_anchors(q=(place, 0.0))] * 2)
-        assert check(pair, samples=200).verdict is not Verdict.WORKS
+        assert check(pair, samples=200).verdict is not Verdict.ROBUST
 
 
 def random_chains(count: int) -> list[Chain]:
@@ -106,7 +106,7 @@ def moved(critical_change, by: float) -> Chain:
 
 @pytest.mark.slow
 def test_wider_tolerances_never_make_a_verdict_better():
-    order = [Verdict.WONT, Verdict.FRAGILE, Verdict.WORKS]
+    order = [Verdict.FAILS, Verdict.MARGINAL, Verdict.ROBUST]
     for chain in random_chains(examples(2, full=80)):
         ranks = [
             order.index(check(chain, None, Tolerances(anchor, 0.05), samples=2000).verdict)
@@ -143,7 +143,7 @@ def test_every_design_gets_a_verdict(name):
     result = check(sw.load(f"preset:{name}"), samples=20)
     assert isinstance(result, Check) and result.reason
     assert result.meets_target and math.isfinite(result.peak_force)
-    assert result.verdict in (Verdict.FRAGILE, Verdict.WORKS, Verdict.WONT)
+    assert result.verdict in (Verdict.MARGINAL, Verdict.ROBUST, Verdict.FAILS)
 
 
 @pytest.mark.slow
@@ -157,9 +157,9 @@ def test_a_program_is_checked_by_where_it_ends():
     assert broken is not None
 
 
-def test_what_the_drawing_does_not_do_it_wont():
+def test_a_nominal_design_that_misses_its_target_fails():
     result = check(sw.load("preset:paper-forward"), "00>01>11>10>00", samples=100)
-    assert result.verdict is Verdict.WONT and result.critical_change is None
+    assert result.verdict is Verdict.FAILS and result.critical_change is None
     says(result.reason, "nominal", "00>10>11>01>00")
 
 

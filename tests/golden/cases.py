@@ -231,10 +231,10 @@ YIELDS = [
 ]
 
 CHECKS = [
-    _one("check/works", "check preset:paper-forward --samples 100"),
-    _one("check/wont", "check preset:paper-forward --target '00>01>11>10>00' --samples 50"),
+    _one("check/robust", "check preset:paper-forward --samples 100"),
+    _one("check/fails", "check preset:paper-forward --target '00>01>11>10>00' --samples 50"),
     _folder(
-        "check/fragile",
+        "check/marginal",
         "check preset:three-wave --anchor 0.5 --stiffness-tolerance 20 --rest-length-tolerance 3 "
         "--lever-tolerance 0.2 --friction 0.01 --travel-tolerance 0 --samples 100 --seed 2",
         shown=True,

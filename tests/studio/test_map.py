@@ -235,7 +235,7 @@ def _judged(chain: sw.Chain, result: Yield) -> dict[str, Any]:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "verdict"),
-    [("paper-forward", "works"), ("paper-identical", "won't"), ("paper-via-01", "works")],
+    [("paper-forward", "robust"), ("paper-identical", "fails"), ("paper-via-01", "robust")],
 )
 def test_the_verdict_is_that_of_check(name: str, verdict: str):
     chain = sw.preset(name)

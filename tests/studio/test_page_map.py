@@ -260,7 +260,7 @@ def counted(opened: Opened, address: str) -> Page:
 def test_the_yield_is_pythons_and_follows_the_design(counted: Page):
     page = counted
     tolerance = page.get_by_role("spinbutton", name="Tolerance of the anchors in mm", exact=True)
-    expect(output(page, "verdict")).to_have_text("works")
+    expect(output(page, "verdict")).to_have_text("robust")
     expect(output(page, "verdict in the bar")).to_be_in_viewport()
     expect(tolerance).to_have_value("0.3")
     tolerance.fill("4")

@@ -23,11 +23,11 @@ def check(
     sampling: given.Sampling,
     output: Output,
 ) -> None:
-    """Check robustness against manufacturing tolerances; verdict: works, fragile or won't.
+    """Check robustness against manufacturing tolerances; verdict: robust, marginal or fails.
 
     The result contains the reason of the verdict, the smallest single change that breaks the
     target, actuator force and dissipated energy, warnings, and the measurement that would reduce
-    the uncertainty most. If the verdict is "won't", the exit code is 3. With --out, a report and
+    the uncertainty most. If the verdict is "fails", the exit code is 3. With --out, a report and
     the result as JSON are written into a folder, together with the design.
 
     Example: stepwell check preset:paper-forward --anchor 0.5
@@ -45,7 +45,7 @@ def check(
     with usable(design), progress("check") as tell:
         result = check(chain, goal, spread, **vars(sampling), progress=tell)
     output.report(result, text, design, calibrated)
-    answered(result.verdict != "won't")
+    answered(result.verdict != "fails")
 
 
 class CountedOptions(Group):

@@ -22,29 +22,29 @@ from stepwell.mechanism import Band, Cell, Chain, Element, sizes
 from stepwell.sequences import Program, cycle
 from stepwell.statics import Path, StaticsError
 
-# Yield: lower bound for "works", upper bound for "won't".
+# Yield: lower bound for "robust", upper bound for "fails".
 SURE, HALF = 0.95, 0.5
 
 
 class Verdict(StrEnum):
     """Verdict on the yield, from the best to the worst."""
 
-    WORKS = "works"
-    FRAGILE = "fragile"
-    WONT = "won't"
+    ROBUST = "robust"
+    MARGINAL = "marginal"
+    FAILS = "fails"
 
 
 def judged(*, meets_target: bool, tied: bool, interval: tuple[float, float]) -> Verdict:
     """The verdict; the [decision](decisions/verdict.md) says why its bounds are where they are.
 
-    `WONT` if the nominal design, which may be a tie, misses the target, or the 95 % confidence
-    interval of the yield ends below one half; `WORKS` if it reaches the target without a tie and
-    the interval begins at 95 % or above; else `FRAGILE`.
+    `FAILS` if the nominal design, which may be a tie, misses the target, or the 95 % confidence
+    interval of the yield ends below one half; `ROBUST` if it reaches the target without a tie and
+    the interval begins at 95 % or above; else `MARGINAL`.
     """
     low, high = interval
     if not meets_target or high < HALF:
-        return Verdict.WONT
-    return Verdict.WORKS if low >= SURE and not tied else Verdict.FRAGILE
+        return Verdict.FAILS
+    return Verdict.ROBUST if low >= SURE and not tied else Verdict.MARGINAL
 
 
 # The largest strain of a rubber band in use: natural rubber breaks at about 6 to 7.
@@ -332,9 +332,9 @@ def _checked(
     low, high = map(base.percent, counted.interval)
     if not meets_target:
         reason = f"the nominal design does not reach the target: it gives {short(does)}"
-    elif verdict is Verdict.WORKS:
+    elif verdict is Verdict.ROBUST:
         reason = f"the nominal design reaches the target; yield ≥ {low} (95 % confidence)"
-    elif verdict is Verdict.WONT:
+    elif verdict is Verdict.FAILS:
         reason = f"the nominal design reaches the target, but yield ≤ {high} (95 % confidence)"
     elif tied:
         reason = "degenerate: two events of the nominal design coincide within numerical tolerance"
