@@ -9,6 +9,7 @@ import pytest
 from fontTools.ttLib import TTFont
 from PIL import Image
 
+import stepwell as sw
 from facts import refuses
 from figures.drawn import says
 from stepwell import figures, files
@@ -93,3 +94,11 @@ def test_text_in_an_svg_is_the_same_every_time(figure, tmp_path):
     for name in ("a.svg", "b.svg"):
         figures.save(figure, tmp_path / name, text=True)
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [89.0, 180.0])
+@pytest.mark.parametrize("preset", ["paper-forward", "three-wave", "curved-beam", "robot-forward"])
+def test_the_default_figure_of_a_design_fits_a_page(preset, width):
+    drawn = sw.reports.figure(sw.preset(preset), width=width)
+    assert drawn.get_size_inches()[1] * 25.4 <= sw.reports.TALLEST

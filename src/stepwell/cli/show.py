@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from stepwell.simulation import Maze, Walk
 
 
-# About the height of a page [mm], and the width of two columns.
-_TALLEST, _USUAL = 247.0, "180mm"
+_USUAL = "180mm"  # two columns
 _PAPER = "paper:"
 _KINDS = ("pdf", "svg", "png")
 
@@ -139,8 +138,10 @@ def figure(
     size = [25.4 * float(inches) for inches in drawn.get_size_inches()]
     screen.show_verbatim(f"Wrote {out}")
     screen.show_lines(f"{size[0]:.0f} mm wide, {size[1]:.0f} mm high.")
-    if size[1] > _TALLEST:
-        screen.warn(f"The figure is higher than a page ({_TALLEST:g} mm): use fewer panels.")
+    if size[1] > sw.reports.TALLEST:
+        screen.warn(
+            f"The figure is higher than a page ({sw.reports.TALLEST:g} mm): use fewer panels."
+        )
 
 
 def _composed(design: str, panels: str | None, **how: Any) -> Figure:

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from stepwell.base import late
-from stepwell.reports.figure import PANELS, figure
+from stepwell.reports.figure import PANELS, TALLEST, figure
 from stepwell.reports.story.page import write_story
 from stepwell.reports.story.steps import OPENING, STEPS, PlannedStep, StoryStep
 from stepwell.reports.write import boundary_rows, checked_suffix, write, write_graph
@@ -15,6 +15,7 @@ __all__ = [
     "OPENING",
     "PANELS",
     "STEPS",
+    "TALLEST",
     "PlannedStep",
     "StoryStep",
     "boundary_rows",

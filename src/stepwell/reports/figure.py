@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+# About the height of a page [mm].
+TALLEST = 247.0
 # Anchor positions of a map [m], the defaults of `stepwell map`.
 _ACROSS, _UP, _PLACES = (0.0, 0.020), (-0.015, 0.015), 200
 # Cycles of a walk, so that the gait has settled.
@@ -169,7 +171,7 @@ PANELS: MappingProxyType[str, Panel] = MappingProxyType(
 def panels_of(design: Chain | Robot) -> tuple[str, ...]:
     """The default panels of a design."""
     if isinstance(design, Robot):
-        return "drawing", "prediction"
+        return "side", "prediction"
     return "mechanism", "force", "landscape" if len(design) == 2 else "travel"
 
 
@@ -188,7 +190,8 @@ def figure(
     Args:
         design: a chain or a robot.
         panels: names in `PANELS`; a list makes a row. By default mechanism, force, and landscape or
-            travel; for a robot drawing and prediction.
+            travel; for a robot side and prediction; without the last ones if the figure would be
+            higher than a page.
         program: stroke program for the panel of that name.
         measured: recordings drawn behind the force, at most four.
         mass: outside each cell [kg], for the panel snap.
@@ -210,7 +213,15 @@ def figure(
     ]
     if measured and not any("force" in ([one] if isinstance(one, str) else one) for one in rows):
         raise InputError("measured: recordings need the panel force: add it to the panels.")
-    return sw.figures.compose(drawn, **page)
+    made = sw.figures.compose(drawn, **page)
+    while (
+        not panels
+        and len(drawn) > 1 + bool(measured)
+        and made.get_size_inches()[1] * 25.4 > TALLEST
+    ):
+        drawn.pop()
+        made = sw.figures.compose(drawn, **page)
+    return made
 
 
 def _panel(name: str, subject: _Subject) -> Callable[[], Figure]:
