@@ -310,3 +310,11 @@ def test_elements_move_in_a_gif_and_keep_their_colours(tmp_path):
         colours = movie.convert("RGB").getcolors(1 << 20) or []
     wanted = np.array([int(to_hex("#009E73")[k : k + 2], 16) for k in (1, 3, 5)])
     assert min(np.abs(np.array(rgb) - wanted).max() for _, rgb in colours) < 12
+
+
+def test_elements_that_are_compared_share_their_force_axis_unless_one_would_be_flat():
+    beam = sw.elements.curved_beam()
+    alike = figures.element_curves({"one": beam, "two": replace(beam, force_scale=2.0)})
+    assert len({ax.get_ylim() for ax in alike.axes}) == 1
+    far = figures.element_curves({"one": beam, "two": replace(beam, force_scale=100.0)})
+    assert len({ax.get_ylim() for ax in far.axes}) == 2

@@ -19,6 +19,8 @@ _SAMPLES = 241
 _BEYOND, _WALL = 0.08, 0.03
 _BOLD, _THIN, _PAST = 2.2, 0.9, 1.5
 _DOTS = (0, (1, 1.6))
+# Elements share a force axis if its range is at most this factor times that of each.
+_FLAT = 10.0
 # Least width of the axes of one element, and of a legend entry of several [mm].
 _LEAST, _ENTRY = 44.0, 37.0
 _COLOUR = style.cell_colours(1)[0]
@@ -87,14 +89,20 @@ def element_curves(elements: Mapping[str, Element]) -> Figure:
     foot += 3.8 * (lines - 1)
     figure = sheet.blank(page, rows * tall + foot)
     corners = sheet.grid(len(elements), across, (each, tall), (13.0, 11.0 + foot))
-    for (name, element), corner in zip(elements.items(), corners, strict=True):
-        ax = sheet.place(figure, *corner, each - 15.0, tall - 17.0)
-        drawn = _Curve(ax, element)
-        drawn.draw_force()
-        ax.locator_params(nbins=5)
-        ax.set(xlabel=drawn.travel.label, ylabel=drawn.force.label)
-        drawn.name_fields()
-        sheet.name_panel(ax, literal(name))
+    axes = [sheet.place(figure, *corner, each - 15.0, tall - 17.0) for corner in corners]
+    curves = [_Curve(ax, element) for ax, element in zip(axes, elements.values(), strict=True)]
+    for curve in curves:
+        curve.draw_force()
+    low, high = np.transpose([ax.get_ylim() for ax in axes])
+    # One force axis, unless a curve would be flat on it.
+    if np.max(high) - np.min(low) <= _FLAT * np.min(high - low):
+        for ax in axes:
+            ax.set_ylim(np.min(low), np.max(high))
+    for name, curve in zip(elements, curves, strict=True):
+        curve.ax.locator_params(nbins=5)
+        curve.ax.set(xlabel=curve.travel.label, ylabel=curve.force.label)
+        curve.name_fields()
+        sheet.name_panel(curve.ax, literal(name))
     legends.below(figure, key, columns)
     return figure
 
