@@ -42,5 +42,4 @@ _LATE = {
     "words": ("assumptions", "simulation_assumptions", "tie_notes"),
 }
 
-
 __getattr__, __dir__ = late(__name__, _LATE, __all__)

@@ -38,12 +38,6 @@ def _drawn(atlas: Atlas, of: Iterable[Machine | Cycling]) -> list[Row]:
     return [{"of": one, "values": values} for one, values in drawn]
 
 
-def _border(atlas: Atlas, border: Border) -> Row:
-    unit, by = _unit_of(atlas, border.parameter)
-    at, step = border.value * by, border.step * by
-    return {**border._asdict(), "unit": unit or "1", "at": at, "step": step}
-
-
 def _share(name: str, read: str) -> Schema:
     """Fraction of the designs, and the ends of its interval."""
     ends = {name: "share", f"{name}_low": "low", f"{name}_high": "high"}
@@ -70,9 +64,8 @@ def _unloading_order(machine: Machine) -> str:
     """The cells in the order in which they snap back, numbered as they load."""
     states = machine.cycle.split(">")
     steps = pairwise(states[len(states) // 2 :])
-    return " ".join(
-        str(next(k for k, cell in enumerate(a, 1) if cell != b[k - 1])) for a, b in steps
-    )
+    cells = (next(k for k, cell in enumerate(a, 1) if cell != b[k - 1]) for a, b in steps)
+    return " ".join(map(str, cells))
 
 
 # Tables of machines and of cycles.
@@ -87,10 +80,8 @@ _MACHINES: Schema = (
 _CYCLES: Schema = (Quantity("sequence", head="cycle"), _MACHINES[2])
 ATLAS: Schema = (
     *keys(title=(str, "chain.title"), cells=(int, lambda atlas: len(atlas.chain)), drive=str),
-    *keys(
-        space=([VARIED], _space), designs=int, closed_form=int, not_proved=int, ties=int, wakes=int
-    ),
-    *keys(tolerances=keys(anchor="mm", stiffness="percent", rest_length="percent")),
+    *keys(space=([VARIED], _space), designs=int, closed_form=int, not_proved=int, ties=int),
+    *keys(wakes=int, tolerances=keys(anchor="mm", stiffness="percent", rest_length="percent")),
     *keys(graphs=(int, lambda atlas: len(atlas.machines)), possible=int | None),
     *keys(space_proved=bool, whole=bool),
     Quantity("unseen_at_most", "percent", read=lambda one: one.unseen and one.unseen.high),
@@ -130,7 +121,10 @@ def atlas_account(
         "Full cycles": RecordTable(_CYCLES, full, "The inner cell is the first.", level=PAGE),
         "Varied parameters": RecordTable(VARIED, space, ends, level=PAGE),
     }
-    bordering = [_border(atlas, one) for one in borders]
+    bordering = [
+        {**one._asdict(), "unit": unit or "1", "at": one.value * by, "step": one.step * by}
+        for one, unit, by in ((one, *_unit_of(atlas, one.parameter)) for one in borders)
+    ]
     given: dict[str, Any] = {"machines": _drawn(atlas, machines), "borders": bordering}
     title = atlas.chain.title or f"Atlas of {counted(len(atlas.chain), 'cell')}"
     facts, options = () if query else _facts(atlas), {"packages": ["zarr"], "given": given}
@@ -149,13 +143,12 @@ def _facts(atlas: Atlas) -> list[Fact]:
         f"{len(sampled.machines.keys() - known) or 'none'} of them new"
     )
     varied = counted(len(atlas.axes), "parameter")
+    drawn = f"{atlas.designs} drawn evenly, {atlas.closed_form} of them in closed form"
     return [
         Fact("Proved", _proved(atlas)),
         Fact("Unseen", "" if atlas.whole else unseen),
         Fact("Space", f"{len(atlas.chain)} cells driven by {atlas.drive}, {varied} varied"),
-        Fact(
-            "Designs", f"{atlas.designs} drawn evenly, {atlas.closed_form} of them in closed form"
-        ),
+        Fact("Designs", drawn),
         Fact("Engine", f"the same graph for {atlas.agreed} of {atlas.checked} more designs"),
         Fact("Others", others if sampled.asked else ""),
     ]

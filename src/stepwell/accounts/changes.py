@@ -106,9 +106,8 @@ def margin_section(margin: Margin, *parts: Part) -> dict[str, tuple[Part, ...]]:
     """The smallest change of each thing as a table, the nearest first; `parts` stand above it."""
     chain, near = margin.chain, sorted(margin.changes, key=lambda change: change.distance)
     schema = change_schema(Shape.of(chain))
-    exact = margin.method == "exact"
     searched = f"searched with the engine. {margin.resolution}"
-    how = "exact: every change is in closed form" if exact else searched
+    how = "exact: every change is in closed form" if margin.method == "exact" else searched
     about = f"The smallest change of one thing at a time that gives another sequence ({how})"
     if len(chain.elements) < len(chain):
         about += f"; anchors were moved by up to {base.amount(margin.reach, 'm')}"

@@ -68,8 +68,7 @@ def check_account(check: Check, about: About) -> Account:
     )
     title, answer = chain.title or "A design", f"{check.verdict}: {check.reason}"
     origin, seed = f"{cells_of(chain)}.", sampled.seed
-    warnings = Warned("Warnings", "", check.warnings)
-    warned = (warnings, degenerate(check.path.degenerate, chain))
+    warned = Warned("Warnings", "", check.warnings), degenerate(check.path.degenerate, chain)
     sections = {
         "Outcomes of the samples": yields.PICTURES,
         "Motion": Replay(check.target),

@@ -122,21 +122,15 @@ def reprogram_schema(shape: Shape) -> Schema:
     force = shape.measure.force_unit
     anchors = _change_schema("mm", "m", [float])
     scales = (*_change_schema("", "1"), *_change_schema(base.display_unit(force)[0], force))
-    resistance = keys(
-        largest_force=("N", "largest"), work_at_0=("mJ", "work_0"), work_at_1=("mJ", "work_1")
-    )
+    work = keys(work_at_0=("mJ", "work_0"), work_at_1=("mJ", "work_1"))
     return (
-        *keys(
-            title=(str, "chain.title"),
-            by=str,
-            target=str | None,
-            possible=(bool, lambda change: math.isfinite(change.distance)),
-        ),
-        *keys(before=str, after=(str | None, lambda change: change.after or None)),
+        *keys(title=(str, "chain.title"), by=str, target=str | None),
+        *keys(possible=(bool, lambda change: math.isfinite(change.distance)), before=str),
+        *keys(after=(str | None, lambda change: change.after or None)),
         *(anchors if shape.levers else ()),
         *(scales if shape.elements else ()),
         *keys(reach="mm", method=str, resolution=str),
-        *base.read_off(resistance, "resistance"),
+        *base.read_off((*keys(largest_force=("N", "largest")), *work), "resistance"),
         *keys(way=([_PLACE], _places)),
     )
 

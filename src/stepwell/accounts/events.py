@@ -93,7 +93,7 @@ def event_sections(
         place[0],
         Column("samples", lambda row: f"{100 * row['share']:.0f} %", True),
     )
-    other = RecordTable(
+    rest = RecordTable(
         columns,
         lambda: [
             base.record(event, landing.event) | base.record(place, one)
@@ -103,10 +103,7 @@ def event_sections(
         "Landings of the same snaps for other mobilities of the cells, with the mobilities nearest "
         "to the given ones that lead there and the fraction of the samples.",
     )
-    return {
-        "Switches and snaps": table,
-        "Landings that other mobilities of the cells change": other,
-    }
+    return {"Switches and snaps": table, "Landings that other mobilities of the cells change": rest}
 
 
 def _columns(chain: mechanism.Chain, known: Mapping[str, Quantity]) -> base.Columns:

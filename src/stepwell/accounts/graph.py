@@ -100,11 +100,9 @@ def transition_graph_account(value: TransitionGraph | MemoryReading, about: Abou
     graph = value.graph if isinstance(value, MemoryReading) else value
     facts = [Fact(*one) for one in graph.reading.facts.items()]
     sections = {"Nodes": Text(f"{len(graph)} nodes, {graph.transition_count} transitions.")}
-    warnings, schema = [degenerate(graph.ties, graph.chain)], graph_schema(shape_of(graph))
+    ties, schema = [degenerate(graph.ties, graph.chain)], graph_schema(shape_of(graph))
     answer = graph.reading.summary
-    return Account(
-        graph, _title(graph), "graph/2", answer, facts, sections, warnings, schema=schema
-    )
+    return Account(graph, _title(graph), "graph/2", answer, facts, sections, ties, schema=schema)
 
 
 memory_reading_account = transition_graph_account
@@ -124,9 +122,8 @@ def implicit_graph_schema(shape: Shape) -> Schema:
     to = (
         *keys(to=(str, itemgetter(0)), kind=(str, lambda one: one[1].kind.name.lower())),
         *keys(drive=(shape.drive, lambda one: one[1].drive)),
-        *keys(
-            cells=([int], lambda one: one[1].cells), released=("mJ", lambda one: one[1].released)
-        ),
+        *keys(cells=([int], lambda one: one[1].cells)),
+        *keys(released=("mJ", lambda one: one[1].released)),
     )
     step = (
         *keys(label=(str, "node.label"), low=(shape.drive, "node.low")),
@@ -172,19 +169,15 @@ def _walked_columns(walked: Walked) -> Columns:
             return row["label"]
         cells = zip(names, row["label"], walked.start, last_state, strict=False)
         moved = [
-            name + _PLACE.get(at + last, f" at {at}")
-            for name, at, start, last in cells
-            if at != start
+            name + _PLACE.get(at + last, f" at {at}") for name, at, was, last in cells if at != was
         ]
         return join_first(moved, _FEW) or "nothing"
 
     def leads(direction: str, row: Row) -> str:
         if (step := row[direction]) is None:
             return ""
-        to = number.get(step["to"])
-        return join_first([names[cell] for cell in step["cells"]], _FEW) + (
-            f" → {to}" if to else ""
-        )
+        to, cells = number.get(step["to"]), [names[cell] for cell in step["cells"]]
+        return join_first(cells, _FEW) + (f" → {to}" if to else "")
 
     return (
         Column("node", lambda row: str(number[row["label"]]), True),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import product
@@ -13,7 +14,7 @@ from stepwell.base import Measure, Quantity, Schema, keys
 
 if TYPE_CHECKING:
     from stepwell.mechanism import Chain
-    from stepwell.robot import Robot
+    from stepwell.robot import Arena, Robot
 
 Row = Mapping[str, Any]
 # The first names of every JSON Schema, and those of computed results, see `head`.
@@ -78,6 +79,16 @@ def bare(kind: str) -> dict[str, Any]:
     return {"schema": f"stepwell.{kind}", "stepwell": base.__version__}
 
 
+def digest_of(design: str | Chain | Robot | Arena | None) -> str | None:
+    """The SHA-256 of a design file, or of the one for a value; None if no file can hold it."""
+    from stepwell.files import digest, dumps
+
+    with suppress(ValueError):
+        if design is not None:
+            return digest(design if isinstance(design, str) else dumps(design))
+    return None
+
+
 def head(
     kind: str, design: str | Chain | Robot | None, seed: int | None = None, *packages: str
 ) -> dict[str, Any]:
@@ -93,16 +104,8 @@ def head(
         `schema`, `stepwell`, `versions`, `design_sha256` (None if no file can hold the design) and
         `seed`.
     """
-    from stepwell.files import digest, dumps
-
-    if design is not None and not isinstance(design, str):
-        try:
-            design = dumps(design)
-        except ValueError:
-            design = None
-    sha256 = None if design is None else digest(design)
     versions = base.versions(*packages)
-    return bare(kind) | {"versions": versions, "design_sha256": sha256, "seed": seed}
+    return bare(kind) | {"versions": versions, "design_sha256": digest_of(design), "seed": seed}
 
 
 class Shape(NamedTuple):

@@ -21,9 +21,6 @@ _BOUNDARY: Schema = (
     Quantity("error_of_axes", read="error", holds=float),
     Quantity("points", head="points", read=lambda one: len(one.points), holds=int, left=False),
 )
-_AXES = ("Across", "across"), ("Up", "up")
-
-
 _AXIS: Schema = (
     *keys(parameter=str, unit=str),
     Quantity("from", holds=float),
@@ -102,7 +99,7 @@ def map_view_account(view: MapView, about: About) -> Account:
 
     curves = (*_BOUNDARY, Column("within", error))
     between = "The curves between the sequences."
-    facts = [Fact(label, _axis_words(numbers[key])) for label, key in _AXES]
+    facts = [Fact(key.capitalize(), _axis_words(numbers[key])) for key in ("across", "up")]
     sections = {
         "Map": Picture("map", "Sequence at each point of the map"),
         "Sequences": RecordTable(columns, lambda: rows, most=None, more="sequences", level=CARD),
@@ -114,7 +111,5 @@ def map_view_account(view: MapView, about: About) -> Account:
 
 def _axis_words(axis: Row) -> str:
     unit = "" if axis["unit"] == "1" else f" {Quantity('', axis['unit']).sign}"
-    return (
-        f"{axis['parameter']} {number(axis['from'])} to {number(axis['to'])}{unit}, "
-        f"{axis['count']} values"
-    )
+    ends = f"{number(axis['from'])} to {number(axis['to'])}{unit}"
+    return f"{axis['parameter']} {ends}, {axis['count']} values"

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from stepwell.files import Presets
     from stepwell.paper import Verdicts
 
-
 _PACKAGE: Schema = (
     Quantity("name", head="package"),
     Quantity("version", head="version", none="missing", missing=True),

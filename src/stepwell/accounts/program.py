@@ -54,13 +54,11 @@ def program_account(program: Program, about: About) -> Account:
     chain, path = program.chain, program.path
     works, strokes = meets_target(program), counted(program.strokes, "stroke")
     ends = strokes if works else f"ends in {program.arrives} after {strokes}"
-    slack = (
-        f"every turning point may deviate by {amount(program.slack, chain.drive_unit, 3)} at once"
-    )
+    slack = f"every turning point may deviate by {amount(program.slack, chain.drive_unit, 3)}"
     spelled = len(chain) <= words.LONGEST_IN_A_LINE
     facts = (
         Fact("Turning points", words.turning_points(program.turning_points, chain)),
-        Fact("Slack", slack if works and program.turns else ""),
+        Fact("Slack", f"{slack} at once" if works and program.turns else ""),
         Fact("States", str(program.sequence) if spelled else ""),
         Fact("Dissipated", amount(path.dissipated, "J", 3)),
         Fact("Landings", events.landing_words(path.checked_landings)),
@@ -83,10 +81,7 @@ def program_account(program: Program, about: About) -> Account:
         "Method": Text(f"{program.reason}.", CARD),
         **words.assumed(chain),
     }
-    title, answer = (
-        chain.title or "A stroke program",
-        f"{program.start} to {program.target}: {ends}",
-    )
+    title, way = chain.title or "A stroke program", f"{program.start} to {program.target}"
     warnings = [words.degenerate(path.degenerate, chain)]
-    origin = f"A program from {program.start} to {program.target} for {words.cells_of(chain)}."
+    answer, origin = f"{way}: {ends}", f"A program from {way} for {words.cells_of(chain)}."
     return Account(program, title, "program/2", answer, facts, sections, warnings, origin)

@@ -50,8 +50,6 @@ _LEG: Schema = (
 # The depths at which a leg keeps its gait, in results of statics and of simulation.
 FEET = Quantity("feet", "mm", holds=[float], missing=True)
 _table = partial(RecordTable, most=None)
-
-
 _PREDICTION: Schema = (
     *keys(motion=Motion, advance="over_u_max", sideways="over_u_max", turn="deg"),
     *keys(first_advance="over_u_max", too_soft=str, near_boundary=bool),

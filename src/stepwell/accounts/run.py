@@ -63,13 +63,9 @@ def run_account(run: Run, about: About) -> Account:
     cycle, margin, chain = run.cycle, run.margin, run.chain
     made = f"Design file {about.source}" if about.source else "A design made in Python"
     origin = f"{made}. {words.cells_of(chain)}."
-    landings = events.landing_words(run.landings)
+    nearest, landings = changes.margin_words(margin), events.landing_words(run.landings)
     tied, measure = bool(cycle.degenerate), chain.measure
-    facts = (
-        *cycle_facts(cycle),
-        Fact("Margin", changes.margin_words(margin)),
-        Fact("Landings", landings),
-    )
+    facts = (*cycle_facts(cycle), Fact("Margin", nearest), Fact("Landings", landings))
     nearby = (
         Picture("margins", "Distance of each parameter to another sequence"),
         Picture("around", "Sequences around the most sensitive anchor"),

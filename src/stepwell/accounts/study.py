@@ -46,9 +46,7 @@ _DECIDING: Columns = (
 def _in_unit(**read: str) -> Schema:
     """A unit, and numbers in this unit."""
     return (
-        Quantity(
-            "unit", head="unit", read=lambda row: row.unit or "1", form=lambda u: u * (u != "1")
-        ),
+        Quantity("unit", "", "unit", lambda row: row.unit or "1", lambda u: u * (u != "1")),
         *(Quantity(k, head=k, read=path, holds=float, left=False) for k, path in read.items()),
     )
 
@@ -60,8 +58,6 @@ _NUMBER: Schema = (
     *_in_unit(least="least", median="median", most="most"),
     Quantity("designs", head="designs", holds=int, left=False),
 )
-
-
 STUDY: Schema = (
     *keys(title=(str, "study.subject.title"), store=(str, lambda status: str(status.study.folder))),
     *read_off(keys(what=str, identity=str, how=(str, lambda of: str(of.designs.how))), "study"),
@@ -75,7 +71,13 @@ STUDY: Schema = (
 
 def status_account(status: Status, about: About) -> Account:
     """Outcomes of a study, their influences and its progress."""
-    study, deciding = status.study, _influences(status)
+    study = status.study
+    # At most five parameters that influence a column with certainty, for each column.
+    deciding = [
+        {"column": one.column + f" = {one.value}" * bool(one.value), **record(_INFLUENCE, each)}
+        for one in status.decided
+        for each in one.sure[:5]
+    ]
     problems = [f"{counted(n, 'design')}: {kind}" for kind, n in status.problems.items()]
     answer = ""
     if status.outcomes:
@@ -124,15 +126,6 @@ def status_account(status: Status, about: About) -> Account:
     options = {"seed": study.designs.seed, "packages": ["zarr"], "hints": hints}
     title = study.subject.title or "A study"
     return Account(status, title, "study/1", answer, facts, sections, warned, **options)
-
-
-def _influences(status: Status) -> list[dict[str, Any]]:
-    """At most five parameters that influence a column with certainty, for each column."""
-    return [
-        {"column": one.column + f" = {one.value}" * bool(one.value), **record(_INFLUENCE, each)}
-        for one in status.decided
-        for each in one.sure[:5]
-    ]
 
 
 def _fraction(share: Share, sampled: bool = True, of: str = "") -> str:

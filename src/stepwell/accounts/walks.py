@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
-from stepwell import base, files, robot as robots
+from stepwell import base, robot as robots
 from stepwell.accounts import parts, robot as of_robot
-from stepwell.accounts.head import About, Row, keys
+from stepwell.accounts.head import About, Row, digest_of, keys
 from stepwell.accounts.parts import CARD, PAGE, TERMINAL, Account, Fact, Picture, RecordTable
 from stepwell.accounts.words import simulation_assumptions
 from stepwell.base import Column, Quantity, Schema, amount, counted, number
@@ -115,7 +115,7 @@ def walk_account(walk: Walk, about: About) -> Account:
         Fact("Foot depth", lambda: of_robot.depth_words(robot, walk.comparison.depths), TERMINAL),
         of_robot.assumed_fact(robot),
     )
-    numbered = {"cycle": range(1, len(walk.advance) + 1), **base.record(_CYCLES, walk)}
+    each = base.rows_of({"cycle": range(1, len(walk.advance) + 1), **base.record(_CYCLES, walk)})
     gaits = "States of the cells in a cycle, and slip of the foot."
     advance = "d/u_max is the advance over the largest step of the legs."
     columns = (Quantity("cycle", head="cycle", left=False), *_CYCLES)
@@ -127,9 +127,7 @@ def walk_account(walk: Walk, about: About) -> Account:
             Picture("contacts", "Contacts, actuator force and work"),
         ),
         "Gaits": RecordTable(_GAITS, "legs", gaits, most=None, pick=_gait_rows),
-        "Cycles": RecordTable(
-            columns, lambda: base.rows_of(numbered), advance, more="cycles", level=CARD
-        ),
+        "Cycles": RecordTable(columns, lambda: each, advance, more="cycles", level=CARD),
         **_input_sections(walk),
     }
     answer = f"Walked {amount(walk.distance, 'm')} in {cycles}"
@@ -174,15 +172,9 @@ def _gait_rows(legs: Sequence[Row]) -> list[Row]:
     return rows
 
 
-def _arena_digest(maze: Maze) -> str | None:
-    try:
-        return files.digest(files.dumps(maze.arena))
-    except ValueError:
-        return None
-
-
 MAZE: Schema = (
-    *keys(arena_sha256=(str | None, _arena_digest), start_seed=int | None, layout_seed=int | None),
+    *keys(arena_sha256=(str | None, lambda maze: digest_of(maze.arena))),
+    *keys(start_seed=int | None, layout_seed=int | None),
     *base.read_off(_WALKED, "walk"),
     *keys(arena=(str, "arena.title")),
     Quantity("start", "mm", read="arena.start", holds=[float]),
@@ -229,11 +221,10 @@ def maze_account(maze: Maze, about: About) -> Account:
         "Gait changes": RecordTable(_CHANGE, "changes", changes, more="changes", level=CARD),
         **_input_sections(walk),
     }
-    answer = maze.ending
     origin, warned = _simulated_in(maze.arena), _stopped_early("The simulation", walk.stopped)
     seeds = {name: about.seeds.get(name) for name in ("start_seed", "layout_seed")}
     options = {**_SIMULATED, "given": seeds}
-    return Account(maze, title, "maze/1", answer, facts, sections, warned, origin, **options)
+    return Account(maze, title, "maze/1", maze.ending, facts, sections, warned, origin, **options)
 
 
 def _trials(sweep: Sweep) -> Sequence[Row]:
@@ -271,12 +262,11 @@ def convergence_account(convergence: Convergence, about: About) -> Account:
     """Deviations of a walk between several time steps."""
     rows = convergence.rows
     steps = ", ".join(number(base.to_unit(row.time_step, "ms")) for row in rows)
-    advance = [row.advance for row in rows]
+    advance, off = [row.advance for row in rows], max(row.off for row in rows) * 100
     columns = (*_TIME_STEP[:3], _DEVIATION, _TIME_STEP[4])
     answer = (
         f"d/u_max {min(advance):.3f} to {max(advance):.3f} at time steps of {steps} ms; ground "
-        f"reaction forces deviate by at most {max(row.off for row in rows) * 100:.2f} % of the "
-        "weight"
+        f"reaction forces deviate by at most {off:.2f} % of the weight"
     )
     defined = (
         "Force deviation: root mean square over samples of the ground reaction forces against "

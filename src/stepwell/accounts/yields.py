@@ -173,11 +173,9 @@ def _sensitivities(result: Yield) -> tuple[RecordTable, Text]:
     )
     agreed = _of_gap("agreed")(result)
     share = "" if agreed is None else percent(agreed)
-    checked = (
-        f"Sign of the smallest gap agrees with the simulated outcome in {share} of the samples"
-    )
+    checked = "Sign of the smallest gap agrees with the simulated outcome in"
     table = RecordTable(_PART, recorded(_PART, rows), about, most=_MOST_ROWS)
-    return table, Text(checked if share else "")
+    return table, Text(f"{checked} {share} of the samples" if share else "")
 
 
 def survival_schema(shape: Shape) -> Schema:

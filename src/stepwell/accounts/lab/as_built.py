@@ -7,7 +7,7 @@ from stepwell.accounts.head import About, Shape, keys
 from stepwell.accounts.parts import CARD, PAGE, TERMINAL, Account, Fact, Notes, RecordTable, Text
 from stepwell.accounts.words import cells_of
 from stepwell.accounts.yields import tolerance_words
-from stepwell.base import Quantity, Schema
+from stepwell.base import Quantity, Schema, display_unit
 from stepwell.lab import AsBuilt, ParameterEstimate
 
 _PLACED: Schema = (
@@ -27,7 +27,7 @@ _PULL = keys(direction=int, stroke="mm", force="N")
 
 def _in_unit(name: str) -> Callable[[ParameterEstimate], float]:
     """A number of a parameter, in the unit in which this parameter is reported."""
-    return lambda known: getattr(known, name) * base.display_unit(known.parameter.unit)[1]
+    return lambda known: getattr(known, name) * display_unit(known.parameter.unit)[1]
 
 
 _KNOWN: Schema = (
@@ -36,12 +36,8 @@ _KNOWN: Schema = (
     Quantity("value", head="as built", read=_in_unit("value"), left=False, holds=float),
     Quantity("doubt", head="±", read=_in_unit("doubt"), left=False, holds=float),
     Quantity("doubt_before", head="± before", read=_in_unit("before"), left=False, holds=float),
-    Quantity(
-        "unit", "", "unit", lambda one: Quantity("", base.display_unit(one.parameter.unit)[0]).sign
-    ),
-    Quantity(
-        "identified", head="identified", form=lambda known: "yes" if known else "no", holds=bool
-    ),
+    Quantity("unit", "", "unit", lambda of: Quantity("", display_unit(of.parameter.unit)[0]).sign),
+    Quantity("identified", head="identified", form=("no", "yes").__getitem__, holds=bool),
 )
 
 

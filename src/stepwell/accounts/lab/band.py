@@ -78,14 +78,11 @@ def band_fit_account(fit: BandFit, about: About) -> Account:
         "fewest parameters first."
     )
     scatter = (
-        "Intervals are Student's, from the scatter between samples, taken as independent and "
-        "normal; cycles of one sample do not count."
+        "the scatter between samples, taken as independent and normal; cycles of one sample do "
+        "not count."
     )
     if alone:
-        scatter = (
-            "Intervals are Student's, from the scatter of the readings around the law and the "
-            "digits of the readings."
-        )
+        scatter = "the scatter of the readings around the law and the digits of the readings."
     sections = {
         "Force laws": (
             Picture("laws", "Force against stroke, and the laws"),
@@ -95,7 +92,7 @@ def band_fit_account(fit: BandFit, about: About) -> Account:
         "Stiffness [N/m] by window: from (down) and to (across) [mm]": _window_table(fit),
         "For a design file": parts.Verbatim(table.rstrip(), "Band table"),
         "Used and dropped": Notes(fit.test.notes),
-        "Assumptions": Text(scatter),
+        "Assumptions": Text(f"Intervals are Student's, from {scatter}"),
     }
     title, answer = "Stiffness of bands", f"Stiffness {number(mean.value)} N/m"
     warned = [parts.Warned("Check the recordings", "", fit.test.warnings)]

@@ -123,9 +123,7 @@ def calibration_account(model: Calibration, about: About) -> Account:
         Fact("Force law", model.law),
         Fact("Unit of errors", f"k r, with k = {number(model.reference)} N/m a band"),
     )
-    tied = ", ".join(
-        f"{one.parameter} and {one.other} ({one.correlation:+.2f})" for one in model.tied
-    )
+    tied = ", ".join(f"{it.parameter} and {it.other} ({it.correlation:+.2f})" for it in model.tied)
     correlated = f"The data do not identify these parameters separately: {tied}."
     assumed = (
         "Intervals are those of the jackknife over geometries, taken as independent; samples along "

@@ -22,12 +22,8 @@ def _measured_and_model(name: str, unit: str, read: str, kind: type = float) -> 
     def both(test: CellTest) -> Row:
         return {"measured": getattr(test.plain, read), "model": getattr(test.cell, read)}
 
-    def text(numbers: Row) -> str:
-        return f"{numbers['measured']:.3f} ({numbers['model']:.3f})"
-
-    return Quantity(
-        name, unit, name * bool(unit), both, text, holds=keys(measured=kind, model=kind)
-    )
+    text, holds = "{measured:.3f} ({model:.3f})".format_map, keys(measured=kind, model=kind)
+    return Quantity(name, unit, name * bool(unit), both, text, holds=holds)
 
 
 _EACH: Schema = (
@@ -56,9 +52,7 @@ _CELL = of_class(
 
 
 def _order(name: str, head: str, read: str) -> Quantity:
-    return Quantity(
-        name, "", head, lambda test: test.names(getattr(test, read)), " then ".join, holds=[str]
-    )
+    return Quantity(name, "", head, lambda t: t.names(getattr(t, read)), " then ".join, holds=[str])
 
 
 _PAIR = of_class(
@@ -150,15 +144,19 @@ def comparison_account(compared: Comparison, about: About) -> Account:
         "Used, dropped and odd": Notes([*odd, *compared.notes]),
         "Assumptions": Text(NOT_JUDGED),
     }
-    ordered = [pair for pair in pairs if not pair.tie]
+    given = {"data_sha256": about.data_sha256, "designs_sha256": about.designs_sha256}
+    title, answer = "Measured against model", _agreement(compared)
+    return Account(compared, title, "lab.compare/2", answer, facts, sections, given=given)
+
+
+def _agreement(compared: Comparison) -> str:
+    """How many pairs have the predicted order, and how many unit cells their model."""
+    cells, ordered = compared.cells, [pair for pair in compared.pairs if not pair.tie]
     right = sum(pair.shown == pair.predicted for pair in ordered)
     of_pairs = f"{right} of {counted(len(ordered), 'pair')} in the predicted order"
     agreed = sum(cell.agrees for cell in cells)
     of_cells = f"{agreed} of {counted(len(cells), 'unit cell')} agree with the model"
-    answer = "; ".join([of_pairs] * bool(ordered) + [of_cells] * bool(cells))
-    given = {"data_sha256": about.data_sha256, "designs_sha256": about.designs_sha256}
-    title, kind = "Measured against model", "lab.compare/2"
-    return Account(compared, title, kind, answer, facts, sections, given=given)
+    return "; ".join([of_pairs] * bool(ordered) + [of_cells] * bool(cells))
 
 
 def _rig_words(rig: Rig) -> str:
