@@ -20,7 +20,7 @@ from stepwell.design.synthesis.region import (
     AnchorBox,
     AnchorPolygon,
     BandType,
-    lattice,
+    drilled,
     usual_box,
 )
 from stepwell.design.tolerances.draws import Tolerances
@@ -67,7 +67,8 @@ def random_case(rng: np.random.Generator, cells: int):
     """A box of a few holes, anywhere, and a band that may fold back or go slack there."""
     pitch = float(rng.choice([0.004, 0.005, 0.007]))
     wide, tall = [(1, 1), (2, 1), (1, 2)][rng.integers(3)]
-    left, bottom = rng.uniform(-0.020, 0.006), rng.uniform(-0.014, 0.008)
+    lowest = rng.uniform(-0.020, 0.006), rng.uniform(-0.014, 0.008)
+    left, bottom = (pitch * round(side / pitch) for side in lowest)
     box = AnchorBox(left, left + wide * pitch, bottom, bottom + tall * pitch)
     band = BandType(rng.uniform(15, 60), float(rng.choice([0.004, 0.008, 0.012])))
     orders = [rng.permutation(cells).tolist() for _ in range(2)]
@@ -104,7 +105,7 @@ def test_nothing_that_is_called_impossible_and_proved_has_a_witness(cells, cases
     proved = designed = tried = 0
     for _ in range(cases):
         box, pitch, band, wanted = random_case(rng, cells)
-        ways = [c for q in lattice(box, pitch).tolist() if (c := cell(band, tuple(q)))]
+        ways = [c for q in drilled(box, pitch).tolist() if (c := cell(band, tuple(q)))]
         # All choices, labels included: nothing here knows of symmetry or of end forces. Equal cells
         # are degenerate, so they do not load one after the other.
         numbers = permutations(range(len(ways)), cells)
@@ -129,7 +130,7 @@ def test_sets_of_states_called_impossible_and_proved_have_no_witness():
         every = ["".join(bits) for bits in product("01", repeat=cells)]
         for _ in range(cases):
             box, pitch, band, _ = random_case(rng, cells)
-            ways = [c for q in lattice(box, pitch).tolist() if (c := cell(band, tuple(q)))]
+            ways = [c for q in drilled(box, pitch).tolist() if (c := cell(band, tuple(q)))]
             columns, wanted = [], set()
             while len(set(columns)) < cells:  # so that equal cells are out of the question
                 wanted = {every[0], *(s for s in every[1:-1] if rng.random() < 0.6), every[-1]}
@@ -205,7 +206,7 @@ def test_a_region_is_proved_as_a_whole_only_where_every_place_is(region):
 
 def test_all_orders_of_two_cells_on_few_holes_are_found_or_refused_rightly():
     box, pitch = AnchorBox(-0.004, 0.004, 0.0, 0.008), 0.004
-    ways = [c for q in lattice(box, pitch).tolist() if (c := cell(LONG, tuple(q)))]
+    ways = [c for q in drilled(box, pitch).tolist() if (c := cell(LONG, tuple(q)))]
     does = {sequence((a, b)) for a, b in combinations(ways, 2)}
     does |= {sequence((b, a)) for a, b in combinations(ways, 2)}
     for loading, unloading in product(permutations(range(2)), repeat=2):

@@ -25,7 +25,10 @@ from stepwell.design.synthesis.region import (
     AnchorBox,
     AnchorPolygon,
     BandType,
+    drilled,
+    fits_grid,
     lattice,
+    usual_box,
 )
 from stepwell.design.tolerances.draws import Tolerances
 from stepwell.design.tolerances.yields import yields
@@ -266,7 +269,7 @@ def any_choice(f0: np.ndarray, f1: np.ndarray, loading, unloading) -> bool:
         (PAPER_BOX, 0.005, 36),
         (PAPER_BOX, 0.010, 36),
         (AnchorBox(0.0, 0.006, 0.0, 0.006), 0.003, 36),
-        (AnchorBox(0.001, 0.007, 0.0, 0.004), 0.003, 18),
+        (AnchorBox(0.001, 0.007, 0.0, 0.004), 0.003, 12),
         (AnchorBox(0.0, 0.020, 0.0, 0.001), 0.005, 6),
         (AnchorBox(0.0, 0.0001, -0.015, 0.015), 0.005, 6),
         (AnchorBox(0.0, 0.008, 0.0, 0.008), 0.006, 12),
@@ -276,7 +279,7 @@ def any_choice(f0: np.ndarray, f1: np.ndarray, loading, unloading) -> bool:
 def test_on_holes_a_cycle_is_found_exactly_where_trying_all_of_them_finds_one(
     within, pitch, possible
 ):
-    f0, f1 = holes_by_brute_force(lattice(within, pitch))
+    f0, f1 = holes_by_brute_force(drilled(within, pitch))
     count = 0
     for number, (loading, unloading) in enumerate(PAIRS):
         wanted = cycle(loading, unloading)
@@ -288,7 +291,7 @@ def test_on_holes_a_cycle_is_found_exactly_where_trying_all_of_them_finds_one(
             made = design(wanted, within=within, holes=pitch, samples=1)
             refuses_nothing(made, wanted)
             assert made.proved
-            steps = (made.anchors - (within.left, within.bottom)) / pitch
+            steps = made.anchors / pitch
             np.testing.assert_allclose(steps, np.round(steps), atol=1e-9)
             assert np.all(within.holds(made.anchors))
         else:
@@ -306,7 +309,7 @@ def test_where_each_cell_has_its_own_holes_the_certificate_says_by_how_much_they
     apart = (AnchorBox(0.018, 0.020, 0.0, 0.001), AnchorBox(0.0, 0.002, 0.0, 0.001))
     with pytest.raises(Impossible) as refusal:
         design("00>10>11>01>00", within=apart, holes=0.002, samples=1)
-    right, left = (holes_by_brute_force(lattice(region, 0.002)) for region in apart)
+    right, left = (holes_by_brute_force(drilled(region, 0.002)) for region in apart)
     best = max(
         min(b0 - a0, a1 - b1)
         for (a0, a1), (b0, b1) in product(zip(*right, strict=True), zip(*left, strict=True))
@@ -324,7 +327,7 @@ def test_among_holes_no_choice_is_better_by_the_objective(objective):
     # The holes at the edge of the proof stay, for the worst case to weigh.
     rough = Tolerances() if worst else Tolerances(anchor=0.001, stiffness=0.24)
     rule = candidates.Rule((-0.010, 0.0), (kind,), rough, math.inf, worst, PAPER_BOX)
-    table = rule.everything(PAPER_BOX, lattice(PAPER_BOX, 0.010))
+    table = rule.everything(PAPER_BOX, drilled(PAPER_BOX, 0.010))
     for loading, unloading in PAIRS[: examples(1, full=6)]:
         orders = Orders(loading, unloading)
         made = attempt.from_lattice(rule, orders, (PAPER_BOX,) * 3, 0.010)
@@ -550,13 +553,73 @@ def test_each_cell_may_have_its_own_region():
     assert free.yield_.share > made.yield_.share
 
 
-def test_holes_on_the_edge_of_a_polygon_count_and_are_counted_from_its_lower_left():
+def test_holes_on_the_edge_of_a_polygon_count():
     triangle = AnchorPolygon(((0.001, 0.002), (0.004, 0.002), (0.001, 0.005)))
-    places = np.round(lattice(triangle, 0.001) * 1e3, 6).tolist()
-    assert places == [
-        [1, 2], [2, 2], [3, 2], [4, 2], [1, 3], [2, 3], [3, 3], [1, 4], [2, 4], [1, 5],
-    ]  # fmt: skip
+    for places in (lattice(triangle, 0.001), drilled(triangle, 0.001)):
+        assert np.round(places * 1e3, 6).tolist() == [
+            [1, 2], [2, 2], [3, 2], [4, 2], [1, 3], [2, 3], [3, 3], [1, 4], [2, 4], [1, 5],
+        ]  # fmt: skip
     assert len(lattice(PAPER_BOX, 0.005)) == 35
+    assert np.array_equal(drilled(PAPER_BOX, 0.005), lattice(PAPER_BOX, 0.005))
+
+
+@given(
+    st.tuples(*[st.integers(-40, 40)] * 2),
+    st.tuples(*[st.integers(1, 25)] * 2),
+    st.sampled_from([0.1e-3, 0.3e-3, 0.7e-3, 1.1e-3, 0.0025, 0.005]),
+)
+def test_holes_with_edges_on_the_grid_are_all_multiples_of_the_spacing(low, steps, pitch):
+    # The same edges, computed in other ways, differ in their last digits.
+    edges = [(pitch * k, pitch * (k + n)) for k, n in zip(low, steps, strict=True)]
+    other = [(pitch * k, pitch * k + sum([pitch] * n)) for k, n in zip(low, steps, strict=True)]
+    for (left, right), (bottom, top) in (edges, other):
+        box = AnchorBox(left, right, bottom, top)
+        places = drilled(box, pitch)
+        assert len(places) == (steps[0] + 1) * (steps[1] + 1)
+        np.testing.assert_allclose(places / pitch, np.round(places / pitch), atol=1e-7)
+        assert np.array_equal(box.clamped(places), places)
+
+
+@given(
+    st.tuples(*[st.floats(-0.05, 0.05)] * 2),
+    st.tuples(*[st.floats(0.001, 0.05)] * 2),
+    st.floats(0.001, 0.02),
+)
+def test_holes_of_any_area_are_the_multiples_inside_it(corner, size, pitch):
+    box = AnchorBox(corner[0], corner[0] + size[0], corner[1], corner[1] + size[1])
+    places = drilled(box, pitch)
+    numbers = np.arange(-100, 101) * pitch
+    columns = np.sum((numbers >= box.left - 0.5e-6) & (numbers <= box.right + 0.5e-6))
+    rows = np.sum((numbers >= box.bottom - 0.5e-6) & (numbers <= box.top + 0.5e-6))
+    assert len(places) == columns * rows
+    np.testing.assert_allclose(places, np.round(places / pitch) * pitch, atol=0.51e-6)
+    assert np.array_equal(box.clamped(places), places)
+
+
+def test_chosen_holes_pass_through_the_middle_of_the_joints():
+    made = design(NESTED, lever=0.040, holes=0.005, samples=1)
+    np.testing.assert_allclose(made.anchors / 0.005, np.round(made.anchors / 0.005), atol=1e-9)
+    assert usual_box(0.040).clamped(made.anchors) == pytest.approx(made.anchors)
+    assert "not on the grid" not in made.method
+
+
+def test_an_anchor_beside_the_grid_of_holes_is_named_and_stays():
+    assert fits_grid((-0.010, 0.0), 0.005) and not fits_grid((-0.010, 0.0), 0.003)
+    made = design(NESTED, holes=0.003, samples=1)
+    says(made.method, "p (-10, 0) mm", "not on", "grid of holes", "3 mm apart")
+    assert {cell.bands[0].p for cell in made.chain.levers} == {(-0.010, 0.0)}
+    both = design(NESTED, holes=0.003, free="both", samples=1)
+    assert "not on the grid" not in both.method
+    other = design(NESTED, holes=0.003, free="p", samples=1)
+    says(other.method, "q (10, 0) mm", "not on", "grid of holes", "3 mm apart")
+
+
+def test_an_area_between_the_holes_is_refused_and_the_advice_works():
+    between = AnchorBox(0.001, 0.004, -0.004, 0.004)
+    with pytest.raises(ValueError, match=r"none is in AnchorBox.* 2\.5 mm apart"):
+        design("0>1>0", within=between, holes=0.005, samples=1)
+    assert len(drilled(between, 0.0025)) == 3
+    assert design("0>1>0", within=between, holes=0.0025, samples=1).sequence == "0>1>0"
 
 
 @given(

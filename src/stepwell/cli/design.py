@@ -83,7 +83,8 @@ class Parts(Group):
         default=Free.Q,
     )
     holes: float | None = option(
-        "Spacing of the holes for anchors [mm]; the grid starts at the lower left corner.",
+        "Spacing of the holes for anchors [mm]; the grid passes through (0, 0), halfway between "
+        "the lever joints.",
         "LENGTH",
         parser=length(0.01),
     )

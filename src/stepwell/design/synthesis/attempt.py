@@ -11,7 +11,7 @@ from stepwell.design.orders import Orders
 from stepwell.design.synthesis import placement
 from stepwell.design.synthesis.candidates import Candidates, Rule, differences, joined
 from stepwell.design.synthesis.holes import best_choice, fits
-from stepwell.design.synthesis.region import Region, lattice
+from stepwell.design.synthesis.region import Region, drilled, lattice
 from stepwell.mechanism import Cell, Chain
 
 # Node limits of a complete search among holes (some ten seconds), and of a first search.
@@ -56,7 +56,7 @@ class Attempt:
         """Number of holes where the band is not proved, or too strong for the actuator."""
         if self.holes is None:
             return ""
-        every = [lattice(region, self.holes) for region in dict.fromkeys(self.regions)]
+        every = [drilled(region, self.holes) for region in dict.fromkeys(self.regions)]
         ways = len(self.rule.kinds) * sum(len(q) for q in every)
         out = ways - self.candidates
         return f"{out} of {ways} holes" if out else ""
@@ -151,7 +151,7 @@ def _tables(
 ) -> tuple[float, list[Candidates]]:
     """The pitch [m] of the lattice or the holes, and the candidates of each region."""
     if holes is not None:
-        return holes, [rule.everything(region, lattice(region, holes)) for region in regions]
+        return holes, [rule.everything(region, drilled(region, holes)) for region in regions]
     share = _LATTICE_OF_ALL / (len(rule.kinds) * len(regions))
     places = min(_LATTICE, max(_LATTICE_LEAST, share))
     pitches, tables = zip(*(_lattice(rule, region, places) for region in regions), strict=True)

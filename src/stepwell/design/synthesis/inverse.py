@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stepwell.base import ONE_BY_ONE, QUICKLY, InputError, Progress
+from stepwell.base import ONE_BY_ONE, QUICKLY, InputError, Progress, to_unit
 from stepwell.design.orders import by_cells_at_1, of_sequence, of_states, order_of, short
 from stepwell.design.plane import Box
 from stepwell.design.switches import switching_forces
@@ -21,6 +21,8 @@ from stepwell.design.synthesis.region import (
     AnchorPolygon,
     BandType,
     Region,
+    drilled,
+    fits_grid,
     usual_box,
 )
 from stepwell.design.synthesis.tries import Placed, TargetSearch
@@ -88,7 +90,8 @@ def design(
         cells: number of cells for states="all".
         within: regions of the free anchors, one for all cells or one for each; by default the
             paper's box, scaled with the largest lever, and its mirror image for p.
-        holes: pitch of drilled holes, from the region's lower left corner [m]; None for anywhere.
+        holes: pitch of drilled holes [m]; their grid passes through the origin of the block frame,
+            halfway between the lever joints. None for anywhere.
         p, q: inner and outer anchor of every cell [m], if it is not free.
         free: which anchors are placed: "q", "p", or "both" with p = -q. Only q - p matters, so
             mirror images cover two anchors anywhere in a convex region and its image.
@@ -149,6 +152,8 @@ def design(
     )
     if not unusual:
         _check_units(rule, holes)
+    if holes is not None:
+        _check_holes(regions, holes)
     mixed = not equal_levers and len(levers) > 1
     # Kinds with all bands on one lever follow each other.
     starts = range(0, len(rule.kinds), len(bands))
@@ -180,7 +185,7 @@ def design(
         holes,
         placed.candidates,
         attempt is not None and placed.complete,
-        how,
+        how + _off_grid(rule, holes),
         _standing(attempt) + _not_searched(target, share),
     )
 
@@ -328,6 +333,34 @@ def _check_units(rule: Rule, holes: float | None) -> None:
     strongest = max(band.stiffness for band in bands) * lever
     travel = 2.0 * lever * math.sin(rule.kinds[0].limit)
     refuse_slips(rule.tolerances, travel, strongest, _WAY)
+
+
+def _check_holes(regions: Sequence[Region], holes: float) -> None:
+    for region in dict.fromkeys(regions):
+        if len(drilled(region, holes)):
+            continue
+        finer = holes
+        for _ in range(20):
+            finer /= 2
+            if len(drilled(region, finer)):
+                break
+        raise InputError(
+            f"holes {to_unit(holes, 'mm'):.4g} mm apart: none is in {region!r}. Their grid passes "
+            f"through (0, 0), halfway between the lever joints: move the region, or use holes "
+            f"{to_unit(finer, 'mm'):.4g} mm apart."
+        )
+
+
+def _off_grid(rule: Rule, holes: float | None) -> str:
+    """The note on a fixed anchor that is not in a hole of the grid."""
+    if holes is None or rule.free == "both" or fits_grid(rule.fixed, holes):
+        return ""
+    x, y = (to_unit(part, "mm") for part in rule.fixed)
+    name = "q" if rule.free == "p" else "p"
+    return (
+        f"; {name} ({x:.4g}, {y:.4g}) mm is not on the grid of holes "
+        f"{to_unit(holes, 'mm'):.4g} mm apart"
+    )
 
 
 def _enclosing_box(regions: tuple[Region, ...]) -> Box:

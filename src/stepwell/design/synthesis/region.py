@@ -203,17 +203,42 @@ def allowed_text(regions: Sequence[Region], holes: float | None, free: str = "q"
 
 def lattice(region: Region, pitch: float) -> Floats:
     """(m, 2) places [m] inside the region, `pitch` [m] apart both ways, from its lower left on."""
+    box = region.bounds
+    return _grid(region, pitch, (box.left, box.bottom))
+
+
+def drilled(region: Region, pitch: float) -> Floats:
+    """(m, 2) holes [m] inside the region, at multiples of `pitch` [m] from the block's origin.
+
+    One less than half a micrometre outside is on the edge, and moved onto it.
+    """
+    return region.clamped(_grid(region, pitch, (0.0, 0.0)))
+
+
+def fits_grid(place: Vec2, pitch: float) -> bool:
+    """Whether a place [m] is at multiples of `pitch` [m] from the block's origin."""
+    return all(abs(x - pitch * round(x / pitch)) <= _EDGE for x in place)
+
+
+def _grid(region: Region, pitch: float, through: Vec2) -> Floats:
     if not 0 < pitch < math.inf:
         raise InputError(f"pitch = {pitch} m: must be > 0 and finite.")
     box = region.bounds
-    nx = math.floor((box.right - box.left + _EDGE) / pitch) + 1
-    ny = math.floor((box.top - box.bottom + _EDGE) / pitch) + 1
+    sides = (box.left, box.right), (box.bottom, box.top)
+    ends = [
+        (math.ceil((low - at - _EDGE) / pitch), math.floor((high - at + _EDGE) / pitch))
+        for (low, high), at in zip(sides, through, strict=True)
+    ]
+    nx, ny = (max(last - first + 1, 0) for first, last in ends)
     if nx * ny > _MOST_PLACES:
         raise InputError(
             f"pitch = {to_unit(pitch, 'mm'):.4g} mm makes {nx} x {ny} places: must make at most "
             f"{_MOST_PLACES:,}."
         )
-    x, y = box.left + pitch * np.arange(nx), box.bottom + pitch * np.arange(ny)
+    x, y = (
+        at + pitch * np.arange(first, last + 1)
+        for (first, last), at in zip(ends, through, strict=True)
+    )
     # Picometres are rounding: a hole at 10 mm is written as 10 mm.
     places = np.asarray(np.stack(np.meshgrid(x, y), axis=-1), float).round(12).reshape(-1, 2)
     near = region.clamped(places)

@@ -17,7 +17,7 @@ from stepwell.design.synthesis.attempt import Attempt, from_lattice, named_chain
 from stepwell.design.synthesis.candidates import Candidates, Rule, joined
 from stepwell.design.synthesis.designed import Impossible, explained
 from stepwell.design.synthesis.placement import all_proved, measured
-from stepwell.design.synthesis.region import Region, allowed_text, lattice
+from stepwell.design.synthesis.region import Region, allowed_text, drilled
 from stepwell.design.targets import Behaviour, Target
 from stepwell.design.tolerances.draws import Tolerances
 from stepwell.design.tolerances.yields import yields
@@ -112,7 +112,7 @@ class Buildable(NamedTuple):
 
 def _buildable(rule: Rule, region: Region, holes: float) -> list[Buildable]:
     buildable: list[Buildable] = []
-    for x, y in region.clamped(lattice(region, holes)).tolist():
+    for x, y in drilled(region, holes).tolist():
         for k in range(len(rule.kinds)):
             try:
                 cell = rule.cell((x, y), k)
