@@ -1,6 +1,7 @@
 """What is called impossible and proved has no witness: every choice of holes is run anew."""
 
 import math
+import re
 from collections.abc import Sequence
 from itertools import combinations, permutations, product
 
@@ -28,6 +29,7 @@ from stepwell.statics import StaticsError
 
 ISSUE = "000>001>011>111>011>010>000"
 LONG = BandType(28.5, 0.020)
+TWO, NESTED = "00>10>11>01>00", "000>010>110>111>101>001>000"
 
 
 def cell(band: BandType, q: tuple[float, float]) -> sw.Cell | None:
@@ -228,3 +230,60 @@ def test_a_lever_gets_a_box_of_its_own_size_unless_one_is_named():
     assert np.all(PAPER_BOX.holds(named.anchors))
     with refuses(Impossible, "80 mm apart", "x 0 to 42.43 mm"):
         design("00>01>11>10>00", lever=0.030, holes=0.080)
+
+
+_SLACK = re.compile(
+    r"slack in a part of the travel at (\d+) of (\d+) holes.*"
+    r": a lever of (\S+) mm or a rest length of (\S+) mm leaves a choice"
+)
+
+
+@pytest.mark.parametrize(
+    ("wanted", "within", "free", "rest"),
+    [
+        (TWO, None, "q", 0.045),
+        (TWO, None, "p", 0.050),
+        (NESTED, AnchorBox(0.010, 0.020, -0.005, 0.005), "q", 0.0404),
+    ],
+)
+def test_where_a_band_is_too_long_the_sizes_that_the_message_names_give_a_design(
+    wanted, within, free, rest
+):
+    how = {"within": within, "free": free, "holes": 0.005}
+    why = answer(wanted, bands=(BandType(22.15, rest),), **how)
+    assert isinstance(why, Impossible)
+    advice = _SLACK.search(str(why))
+    assert advice, str(why)
+    slack, holes = int(advice[1]), int(advice[2])
+    region = within or usual_box(PAPER_LEVER, free)
+    assert holes == len(drilled(region, 0.005))
+    assert slack == sum(_goes_slack(q, free, rest) for q in drilled(region, 0.005).tolist())
+    lever, shorter = float(advice[3]) * 1e-3, float(advice[4]) * 1e-3
+    assert lever > PAPER_LEVER and shorter < rest
+    longer = answer(wanted, bands=(BandType(22.15, rest),), lever=lever, **how)
+    other = answer(wanted, bands=(BandType(22.15, shorter),), **how)
+    for made in (longer, other):
+        assert isinstance(made, Design), str(made)
+        assert made.sequence == wanted
+
+
+def _goes_slack(place: list[float], free: str, rest: float) -> bool:
+    p, q = (place, (0.010, 0.0)) if free == "p" else ((-0.010, 0.0), place)
+    angle = np.linspace(-math.pi / 4, math.pi / 4, 1001)
+    x = q[0] - p[0] + PAPER_LEVER * np.cos(angle)
+    y = q[1] - p[1] + PAPER_LEVER * np.sin(angle)
+    return bool(np.min(np.hypot(x, y)) <= rest)
+
+
+def test_where_no_band_goes_slack_the_message_names_no_lengths():
+    why = answer("00>01>11>10>00", holes=0.040)
+    assert isinstance(why, Impossible)
+    assert "slack" not in str(why) and "rest length of" not in str(why)
+
+
+def test_several_bands_get_no_lengths_but_the_general_advice():
+    bands = BandType(22.15, 0.045), BandType(22.15, 0.050)
+    box = AnchorBox(0.0, 0.005, 0.0, 0.005)
+    why = answer("00>10>11>01>00", holes=0.005, bands=bands, within=box)
+    assert isinstance(why, Impossible)
+    assert "slack" not in str(why) and "longer levers" in str(why)

@@ -121,7 +121,7 @@ class Parts(Group):
             )
         levers = [from_unit(lever, "mm") for lever in self.levers or ()] or [PAPER_LEVER]
         return {
-            "within": None if kinds else self._box(usual_box(max(levers), self.place)),
+            "within": self._box(usual_box(max(levers), self.place)) if self.x or self.y else None,
             "free": self.place.value,
             "elements": kinds,
             "force_scale": (self.force_scale.start, self.force_scale.stop),

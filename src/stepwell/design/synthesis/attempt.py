@@ -146,6 +146,19 @@ def from_lattice(
     return Attempt(rule, orders, regions, holes, tables, owner, best, complete, nodes, pitch)
 
 
+def possible(rule: Rule, orders: Orders, regions: tuple[Region, ...], holes: float | None) -> bool:
+    """Whether a short search among the holes finds a choice that meets both orders."""
+    different = list(dict.fromkeys(regions))
+    _, tables = _tables(rule, different, holes)
+    if not all(len(table.q) for table in tables):
+        return False
+    if not fits(len(orders), sum(len(table.q) for table in tables)):
+        return False
+    owner = tuple(different.index(region) for region in regions)
+    best, _, _ = placement.choose(rule, orders, tables, owner, _START_NODES)
+    return best is not None and best.smallest > 0.0
+
+
 def _tables(
     rule: Rule, regions: Sequence[Region], holes: float | None
 ) -> tuple[float, list[Candidates]]:

@@ -83,6 +83,11 @@ class Kind:
         taut = np.all(length > self.band.rest_length, axis=1)
         return taut & np.all(np.diff(force, axis=1) < 0.0, axis=1)
 
+    def taut(self, d: Floats) -> Bools:
+        """Whether the band stays longer than at rest at each of (m, 2) differences [m], (m,)."""
+        length = self._at(np.linspace(-self.cell.sin_limit, self.cell.sin_limit, LOOKS), d)[1]
+        return np.all(length > self.band.rest_length, axis=1)
+
     def by_sizes(self, d: Floats) -> tuple[Floats, Floats]:
         """∂F/∂ℓ0 and ∂F/∂r [N/m] of F0 and F1, (m, 2) each."""
         if not self.bends:

@@ -14,6 +14,7 @@ from stepwell.design.margins.robustness import Robustness, robustness
 from stepwell.design.orders import short
 from stepwell.design.switches import are_relays, switching_forces
 from stepwell.design.synthesis.attempt import Attempt
+from stepwell.design.synthesis.slack import RegionsOf, slack_advice
 from stepwell.design.targets import Reached, Target, reached
 from stepwell.design.tolerances.draws import levers_of
 from stepwell.design.tolerances.yields import Critical, Yield
@@ -179,7 +180,14 @@ class Impossible(Shown, StepwellError, ValueError):
 
 
 def explained(
-    target: Target, attempts: list[Attempt], mismatch: str, rest: str, allowed: str, *, proved: bool
+    target: Target,
+    attempts: list[Attempt],
+    mismatch: str,
+    rest: str,
+    allowed: str,
+    regions_of: RegionsOf,
+    *,
+    proved: bool,
 ) -> Impossible:
     """The error that states why no attempt brings the critical forces into the target orders."""
     if not attempts:
@@ -229,6 +237,9 @@ def explained(
                 f"{base.to_unit(needed, 'mN'):.2g} mN is needed)"
             )
             advice = f"allow a larger region{', finer holes' * bool(nearest.holes)} or other bands"
+    if not mismatch:
+        slack, sizes = slack_advice(nearest, regions_of)
+        why, advice = f"{why}; {slack}" if slack else why, sizes or advice
     return Impossible(
         target.text,
         f"{_and_rest(why, rest, proved)}: {advice}",

@@ -139,6 +139,7 @@ def design(
     _check_sizes(bands, levers, limit)
     _check_objective(tolerances, objective, bands, most_force)
     fixed = q if free == "p" else p
+    usual = within is None
     within = usual_box(max(levers), free) if within is None else within
     target, regions = _target_and_regions(sequence, states, cells, within)
     rule = Rule(
@@ -160,7 +161,9 @@ def design(
     each = [replace(rule, kinds=rule.kinds[k : k + len(bands)]) for k in starts]
     rules = [rule] * mixed + each
     n = len(rules)
-    search = TargetSearch(target, regions, holes, actuator_stiffness, seed, progress, n, free)
+    search = TargetSearch(
+        target, regions, holes, actuator_stiffness, seed, progress, n, free, usual
+    )
     placed = search.placed(rules)
     attempt = placed.best
     if attempt is not None:

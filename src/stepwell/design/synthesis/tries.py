@@ -17,7 +17,7 @@ from stepwell.design.synthesis.attempt import Attempt, from_lattice, named_chain
 from stepwell.design.synthesis.candidates import Candidates, Rule, joined
 from stepwell.design.synthesis.designed import Impossible, explained
 from stepwell.design.synthesis.placement import all_proved, measured
-from stepwell.design.synthesis.region import Region, allowed_text, drilled
+from stepwell.design.synthesis.region import Region, allowed_text, drilled, usual_box
 from stepwell.design.targets import Behaviour, Target
 from stepwell.design.tolerances.draws import Tolerances
 from stepwell.design.tolerances.yields import yields
@@ -233,6 +233,7 @@ class TargetSearch:
     progress: Progress
     rules: int  # sets of bands and levers
     free: str = "q"  # which anchors are placed
+    usual: bool = False  # whether the region is the usual one of the lever
     _done: int = field(default=0, init=False)
 
     @property
@@ -366,4 +367,12 @@ class TargetSearch:
     def _impossible(self, placed: Placed, rest: str, *, proved: bool) -> Impossible:
         allowed = allowed_text(self.regions, self.holes, self.free)
         attempts, mismatch = placed.attempts, placed.mismatch
-        return explained(self.target, attempts, mismatch, rest, allowed, proved=proved)
+        return explained(
+            self.target, attempts, mismatch, rest, allowed, self._regions_of, proved=proved
+        )
+
+    def _regions_of(self, lever: float) -> tuple[Region, ...]:
+        """The regions with that lever [m]: a usual region is scaled with it."""
+        if not self.usual:
+            return self.regions
+        return (usual_box(lever, self.free),) * len(self.regions)
