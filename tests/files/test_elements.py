@@ -370,3 +370,28 @@ def test_a_program_of_volumes_is_in_millilitres_and_is_written_so():
     assert "turning_points_mL = [0, 30]" in program.text(loads(text).chain)
     with refuses(DesignError, "turning_points_mm", "turning_points_mL"):
         loads(text.replace("points_mL", "points_mm"))
+
+
+LONG = "points = { travel_mm = [0, 1000, 2000, 3000], force_N = [0, 1, -1, 2] }\n"
+
+
+def test_a_curve_of_metres_needs_to_be_unusual_and_is_written_so():
+    text = f"[chain]\n[[chain.cell]]\n{LONG}"
+    with pytest.raises(ValueError, match="unusual = true") as refused:
+        loads(text)
+    assert "chain.cell[0].travel_mm = 3000" in str(refused.value)
+    assert "Did you mean 3 mm?" in str(refused.value)
+    assert loads(text.replace("3000", "3").replace("1000, 2000", "1, 2")).chain
+    own, shared = loads(f"{text}unusual = true\n"), loads(text.replace("]", "]\nunusual = true", 1))
+    assert own.chain == shared.chain
+    again = dumps(own.chain)
+    assert again.count("unusual = true") == 1
+    assert loads(again).chain == own.chain
+    beside = "[chain]\n[[chain.cell]]\nbeside = [{ %s }, { %s, unusual = true }]\n"
+    part = LONG.strip()
+    with pytest.raises(ValueError, match="unusual = true"):
+        loads(beside % (part, part))
+    assert (
+        loads(beside % (f"{part}, unusual = true", part)).chain
+        == loads((beside % (part, part)).replace("]\n", "]\nunusual = true\n", 1)).chain
+    )

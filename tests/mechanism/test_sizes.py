@@ -145,3 +145,34 @@ def test_any_chain_of_the_tests_is_followed_without_a_word():
     for _ in range(5):
         chain = any_chain(rng, 2)
         chain.path([0.0, chain.full_stroke])
+
+
+FAR, LARGE = (0, 1, 2, 3), (0, 1, -1, 2)
+
+
+@pytest.mark.parametrize(
+    "make", [sw.Element.from_points, sw.Element.from_table, sw.Element.from_curve]
+)
+def test_a_curve_in_millimetres_or_millinewtons_is_refused_unless_it_is_meant(make):
+    with pytest.raises(SlipError) as refused:
+        make(FAR, LARGE)
+    (slip,) = refused.value.slips
+    assert (slip.name, slip.value, slip.meant) == ("travel", 3.0, pytest.approx(0.003))
+    assert "unusual=True" in str(refused.value)
+    made = make([x * slip.meant / slip.value for x in FAR], LARGE)
+    assert made.full_travel == pytest.approx(0.003)
+    assert make(FAR, LARGE, unusual=True).full_travel == 3.0
+    strong = [20e3 * force for force in LARGE]
+    with pytest.raises(SlipError) as refused:
+        make([1e-3 * x for x in FAR], strong)
+    (slip,) = refused.value.slips
+    assert (slip.name, slip.unit) == ("force", "N")
+    assert slip.meant == pytest.approx(slip.value / 1000)
+    assert make([1e-3 * x for x in FAR], strong, unusual=True).largest_force >= 40e3
+
+
+def test_other_measures_and_the_library_have_no_slips_of_a_curve():
+    turning = sw.Element.from_points(FAR, LARGE, measure=sw.Measure.ANGLE)
+    assert turning.full_travel == 3.0
+    assert sw.Element.from_points([0, 0.5, 0.8, 1], LARGE).full_travel == 1.0
+    assert replace(sw.Element.from_points([0, 0.1, 0.2, 0.3], LARGE), travel_scale=100).high == 30

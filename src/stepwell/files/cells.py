@@ -27,14 +27,15 @@ _JOINT_TOLERANCE = 1e-9
 _CUT_TOLERANCE = 1e-6
 
 
-def element_of(keys: element_schema.ElementKeys) -> mechanism.Element:
-    """The element in a table, or a ValueError."""
+def element_of(keys: element_schema.ElementKeys, unusual: bool = False) -> mechanism.Element:
+    """The element in a table, or a ValueError; `unusual` unless the table has its own."""
+    unusual = unusual if keys.unusual is None else keys.unusual
     (form,) = keys.forms
     given = getattr(keys, form)
     stops = False if keys.stops is None else keys.stops
     if isinstance(given, element_schema.ColumnKeys):
         x, y = map(si, element_schema.COLUMNS[given.measure], given.pair)
-        options: dict[str, Any] = {"stops": stops, "measure": given.measure}
+        options: dict[str, Any] = {"stops": stops, "measure": given.measure, "unusual": unusual}
         if form == "table":
             options["noise"] = _of_measure(keys, "noise", given.measure)
         element = MAKE[form](x, y, **options)
@@ -44,7 +45,7 @@ def element_of(keys: element_schema.ElementKeys) -> mechanism.Element:
         element = mechanism.Element(_sheets(given), stops, measure=given[0].measure)
         _refuse_wrong_neighbours(element)
     else:
-        element = mechanism.Element.side_by_side([element_of(part) for part in given])
+        element = mechanism.Element.side_by_side([element_of(part, unusual) for part in given])
     return with_options(element, keys)
 
 
@@ -158,6 +159,8 @@ def _options(element: mechanism.Element) -> Written:
     for key in ("force_scale", "travel_scale", "mobility"):
         if getattr(element, key) != 1.0:
             keys[key] = written(key, getattr(element, key))
+    if any(mechanism.sizes.of_element(element)):  # so that every chain can be read again
+        keys["unusual"] = "true"
     return keys
 
 
@@ -259,8 +262,11 @@ def _element(
         return None
     try:
         if inside is None:
-            return element_of(keys)
+            return element_of(keys, shared.cell.get("unusual", False))
         return with_options(mechanism.Element.from_chain(mechanism.Chain(cells)), keys)
+    except mechanism.SlipError as error:
+        problems += [f"{where}.{slip_text(slip, key_of(slip))} {UNUSUAL}" for slip in error.slips]
+        return None
     except StepwellError as error:
         problems += [f"{where}: {line}" for line in str(error).split("\n")]
         return None

@@ -68,7 +68,12 @@ def load_element(
     x, y = _columns(curve, form, half)
     try:
         return MAKE[form](
-            x, y, Path(file).stem if name is None else name, measure=curve.measure, **options
+            x,
+            y,
+            Path(file).stem if name is None else name,
+            measure=curve.measure,
+            unusual=True,
+            **options,
         )
     except InputError as error:
         raise lab.LabError(os.fspath(file), str(error)) from None

@@ -119,6 +119,7 @@ class Element(ByValue, Drawn):
         friction: float = 0.0,
         mobility: float = 1.0,
         measure: Measure = Measure.TRAVEL,
+        unusual: bool = False,
     ) -> Element:
         """An element through measured or computed points: monotone cubics between them.
 
@@ -126,11 +127,13 @@ class Element(ByValue, Drawn):
             travel: (n,) rising [m], n >= 3.
             force: (n,) [N].
             name, stops, friction, mobility, measure: as for Element.
+            unusual: True to accept a travel above 1 m or a force above 10 kN.
             noise: standard deviation of the forces [N]; the curve is then a smoothing spline (de
                 Boor 1978), at most `error_band` from the points. None goes through every point.
 
         Raises:
-            ValueError: too few points, travels that do not rise, or noise larger than a snap.
+            ValueError: too few points, travels that do not rise, noise larger than a snap, or a
+                size that is probably in another unit.
         """
         x, y = element_curves.checked(travel, force, measure, 3)
         if noise is None:
@@ -139,7 +142,8 @@ class Element(ByValue, Drawn):
             rows = element_curves.smoothed(x, y, noise, measure)
             band = float(np.max(np.abs(y - cubics.value(rows, x))))
         on = (Sheet.of(rows, float(x[-1])),)
-        return cls(on, stops, friction, name, measure, error_band=band, mobility=mobility)
+        made = cls(on, stops, friction, name, measure, error_band=band, mobility=mobility)
+        return made if unusual else _without_slips(made)
 
     @classmethod
     def from_points(
@@ -152,6 +156,7 @@ class Element(ByValue, Drawn):
         friction: float = 0.0,
         mobility: float = 1.0,
         measure: Measure = Measure.TRAVEL,
+        unusual: bool = False,
     ) -> Element:
         """An element whose force is straight between points, such as the trilinear snap.
 
@@ -159,13 +164,16 @@ class Element(ByValue, Drawn):
             travel: (n,) rising [m], n >= 2.
             force: (n,) [N].
             name, stops, friction, mobility, measure: as for Element.
+            unusual: True to accept a travel above 1 m or a force above 10 kN.
 
         Raises:
-            ValueError: too few points, or travels that do not rise.
+            ValueError: too few points, travels that do not rise, or a size that is probably in
+                another unit.
         """
         x, y = element_curves.checked(travel, force, measure, 2)
         on = (Sheet.of(cubics.straight(x, y), float(x[-1])),)
-        return cls(on, stops, friction, name, measure, mobility=mobility)
+        made = cls(on, stops, friction, name, measure, mobility=mobility)
+        return made if unusual else _without_slips(made)
 
     @classmethod
     def from_law(
@@ -214,6 +222,7 @@ class Element(ByValue, Drawn):
         friction: float = 0.0,
         mobility: float = 1.0,
         measure: Measure = Measure.TRAVEL,
+        unusual: bool = False,
     ) -> Element:
         """An element whose curve may fold back in travel: it has a freedom of its own inside.
 
@@ -227,13 +236,16 @@ class Element(ByValue, Drawn):
             travel: (n,) by arc [m], n >= 3.
             force: (n,) [N].
             name, stops, friction, mobility, measure: as for Element.
+            unusual: True to accept a travel above 1 m or a force above 10 kN.
 
         Raises:
             ValueError: too few points, two of them at one place, a curve that would be unstable
-                from the start, or a stretch from whose end there is nowhere to land.
+                from the start, a stretch from whose end there is nowhere to land, or a size that is
+                probably in another unit.
         """
         sheets = element_curves.folded(travel, force, measure)
-        return cls(sheets, stops, friction, name, measure, mobility=mobility)
+        made = cls(sheets, stops, friction, name, measure, mobility=mobility)
+        return made if unusual else _without_slips(made)
 
     @classmethod
     def from_chain(cls, chain: Chain, name: str = "") -> Element:
@@ -346,6 +358,16 @@ class Element(ByValue, Drawn):
             f"Element({name}{self.measure.travel} {self.low * factor:.4g} to "
             f"{self.high * factor:.4g} {unit}, {ends}, {len(self.phases)} phases{folds}{rub})"
         )
+
+
+def _without_slips(element: Element) -> Element:
+    """The element; SlipError if its curve is probably in another unit."""
+    from stepwell.mechanism import sizes
+
+    slips = tuple(sizes.of_element(element))
+    if slips:
+        raise sizes.SlipError(slips, "If it is meant so, pass unusual=True.")
+    return element
 
 
 def _both(stops: Stops) -> tuple[bool, bool]:

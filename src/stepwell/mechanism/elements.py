@@ -86,7 +86,7 @@ def trilinear(
         )
     # As far as the force of the other corner; without stops, both ends continue straight.
     travel = (top[0] - drop / first, top[0], bottom[0], bottom[0] + drop / last)
-    return Element.from_points(travel, (bottom[1], top[1], bottom[1], top[1]), name)
+    return Element.from_points(travel, (bottom[1], top[1], bottom[1], top[1]), name, unusual=True)
 
 
 @kept
@@ -272,7 +272,7 @@ def dome(count: int = 1, name: str = "rubber dome") -> Element:
     count = check.whole("count", count, 1)
     travel, force = np.array([point.split() for point in _PRESSED.split(",")], float).T
     travel, force = (travel - travel[0]) * 1e-3, count * force * _GRAM_FORCE
-    return Element.from_table(travel, force, name, stops=(True, False))
+    return Element.from_table(travel, force, name, stops=(True, False), unusual=True)
 
 
 @kept

@@ -27,6 +27,8 @@ LEVERS = 1e-4, 2.0  # [m]
 LENGTHS = 1 / 200, 50.0  # any length over the lever
 SPRINGS = 0.05, 2e4  # k of a band [N/m]
 FORCES = 50.0  # largest load and friction, over the cell's own force
+TRAVELS = 1.0  # of an element [m]
+PULLS = 1e4  # of an element [N]
 LEAST_LIMIT = math.radians(2.0)  # θc [rad]
 STEP = 1000.0  # between two units that are taken for each other
 
@@ -117,6 +119,20 @@ def force(name: str, value: float, own: float) -> Iterator[Slip]:
     if abs(value) > FORCES * own:
         why = f"is {_ratio(abs(value) / own)} what the bands pull with, about {own:.3g} N"
         yield Slip(name, value, meant(value, 0.0, FORCES * own), "N", why)
+
+
+def of_element(element: Element) -> Iterator[Slip]:
+    """Slips of the travel [m] and the largest force [N] of an element's curve, scales aside."""
+    if element.measure is not Measure.TRAVEL:
+        return
+    travel = element.full_travel / element.travel_scale
+    pull = element.largest_force / element.force_scale
+    if travel > TRAVELS * (1 + 1e-9):
+        why = f"is the length of the curve, and elements move by up to {TRAVELS:g} m"
+        yield Slip("travel", travel, meant(travel, 0.0, TRAVELS), "m", why)
+    if pull > PULLS * (1 + 1e-9):
+        why = f"is the largest of the curve, and elements have up to {PULLS:g} N"
+        yield Slip("force", pull, meant(pull, 0.0, PULLS), "N", why)
 
 
 def own_force(cell: Cell, lever: float) -> float:

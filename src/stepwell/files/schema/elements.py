@@ -295,6 +295,7 @@ class ElementKeys(CurveKeys):
     force_scale: Scale | None = None
     travel_scale: Scale | None = None
     mobility: Mobility | None = None
+    unusual: keys.Switch | None = None
 
     @property
     def forms(self) -> list[str]:
