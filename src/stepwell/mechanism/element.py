@@ -59,7 +59,7 @@ class Element(ByValue, Drawn):
     error_band: float = 0.0
     mobility: float = field(default=1.0, kw_only=True)
     unusual: ClassVar[bool] = False
-    """Always False: an element has no lever to compare its sizes with."""
+    """Always False: an element has no lever to compare numbers with; see `from_points`."""
     # All below are in the units of the curve as it is, scales included.
     laws: tuple[Sheet, ...] = field(init=False, repr=False, compare=False)
     """Its sheets with the scales in them."""
