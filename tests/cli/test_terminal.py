@@ -77,7 +77,7 @@ def test_a_closed_standard_output_is_one_line(tmp_path, option):
     )
     assert result.returncode == 1
     assert result.stderr == (
-        "standard output: is closed, so nothing can be shown: send it to a file, or to /dev/null\n"
+        "standard output: is closed, so there is no output: redirect it to a file, or to /dev/null\n"
     )
 
 

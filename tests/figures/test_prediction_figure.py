@@ -86,4 +86,4 @@ def test_no_leg_has_the_colour_of_what_is_in_doubt(name, drawn):
     assert len(legs) >= 2
     assert VERMILLION not in legs
     doubtful = any(text.get_color() == VERMILLION for ax in figure.axes for text in ax.texts)
-    assert ("in this colour: in doubt" in says(figure)) == doubtful
+    assert ("this colour: uncertain" in says(figure)) == doubtful

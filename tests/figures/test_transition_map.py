@@ -248,7 +248,7 @@ def test_places_without_a_mechanism_stay_white_and_are_explained(pair):
     edge = round(4.5 / 40 * PLACES)
     assert np.ma.getmaskarray(shown)[:, : edge - 1].all()
     assert not np.ma.getmaskarray(shown)[:, edge + 1 :].any()
-    assert "no mechanism: the band's ends meet" in says(figure)
+    assert "no mechanism: the band's ends coincide" in says(figure)
 
 
 @pytest.mark.slow

@@ -209,8 +209,8 @@ def test_legs_that_carry_the_same_are_both_seen(drawn):
 @pytest.mark.slow
 def test_a_walk_straight_on_says_so_where_its_bars_have_no_height(forward, drawn):
     straight, turned = (drawn(figures.trajectory, name) for name in ("forward", "turning"))
-    assert any(text.startswith("straight on") for text in says(straight))
-    assert not any(text.startswith("straight on") for text in says(turned))
+    assert any(text.startswith("straight:") for text in says(straight))
+    assert not any(text.startswith("straight:") for text in says(turned))
     (dots,) = lines(straight, "turns")
     assert points(dots)[:, 1] == pytest.approx(np.degrees(forward.turn))
 

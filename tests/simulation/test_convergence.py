@@ -89,7 +89,7 @@ def test_a_walk_with_another_sample_goes_on_from_the_first_whole_one():
         ({"time_steps": (1e-3,)}, "must be two or more different ones"),
         ({"time_steps": (1e-3, 7e-4)}, "0.0007 s does not divide the sample of 0.02 s"),
         ({"cycles": 1}, "cycles = 1: must be >= 2"),
-        ({"time_steps": (1e-2, 1e-3), "settings": Settings(contact_time=0.02)}, "to the end"),
+        ({"time_steps": (1e-2, 1e-3), "settings": Settings(contact_time=0.02)}, "ended early"),
     ],
 )
 def test_what_cannot_be_compared_is_refused(wrong, message, tmp_path, monkeypatch):

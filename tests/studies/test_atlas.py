@@ -197,7 +197,7 @@ def test_numbers_of_many_designs_are_those_of_each(seed):
 @pytest.mark.parametrize(
     ("chain", "names", "said"),
     [
-        (sw.Chain([CELL] * 2), ["1.limit"], "must be sums of what varies"),
+        (sw.Chain([CELL] * 2), ["1.limit"], "needs a linear dependence"),
         (sw.Chain([CELL] * 2), ["1.friction"], "closed form needs cells of one linear band"),
         (sw.Chain([CELL] * 7), ["1.q.x"], "7 cells: must be at most 6"),
         (sw.Chain([CELL], actuator_stiffness=50.0), ["1.q.x"], "no spring behind the actuator"),

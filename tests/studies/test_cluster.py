@@ -91,7 +91,7 @@ def test_a_scheduler_that_is_killed_is_told_and_another_one_goes_on(tmp_path, cl
         if done == 2:
             cluster.scheduler.kill()
 
-    with refuses(SweepError, "16 chunks", "scheduler", "lost"):
+    with refuses(SweepError, "16 chunks", "scheduler", "resume"):
         sweep(LEG, "cycle", GRID, folder, chunk=4, scheduler=cluster.address, progress=kill)
     assert 2 <= status(folder).done < 16
     with refuses(SweepError, "chunks", cluster.address, "no Dask scheduler"):

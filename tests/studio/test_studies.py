@@ -316,7 +316,7 @@ def test_a_study_is_watched_stopped_and_goes_on_and_one_that_fails_says_why(
         function.write_text("def gated(chain, seed):\n    return {}\n")
         assert ask("study_begin", name="b.zarr").header["ok"]
         until(lambda: not listed("b.zarr")["running"])
-        assert "is not the file that the study was begun with" in listed("b.zarr")["problem"]
+        assert "differs from the file" in listed("b.zarr")["problem"]
     finally:
         end_studies()
 

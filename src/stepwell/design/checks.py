@@ -35,7 +35,7 @@ class Verdict(StrEnum):
 
 
 def judged(*, meets_target: bool, tied: bool, interval: tuple[float, float]) -> Verdict:
-    """The verdict; the [decision](decisions/verdict.md) says why its bounds are where they are.
+    """The verdict, as decided in docs/decisions/verdict.md.
 
     `FAILS` if the nominal design, which may be a tie, misses the target, or the 95 % confidence
     interval of the yield ends below one half; `ROBUST` if it reaches the target without a tie and

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stepwell import base
 from stepwell.base import Drawn, Floats, InputError, Progress, Shown
-from stepwell.design.outcomes import IMPOSSIBLE, UNSOLVED, Outcome, Outcomes, Stability
+from stepwell.design.outcomes import IMPOSSIBLE, UNSOLVED, DesignOutcome, Outcomes, Stability
 from stepwell.design.parameters import WAY, Parameter, parameter, parameters
 from stepwell.mechanism import Chain, Element, SlipError
 from stepwell.sequences import Pathway
@@ -189,7 +189,7 @@ def _scale(outcomes: Outcomes) -> tuple[float, str]:
     return own, name
 
 
-def _dataset(outcomes: Outcomes, outcome: Outcome, axes: Axes, asked: int) -> xr.Dataset:
+def _dataset(outcomes: Outcomes, outcome: DesignOutcome, axes: Axes, asked: int) -> xr.Dataset:
     import xarray as xr
 
     chain, sequence = outcomes.chain, outcome.sequence

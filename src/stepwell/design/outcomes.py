@@ -239,7 +239,7 @@ _NUMBERS = {"stiffness": 2, "rest_length": 3, "lever": 4, "limit": 5, "friction"
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class DesignOutcome:
     """Outcomes of m designs; strokes, snaps and the gap as in `Swept`."""
 
     sequence: Codes  # (m,) its number, or `IMPOSSIBLE`, `UNSOLVED` or `TIED`
@@ -250,7 +250,7 @@ class Outcome:
     degenerate: Bools  # whether a tie decides
 
     @classmethod
-    def unknown(cls, m: int) -> "Outcome":
+    def unknown(cls, m: int) -> "DesignOutcome":
         """Unknown outcomes of m designs."""
         return cls(
             np.full(m, UNSOLVED, np.int32),
@@ -292,17 +292,20 @@ class Outcomes:
             chain = parameter.changed(chain, value)
         return chain
 
-    def closed_form(self, values: Floats, tie: float = 0.0) -> Outcome:
+    def closed_form(self, values: Floats, tie: float = 0.0) -> DesignOutcome:
         """Outcomes of (m, 2) values in closed form; a gap below `tie` [N] is degenerate."""
-        result = Outcome.unknown(len(values))
+        result = DesignOutcome.unknown(len(values))
         varied, n = self._varied, len(self.chain)
         if varied is None or len(values) == 0:
             return result
-        blocks: dict[int, tuple[Outcome, Codes]] = {}
+        blocks: dict[int, tuple[DesignOutcome, Codes]] = {}
 
         def block(begin: int, end: int) -> None:
             # Machine code is compiled for contiguous arrays; slices would need another version.
-            one, orders = Outcome.unknown(end - begin), np.empty((end - begin, 2, n), np.int32)
+            one, orders = (
+                DesignOutcome.unknown(end - begin),
+                np.empty((end - begin, 2, n), np.int32),
+            )
             added = self.added(values[begin:end])
             out = Swept(one.sequence, orders, one.strokes, one.snaps, one.gap, one.monostable)
             runs = sweep(added, varied, _Work.of(varied.base), out)
@@ -319,7 +322,11 @@ class Outcomes:
         return result
 
     def simulate(
-        self, which: NDArray[np.intp], values: Floats, result: Outcome, progress: Progress = None
+        self,
+        which: NDArray[np.intp],
+        values: Floats,
+        result: DesignOutcome,
+        progress: Progress = None,
     ) -> None:
         """Simulate the designs `which` of (m, 2) values and store their outcomes."""
         number, cycles = self._simulated(values[which], progress)
@@ -330,7 +337,7 @@ class Outcomes:
         result.snaps[:, at] = known[:, [batch.STEPS_UP, batch.STEPS_DOWN]].T
 
     def label(
-        self, values: Floats, progress: Progress = None, sure: Outcome | None = None
+        self, values: Floats, progress: Progress = None, sure: DesignOutcome | None = None
     ) -> Codes:
         """Numbers for (m, 2) values, by the engine where the closed form gives no `sure` one."""
         number = (sure or self.closed_form(values)).sequence.copy()
