@@ -76,9 +76,8 @@ def test_a_closed_standard_output_is_one_line(tmp_path, option):
         ["sh", "-c", RUN + option + " >&-"], cwd=tmp_path, text=True, capture_output=True
     )
     assert result.returncode == 1
-    assert result.stderr == (
-        "standard output: is closed, so there is no output: redirect it to a file, or to /dev/null\n"
-    )
+    assert result.stderr.startswith("standard output: is closed, so there is no output: redirect")
+    assert len(result.stderr.splitlines()) == 1
 
 
 @pytest.mark.slow

@@ -28,7 +28,7 @@ _OF_FORCES = ("stiffness", "force_scale", "travel_scale", "friction")
 _THEN = f"then bisection to {_RESOLUTION * 100:g} %"
 RESOLUTION_FINE = (
     f"evaluated at {_FINELY} values each way between 1/{_MOST:g} and {_MOST:g} times the value "
-    f"(for friction up to the peak of the element); changes between these values are missed; {_THEN}"
+    f"(for friction up to the peak of the element); changes between them are missed; {_THEN}"
 )
 
 
