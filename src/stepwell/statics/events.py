@@ -26,7 +26,7 @@ class Cause(Enum):
     STOP = "the cell reaches its end stop"
     FOLD = "the local energy minimum merges with a saddle (fold)"
     RELEASE = "snap-through of a held cell at its critical force"
-    TURN = "the element reaches another rising part of its force curve"
+    TURN = "the element reaches another rising part of its curve"
     END = "the force curve of an element folds back"
 
 

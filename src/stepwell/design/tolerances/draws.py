@@ -128,7 +128,7 @@ def frictionless(tolerances: Tolerances, chain: Chain) -> str:
     least = float(np.min(np.abs(switching_forces(chain)), initial=math.inf))
     if chain.elements:
         unit, factor = base.display_unit(chain.measure.force_unit)
-        smallest = f"switching force {least * factor:.3g} {unit}"
+        smallest = f"switching {chain.measure.force} {least * factor:.3g} {unit}"
     else:
         smallest = f"critical force {base.to_unit(least, 'mN'):.3g} mN"
     return f"no friction (smallest {smallest}: set friction if yours is comparable)"

@@ -126,7 +126,7 @@ TIED = "a tie"
 NOT_BUILT = "cannot be built"
 NO_ANSWER = "no answer"
 ANOTHER = "another sequence"
-BY_MOBILITY = "hangs on the mobilities"
+BY_MOBILITY = "depends on the mobilities"
 
 States = frozenset[str] | None  # target states; None for a cycle
 _MOST_CELLS = 9  # the two orders of more cells exceed one 64-bit number
