@@ -105,7 +105,7 @@ def test_options_of_the_band_command_reach_the_fit(stepwell, data):
     [
         (["--window", "20"], "must be FROM:TO"),
         (["--fit-cycles", "1.5:2"], "two whole numbers"),
-        (["--fit-cycles", "8:9"], "the recordings hold cycles 5 to 6"),
+        (["--fit-cycles", "8:9"], "the recordings contain cycles 5 to 6"),
         (["--law", "quartic"], "must be one of linear"),
         (["--gauge", "-3"], "must be > 0"),
     ],

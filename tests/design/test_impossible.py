@@ -14,10 +14,11 @@ from sizes import examples
 from stepwell.design.synthesis import placement as outline
 from stepwell.design.synthesis.candidates import Kind, Rule
 from stepwell.design.synthesis.designed import Design, Impossible
-from stepwell.design.synthesis.inverse import PAPER_LEVER, design
+from stepwell.design.synthesis.inverse import design
 from stepwell.design.synthesis.region import (
     PAPER_BAND,
     PAPER_BOX,
+    PAPER_LEVER,
     AnchorBox,
     AnchorPolygon,
     BandType,

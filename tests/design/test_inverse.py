@@ -18,10 +18,11 @@ from stepwell.design.margins.robustness import robustness
 from stepwell.design.orders import Orders, checked_cycle, of_states
 from stepwell.design.synthesis import attempt, candidates, holes, placement
 from stepwell.design.synthesis.designed import Design, Impossible
-from stepwell.design.synthesis.inverse import PAPER_LEVER, USUAL, design
+from stepwell.design.synthesis.inverse import USUAL, design
 from stepwell.design.synthesis.region import (
     PAPER_BAND,
     PAPER_BOX,
+    PAPER_LEVER,
     AnchorBox,
     AnchorPolygon,
     BandType,

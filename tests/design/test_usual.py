@@ -18,7 +18,7 @@ from stepwell.design import (
     transition_map,
     yields,
 )
-from stepwell.design.synthesis.inverse import PAPER_LEVER
+from stepwell.design.synthesis.region import PAPER_LEVER
 from stepwell.files import dumps, loads
 from stepwell.mechanism import SlipError
 

@@ -159,6 +159,7 @@ def test_a_curve_in_millimetres_or_millinewtons_is_refused_unless_it_is_meant(ma
     (slip,) = refused.value.slips
     assert (slip.name, slip.value, slip.meant) == ("travel", 3.0, pytest.approx(0.003))
     assert "unusual=True" in str(refused.value)
+    assert isinstance(slip.value, float) and isinstance(slip.meant, float)
     made = make([x * slip.meant / slip.value for x in FAR], LARGE)
     assert made.full_travel == pytest.approx(0.003)
     assert make(FAR, LARGE, unusual=True).full_travel == 3.0
@@ -167,7 +168,7 @@ def test_a_curve_in_millimetres_or_millinewtons_is_refused_unless_it_is_meant(ma
         make([1e-3 * x for x in FAR], strong)
     (slip,) = refused.value.slips
     assert (slip.name, slip.unit) == ("force", "N")
-    assert slip.meant == pytest.approx(slip.value / 1000)
+    assert isinstance(slip.value, float) and slip.meant == pytest.approx(slip.value / 1000)
     assert make([1e-3 * x for x in FAR], strong, unusual=True).largest_force >= 40e3
 
 

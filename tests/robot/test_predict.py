@@ -292,7 +292,7 @@ def test_beyond_the_depths_that_are_told_a_gait_is_near_another_and_within_them_
 @pytest.mark.slow
 def test_depths_that_the_engine_cannot_follow_are_not_sure_and_do_not_break_the_text(monkeypatch):
     one = replace(robot(), title="Robot of this test alone")
-    module = sys.modules[depths.__module__]  # its name is that of its function
+    module = sys.modules["stepwell.robot.rounds"]
     honest = module.go_round
 
     def lost_when_deeper(leg, stances, *others):

@@ -6,7 +6,6 @@ from typing import Any
 from stepwell import base
 from stepwell.accounts.head import About, Shape, keys
 from stepwell.accounts.parts import CARD, Account, Part, RecordTable
-from stepwell.base import Quantity
 from stepwell.design import LONGEST_FOLLOWED, Change, Margin
 
 # A displacement [m] and a fraction of this size are no change.
@@ -17,17 +16,17 @@ _KINDS = "anchor", "stiffness", "force_scale", "travel_scale", "friction"
 def change_schema(shape: Shape) -> base.Schema:
     """A change of an anchor in mm, or of a number in percent; the other unit has null."""
     anchors = (
-        Quantity("distance", "mm", read=_of("distance", True)),
-        Quantity("move", "mm", read=_of("move", True), holds=[float], missing=True),
+        base.Quantity("distance", "mm", read=_of("distance", True)),
+        base.Quantity("move", "mm", read=_of("move", True), holds=[float], missing=True),
     )
     return (
-        Quantity("cell", holds=int),
-        Quantity("parameter", head="what"),
-        Quantity("method"),
+        base.Quantity("cell", holds=int),
+        base.Quantity("parameter", head="what"),
+        base.Quantity("method"),
         *(anchors if shape.levers else ()),
-        Quantity("distance", "percent", read=_of("distance", False)),
-        Quantity("move", "percent", read=_of("move", False)),
-        Quantity("becomes", head="sequence past it", read=_becomes, missing=True),
+        base.Quantity("distance", "percent", read=_of("distance", False)),
+        base.Quantity("move", "percent", read=_of("move", False)),
+        base.Quantity("becomes", head="sequence past it", read=_becomes, missing=True),
     )
 
 
@@ -119,7 +118,7 @@ def margin_section(margin: Margin, *parts: Part) -> dict[str, tuple[Part, ...]]:
     # The sequence past a change of a long chain is not computed.
     becomes = len(chain) <= LONGEST_FOLLOWED and any(change.becomes for change in near)
     columns = (
-        Quantity("cell", head="cell", form=lambda cell: chain.names[cell]),
+        base.Quantity("cell", head="cell", form=lambda cell: chain.names[cell]),
         base.Column("change", lambda row: _moved(row["change"])),
         base.Column("distance", lambda row: _distance(row["change"]), True),
         *(schema[-1:] if becomes else ()),

@@ -8,23 +8,24 @@ from stepwell import base
 from stepwell.accounts.chain import label_of, with_sign
 from stepwell.accounts.head import About, Row, keys
 from stepwell.accounts.parts import CARD, Account, Fact, Notes, RecordTable
-from stepwell.base import Quantity
 from stepwell.lab import Batch, Recording, hashes
 
 _RECORDING: base.Schema = (
-    Quantity("source", head="file"),
-    Quantity("samples", head="samples", read=len, holds=int, left=False),
-    Quantity("rate", "Hz", "rate"),
-    Quantity("speed", "mm_s", "speed", form=3),
+    base.Quantity("source", head="file"),
+    base.Quantity("samples", head="samples", read=len, holds=int, left=False),
+    base.Quantity("rate", "Hz", "rate"),
+    base.Quantity("speed", "mm_s", "speed", form=3),
     *keys(stroke_from=("mm", lambda r: r.stroke[0]), stroke_to=("mm", lambda r: r.stroke[-1])),
     *keys(stroke_range=("mm", lambda r: r.stroke.max() - r.stroke.min())),
     *keys(force_from=("N", lambda r: r.force[0]), force_least=("N", lambda r: r.force.min())),
     *keys(force_most=("N", lambda r: r.force.max())),
-    Quantity("direction", head="direction"),
-    Quantity("halves", head="halves", read=lambda one: len(one.halves), holds=int, left=False),
-    Quantity("turns", "mm", read=lambda one: [one.stroke[i] for i in one.turns], holds=[float]),
+    base.Quantity("direction", head="direction"),
+    base.Quantity("halves", head="halves", read=lambda one: len(one.halves), holds=int, left=False),
+    base.Quantity(
+        "turns", "mm", read=lambda one: [one.stroke[i] for i in one.turns], holds=[float]
+    ),
 )
-_READ: base.Schema = (*base.read_off(_RECORDING, "recording"), Quantity("odd", holds=[str]))
+_READ: base.Schema = (*base.read_off(_RECORDING, "recording"), base.Quantity("odd", holds=[str]))
 _REFUSED = keys(source=(str, "name"), problem=str)
 _SHOWN = [quantity for quantity in _RECORDING if quantity.head]
 

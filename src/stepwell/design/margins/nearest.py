@@ -301,19 +301,26 @@ def nearest(
         past = next((at for at in _just_past(known) if sure or aim.is_met_at(at)), None)
     if not proved:
         within = ways.reach if known is None or past is None else known.distance
-        at_once = forces is None and not aim.chain.elements and nominal(aim.chain, 0) is not None
-        displacement = nearest_found(
-            lambda u: aim.is_met_at(ways.frame @ u),
-            ways,
-            within,
-            aim.target is not None,
-            progress,
-            (lambda us: aim.is_met_at_each(us @ ways.frame.T)) if at_once else None,
-        )
+        displacement = _nearest_searched(aim, forces is None, ways, within, progress)
         if displacement is not None and float(np.linalg.norm(displacement)) < within:
             move = _vec(ways.frame @ displacement)
             return Nearest(float(np.linalg.norm(displacement)), move, move, Method.SEARCH)
     return _assembled(known, past, Method.EXACT if proved else Method.SEARCH)
+
+
+def _nearest_searched(
+    aim: Aim, follow: bool, ways: Displacements, within: float, progress: Progress
+) -> Floats | None:
+    """The nearest displacement found by a search, which follows many designs at once."""
+    at_once = follow and not aim.chain.elements and nominal(aim.chain, 0) is not None
+    return nearest_found(
+        lambda u: aim.is_met_at(ways.frame @ u),
+        ways,
+        within,
+        aim.target is not None,
+        progress,
+        (lambda us: aim.is_met_at_each(us @ ways.frame.T)) if at_once else None,
+    )
 
 
 def nearest_proved(forces: SortedChain, anchor: Parameter, ways: Displacements) -> Nearest | None:

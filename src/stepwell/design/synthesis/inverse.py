@@ -10,21 +10,12 @@ from stepwell.base import ONE_BY_ONE, QUICKLY, InputError, Progress, to_unit
 from stepwell.design.orders import by_cells_at_1, of_sequence, of_states, order_of, short
 from stepwell.design.plane import Box
 from stepwell.design.switches import switching_forces
+from stepwell.design.synthesis import region as areas
 from stepwell.design.synthesis.attempt import Attempt
 from stepwell.design.synthesis.candidates import LOOKS, Kind, Rule
 from stepwell.design.synthesis.designed import Design
 from stepwell.design.synthesis.elements import Allowed, ElementTarget, Range, Scaled, scaled
-from stepwell.design.synthesis.region import (
-    PAPER_BAND,
-    PAPER_LEVER,
-    AnchorBox,
-    AnchorPolygon,
-    BandType,
-    Region,
-    drilled,
-    fits_grid,
-    usual_box,
-)
+from stepwell.design.synthesis.region import AnchorBox, AnchorPolygon, BandType, Region
 from stepwell.design.synthesis.tries import Placed, TargetSearch
 from stepwell.design.targets import Target, unsearchable
 from stepwell.design.tolerances.draws import USUAL, Tolerances, levers_of, refuse_slips
@@ -51,8 +42,8 @@ def design(
     p: tuple[float, float] = (-0.010, 0.0),
     q: tuple[float, float] = (0.010, 0.0),
     free: str = "q",
-    bands: Sequence[BandType] = (PAPER_BAND,),
-    lever: Levers = PAPER_LEVER,
+    bands: Sequence[BandType] = (areas.PAPER_BAND,),
+    lever: Levers = areas.PAPER_LEVER,
     limit: float = math.pi / 4,
     equal_levers: bool = True,
     tolerances: Tolerances = USUAL,
@@ -140,7 +131,7 @@ def design(
     _check_objective(tolerances, objective, bands, most_force)
     fixed = q if free == "p" else p
     usual = within is None
-    within = usual_box(max(levers), free) if within is None else within
+    within = areas.usual_box(max(levers), free) if within is None else within
     target, regions = _target_and_regions(sequence, states, cells, within)
     rule = Rule(
         (float(fixed[0]), float(fixed[1])),
@@ -153,13 +144,9 @@ def design(
     )
     if not unusual:
         _check_units(rule, holes)
-    if holes is not None:
-        _check_holes(regions, holes)
+    _check_holes(regions, holes)
     mixed = not equal_levers and len(levers) > 1
-    # Kinds with all bands on one lever follow each other.
-    starts = range(0, len(rule.kinds), len(bands))
-    each = [replace(rule, kinds=rule.kinds[k : k + len(bands)]) for k in starts]
-    rules = [rule] * mixed + each
+    rules = [rule] * mixed + _one_lever_each(rule, len(bands))
     n = len(rules)
     search = TargetSearch(
         target, regions, holes, actuator_stiffness, seed, progress, n, free, usual
@@ -174,11 +161,9 @@ def design(
         chain, how = search.simulated(rules[:1] if mixed else rules, placed, tolerances)
     result = cycle(chain)
     criterion = _success_criterion(target.states, result, tolerances)
-    # More are made where end forces decide what they do.
-    by_forces = attempt is not None and not (attempt.rule.as_drawn or attempt.rule.bends)
-    few = QUICKLY if by_forces and isinstance(criterion, str) else ONE_BY_ONE
+    count = samples or _default_samples(attempt, criterion)
     largest = _largest_tolerances(attempt, chain, bands, tolerances)
-    share = yields(chain, largest, samples=samples or few, seed=seed, target=criterion)
+    share = yields(chain, largest, samples=count, seed=seed, target=criterion)
     search.end()
     return Design(
         chain,
@@ -191,6 +176,18 @@ def design(
         how + _off_grid(rule, holes),
         _standing(attempt) + _not_searched(target, share),
     )
+
+
+def _one_lever_each(rule: Rule, bands: int) -> list[Rule]:
+    """The rule for each lever alone; kinds with all bands on one lever follow each other."""
+    starts = range(0, len(rule.kinds), bands)
+    return [replace(rule, kinds=rule.kinds[k : k + bands]) for k in starts]
+
+
+def _default_samples(attempt: Attempt | None, criterion: str | tuple[str, ...] | None) -> int:
+    """More samples if critical forces decide their sequences."""
+    by_forces = attempt is not None and not (attempt.rule.as_drawn or attempt.rule.bends)
+    return QUICKLY if by_forces and isinstance(criterion, str) else ONE_BY_ONE
 
 
 def _design_of_elements(
@@ -338,14 +335,16 @@ def _check_units(rule: Rule, holes: float | None) -> None:
     refuse_slips(rule.tolerances, travel, strongest, _WAY)
 
 
-def _check_holes(regions: Sequence[Region], holes: float) -> None:
+def _check_holes(regions: Sequence[Region], holes: float | None) -> None:
+    if holes is None:
+        return
     for region in dict.fromkeys(regions):
-        if len(drilled(region, holes)):
+        if len(areas.drilled(region, holes)):
             continue
         finer = holes
         for _ in range(20):
             finer /= 2
-            if len(drilled(region, finer)):
+            if len(areas.drilled(region, finer)):
                 break
         raise InputError(
             f"holes {to_unit(holes, 'mm'):.4g} mm apart: none is in {region!r}. Their grid passes "
@@ -356,7 +355,7 @@ def _check_holes(regions: Sequence[Region], holes: float) -> None:
 
 def _off_grid(rule: Rule, holes: float | None) -> str:
     """The note on a fixed anchor that is not in a hole of the grid."""
-    if holes is None or rule.free == "both" or fits_grid(rule.fixed, holes):
+    if holes is None or rule.free == "both" or areas.fits_grid(rule.fixed, holes):
         return ""
     x, y = (to_unit(part, "mm") for part in rule.fixed)
     name = "q" if rule.free == "p" else "p"
