@@ -201,7 +201,7 @@ def test_a_span_rises():
         (("--element", "dome", "--force-scale", "2:1", BACK), "must be FROM:TO, both above 0"),
         (
             ("forward",),
-            "'forward': must be a sequence such as 00>10>11>01>00, states such as 00,10,11, or",
+            "'forward': must be a sequence such as 00>10>11>01>00",
         ),
         (("00>11>00",), "'00>11>00'"),
         (("all:0",), "cells = 0"),

@@ -611,7 +611,7 @@ def test_sensitivities_of_cells_with_a_table_are_those_of_the_law_that_it_holds(
     assert indices.deviation == pytest.approx(closed.deviation, rel=0.05)
     assert closed.agreed is None
     assert indices.agreed == 1.0
-    says(str(indices), "gap", "engine", "100.0 %")
+    says(str(indices), "gap", "simulation", "100.0 %")
 
 
 @pytest.mark.slow

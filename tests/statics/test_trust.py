@@ -193,7 +193,7 @@ def test_a_force_that_steps_within_the_rounding_of_its_travel_is_refused():
 def test_a_table_that_steps_is_refused_rather_than_told_wrong():
     step = sw.Table((0.0, 0.023, 0.023 + 1e-13, 0.030), (0.0, 0.023, 0.2, 0.21))
     cell = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0), law=step))
-    with refuses(statics.StaticsError, "fails", "mm", "certificate"):
+    with refuses(statics.StaticsError, "drive", "mm", "certificate"):
         sw.Chain([cell, OUTER]).cycle()
 
 

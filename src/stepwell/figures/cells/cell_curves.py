@@ -20,7 +20,7 @@ _BEYOND, _WALL = 0.08, 0.03
 _BOLD, _THIN, _PAST = 2.2, 0.9, 1.5
 _DOTS = (0, (1, 1.6))
 # Elements share a force axis if its range is at most this factor times that of each.
-_FLAT = 10.0
+_FLAT = 4.0
 # Least width of the axes of one element, and of a legend entry of several [mm].
 _LEAST, _ENTRY = 44.0, 37.0
 _COLOUR = style.cell_colours(1)[0]
@@ -94,8 +94,9 @@ def element_curves(elements: Mapping[str, Element]) -> Figure:
     for curve in curves:
         curve.draw_force()
     low, high = np.transpose([ax.get_ylim() for ax in axes])
-    # One force axis, unless a curve would be flat on it.
-    if np.max(high) - np.min(low) <= _FLAT * np.min(high - low):
+    # One force axis, unless a curve would be flat on it or has another unit.
+    comparable = len({curve.force for curve in curves}) == 1
+    if comparable and np.max(high) - np.min(low) <= _FLAT * np.min(high - low):
         for ax in axes:
             ax.set_ylim(np.min(low), np.max(high))
     for name, curve in zip(elements, curves, strict=True):
