@@ -199,10 +199,7 @@ def test_a_span_rises():
     [
         (("--element", "dome", "--holes", 5, BACK), "elements have no anchors"),
         (("--element", "dome", "--force-scale", "2:1", BACK), "must be FROM:TO, both above 0"),
-        (
-            ("forward",),
-            "'forward': must be a sequence such as 00>10>11>01>00",
-        ),
+        (("forward",), "'forward': must be a sequence such as 00>10>11>01>00"),
         (("00>11>00",), "'00>11>00'"),
         (("all:0",), "cells = 0"),
         (("00,1",), "all of one length"),
