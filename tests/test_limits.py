@@ -230,7 +230,7 @@ def test_a_map_tells_the_memory_that_it_would_take():
         ("cells=1e4", r"'cells=1e4': must be .* as in cells=\d+0000"),
     ],
 )
-def test_what_raises_nothing_is_told(text, message, monkeypatch):
+def test_what_raises_nothing_is_reported(text, message, monkeypatch):
     monkeypatch.setenv(VARIABLE, text)
     with pytest.raises(ValueError, match=message):
         leg()

@@ -223,13 +223,13 @@ def test_a_quantity_is_one_line_from_which_every_form_comes(tmp_path):
         ((), 1e3, []),
     ],
 )
-def test_json_can_hold_what_is_told(value, factor, told):
+def test_json_can_hold_what_is_reported(value, factor, told):
     found = plain(value, factor)
     assert found == told
     assert type(found) is type(told)
 
 
-def test_units_are_told_as_the_table_says():
+def test_units_are_those_of_the_table():
     assert display_unit("m") == ("mm", 1e3)
     assert display_unit("N/m") == ("N/m", 1.0)
     assert display_unit("rad")[1] == math.degrees(1.0)

@@ -128,7 +128,7 @@ def test_a_card_has_no_script_no_colour_of_text_and_fetches_nothing():
         assert ";color:" not in html and "url(" not in html and "http" not in html, name
 
 
-def test_names_are_told_letter_by_letter():
+def test_names_are_reported_letter_by_letter():
     chain = sw.preset("paper-forward")
     cells = [replace(cell, name=f"{HOSTILE}{i}") for i, cell in enumerate(chain.cells)]
     hostile = replace(chain, cells=cells, title=HOSTILE)

@@ -128,7 +128,7 @@ def test_the_lines_it_shows_of_a_design_file_are_in_it(story):
     assert come[1:] in text["leg-reversed.toml"] and come[1:] in text["robot-turning.toml"]
 
 
-def test_the_page_is_complete_in_itself_and_has_a_step_for_each_that_was_told(story):
+def test_the_page_is_self_contained_and_has_a_section_for_each_step(story):
     page = Seen(story.page)
     assert all(name.startswith("data:") for name in page.named)
     assert "url(" not in story.page.partition("</style>")[0]

@@ -172,7 +172,7 @@ def test_elements_of_one_shape_cannot_do_everything_and_that_is_proved(stepwell)
     assert (result.exit_code, record["possible"], record["proved"]) == (3, False, True)
 
 
-def test_how_far_pressures_are_from_doing_it_is_told_in_their_unit(stepwell):
+def test_how_far_pressures_are_from_doing_it_is_reported_in_their_unit(stepwell):
     result = stepwell("design", BACK, "--element", "balloon", "--drive", "force", "--json")
     record = json.loads(result.stdout)
     assert record["gap_needed_kPa"] == pytest.approx(1e-5, rel=0.1)
@@ -180,7 +180,7 @@ def test_how_far_pressures_are_from_doing_it_is_told_in_their_unit(stepwell):
 
 
 @pytest.mark.slow
-def test_by_which_share_all_forces_may_be_off_is_told_of_elements(stepwell):
+def test_the_allowed_deviation_of_all_forces_is_reported_for_elements(stepwell):
     options = "--element", "preset:von-mises-truss", "--drive", "force", "--samples", 50
     found = json.loads(stepwell("design", BACK, *options, "--json").stdout)["robustness"]
     assert 0.0 < found["share"] < 1.0

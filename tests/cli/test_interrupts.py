@@ -248,7 +248,7 @@ def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path):
     assert not parts.exists()
 
 
-def test_an_interruption_in_a_decoder_is_told_as_any_other(stepwell, monkeypatch):
+def test_an_interruption_in_a_decoder_is_reported_as_any_other(stepwell, monkeypatch):
     # What Python makes of one there.
     words = "decoding with 'utf-8-sig' codec failed (KeyboardInterrupt: )"
 

@@ -57,7 +57,7 @@ def test_reading_tells_what_is_there_and_what_cannot_be_read(stepwell, data, tmp
     assert [r["problem"][:9] for r in record["refused"]] == ["is binary"]
 
 
-def test_nothing_to_read_is_an_error_that_is_told(stepwell):
+def test_nothing_to_read_is_an_error_that_is_reported(stepwell):
     result = stepwell("lab", "read", "gone.txt")
     assert (result.exit_code, "gone.txt: no such file." in result.stdout) == (2, True)
     result = stepwell("lab", "compare", "gone")

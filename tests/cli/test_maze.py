@@ -96,7 +96,7 @@ def test_list_shows_every_arena_with_its_title(stepwell):
         (("robot-explorer",), "ARENA"),
     ],
 )
-def test_wrong_usage_is_told_in_a_line(stepwell, arguments, message):
+def test_wrong_usage_is_reported_in_a_line(stepwell, arguments, message):
     result = stepwell("maze", *arguments)
     assert (result.exit_code, result.stdout) == (2, "")
     assert message in result.stderr

@@ -15,7 +15,7 @@ def test_new_copies_a_design_with_its_comments(stepwell, tmp_path):
     assert load(tmp_path / "leg.toml").subject == preset("paper-via-10")
 
 
-def test_new_starts_from_the_forward_leg_unless_told_otherwise(stepwell, tmp_path):
+def test_new_starts_from_the_forward_leg_by_default(stepwell, tmp_path):
     stepwell("new", "leg.toml")
     assert load(tmp_path / "leg.toml").subject == preset("paper-forward")
 

@@ -30,7 +30,7 @@ def test_every_claim_is_a_line_with_both_values_and_the_verdict(stepwell, verdic
         assert f"  {verdict.ours}  " in line
 
 
-def test_every_reason_is_told_and_agreement_counted(stepwell, verdicts):
+def test_every_reason_is_reported_and_agreement_counted(stepwell, verdicts):
     printed = stepwell("paper").stdout
     for verdict in verdicts:
         assert not verdict.reason or f"  {verdict.reason}\n" in printed

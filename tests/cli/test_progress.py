@@ -55,7 +55,7 @@ def test_a_terminal_sees_how_far_it_is_and_how_long_it_will_take(monkeypatch):
     assert left and all(100 <= seconds <= 600 for seconds in left)
 
 
-def test_nobody_else_is_told_anything(monkeypatch):
+def test_other_clients_receive_nothing(monkeypatch):
     pipe = io.StringIO()
     monkeypatch.setattr(sys, "stderr", pipe)
     with progress("walking") as tell:

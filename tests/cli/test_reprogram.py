@@ -68,7 +68,7 @@ def test_what_it_does_already_needs_no_displacement(stepwell):
     assert "00>10>11>01>00 already" in result.stdout
 
 
-def test_a_direction_is_told_by_two_numbers_or_an_angle():
+def test_a_direction_is_reported_by_two_numbers_or_an_angle():
     assert along("-1:2") == (-1.0, 2.0)
     assert along("90") == pytest.approx((0.0, 1.0))
 

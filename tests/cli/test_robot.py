@@ -136,7 +136,7 @@ def test_an_interrupted_sweep_goes_on_where_it_stopped(stepwell, tmp_path, monke
         (("foot.below_mm=-2:-1:3",), "foot.below_mm = -2"),
     ],
 )
-def test_a_wrong_range_is_told_before_anything_runs(stepwell, tmp_path, ranges, message):
+def test_a_wrong_range_is_reported_before_anything_runs(stepwell, tmp_path, ranges, message):
     result = stepwell("robot", "sweep", "robot-forward", *ranges, "--out", "out")
     assert (result.exit_code, result.stdout) == (2, "")
     assert message in " ".join(result.stderr.split())

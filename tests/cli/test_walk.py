@@ -168,7 +168,7 @@ def test_a_robot_that_falls_over_ends_with_a_message_and_keeps_what_it_has(
         (("robot-forward", "--cycles", "0"), "Invalid value for '--cycles'"),
     ],
 )
-def test_wrong_usage_is_told_in_a_line(stepwell, arguments, message):
+def test_wrong_usage_is_reported_in_a_line(stepwell, arguments, message):
     result = stepwell("walk", *arguments)
     assert (result.exit_code, result.stdout) == (2, "")
     assert message in result.stderr

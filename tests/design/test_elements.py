@@ -94,7 +94,7 @@ def test_an_element_of_one_phase_has_nothing_to_switch(drive):
     assert beside.yields(samples=5).target == beside.cycle().sequence == "00>01>00"
 
 
-def test_switching_forces_of_lever_cells_and_elements_are_told_together():
+def test_switching_forces_of_lever_cells_and_elements_are_reported_together():
     levers = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0), stiffness=200.0), friction=0.01)
     chain = sw.Chain([levers, LEAPS], FORCE)
     assert relay_cycle(chain) == chain.cycle().sequence
@@ -291,7 +291,7 @@ def test_the_nearest_scale_that_reprograms_is_found(drive):
         assert made.cycle().sequence != target
 
 
-def test_an_element_is_reprogrammed_by_friction_too_or_told_that_it_cannot_be():
+def test_an_element_is_reprogrammed_by_friction_or_reported_as_impossible():
     chain = pair(FORCE)
     change = chain.reprogram("00>01>11>10>00", "a.friction")
     assert change.place == pytest.approx(0.3)
@@ -303,7 +303,7 @@ def test_an_element_is_reprogrammed_by_friction_too_or_told_that_it_cannot_be():
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_all_forces_may_be_off_by_the_share_told_and_no_more(seed):
+def test_all_forces_may_deviate_by_the_reported_fraction_and_no_more(seed):
     rng = np.random.default_rng(seed)
     chain = sw.Chain([any_element(rng, name) for name in "abc"], FORCE)
     result = chain.robustness()

@@ -65,7 +65,7 @@ def test_both_anchors_are_mirror_images_and_no_other_choice_of_holes_is_surer():
     assert designed.robustness.radius == pytest.approx(surest, rel=1e-6)
 
 
-def test_what_is_free_is_told_where_nothing_does_it():
+def test_what_is_free_is_reported_where_no_design_exists():
     box = AnchorBox(-0.011, -0.009, -0.001, 0.001)
     with refuses(Impossible, "anchors p", "holes", "2 mm apart", "-11 to -9", "mm"):
         sw.design(CYCLE, free="p", within=box, holes=0.002, most_force=0.1)

@@ -72,7 +72,7 @@ def test_nearer_than_the_margin_no_displacement_changes_the_sequence():
 
 
 @pytest.mark.slow
-def test_past_the_margin_the_sequence_is_the_one_foretold():
+def test_past_the_margin_the_sequence_is_the_predicted_one():
     for chain, margin in concave_margins(2, examples(10)):
         now = sequence(chain)
         for change in anchors(margin):

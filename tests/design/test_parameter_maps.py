@@ -148,7 +148,7 @@ def test_equal_travels_of_other_levers_are_sorted_in_closed_form():
     assert data.attrs["closed_form_designs"] == 2
 
 
-def test_a_chain_of_many_cells_is_mapped_and_its_sequences_told_by_their_moves():
+def test_a_chain_of_many_cells_is_mapped_and_its_sequences_reported_by_their_moves():
     rng = np.random.default_rng(7)
     chain = concave_chain(rng, 15)
     line = np.linspace(20.0, 40.0, 5)
@@ -160,7 +160,7 @@ def test_a_chain_of_many_cells_is_mapped_and_its_sequences_told_by_their_moves()
     assert words == "moves:" + ",".join(str(flip[0]) for flip in result.sequence.flips)
 
 
-def test_nodes_that_cannot_be_made_are_told_and_have_no_snaps():
+def test_nodes_that_cannot_be_made_are_reported_and_have_no_snaps():
     # q - p = (-14.14, 0) mm folds the band onto itself where the lever is straight, and it pushes.
     chain = sw.Chain((cell(10, 0, rest_length=1e-4, two_sided=True), cell(20, 0)))
     x = [-0.010 - 0.010 * math.sqrt(2), 0.0]

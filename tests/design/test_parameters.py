@@ -150,7 +150,7 @@ def test_names_with_dots_and_numbers_mean_the_cell_of_that_name_first():
     assert parameter(chain, "3.stiffness").name == "cell 3.stiffness"
 
 
-def test_two_cells_of_one_name_are_told_apart_by_number():
+def test_two_cells_of_one_name_are_distinguished_by_number():
     chain = sw.Chain((cell(10, 0, name="leg"), cell(15, 0, name="leg")))
     with refuses(ValueError, "'leg.p'", "2 cells", "'leg'", "'1.p'"):
         parameter(chain, "leg.p")

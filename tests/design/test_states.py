@@ -85,7 +85,7 @@ def test_where_only_some_placements_overtake_another_is_taken():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("states", [WANTED, ["000", "100", "110", "111"]])
-def test_the_drawing_is_searched_whole_and_told_so(states):
+def test_a_complete_search_of_the_nominal_design_is_reported(states):
     made = design(states=states, samples=20)
     assert in_reach(made.chain) == set(states) == set(made.states)
     assert made.reached.whole
@@ -128,7 +128,7 @@ def test_the_independent_follower_reaches_nothing_else():
 
 
 @pytest.mark.slow
-def test_all_states_are_told_by_orders_alone_only_where_that_is_proved():
+def test_all_states_are_reported_by_orders_alone_only_where_that_is_proved():
     rng = np.random.default_rng(2)
     every = [f"{k:03b}" for k in range(8)]
     rough = Tolerances(anchor=0.003, stiffness=0.1)

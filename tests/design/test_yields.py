@@ -484,7 +484,7 @@ def test_a_single_cell_has_no_gap_to_vary():
     assert alone is not None and alone.deviation == 0.0 and "does not vary" in str(alone)
 
 
-def test_cells_of_one_name_are_told_apart_by_number():
+def test_cells_of_one_name_are_distinguished_by_number():
     chain = sw.Chain([replace(cell(x), name="leg") for x in (10, 14)])
     indices = yields(chain, Tolerances(lever=1e-4), samples=5, sensitivity=True).sensitivities
     assert indices is not None and indices.parameters == ("1.lever", "2.lever")
@@ -578,7 +578,7 @@ def test_any_other_cycle_that_none_makes_comes_with_one_that_the_drawing_makes()
     assert yields(leg(), Tolerances(anchor=0.0003), samples=50).advice == ""
 
 
-def test_cells_that_move_together_are_not_told_that_they_cannot():
+def test_cells_that_move_together_are_not_reported_as_impossible():
     rising = sw.Cell(sw.Band((0.0, 0.0), (-0.009, 0.012), 30.0, 0.0))
     stiffer = sw.Cell(sw.Band((0.0, 0.0), (-0.009, 0.012), 31.0, 0.0))
     pair = sw.Chain((rising, stiffer))

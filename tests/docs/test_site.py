@@ -273,7 +273,7 @@ def test_a_search_finds_first_what_one_wants_to_do(searching, words):
 
 
 @pytest.mark.parametrize("path", LIGHT)
-def test_the_pages_keep_nobody_out(window, home, axe, path):
+def test_the_pages_are_accessible(window, home, axe, path):
     window.goto(home + path)
     nothing_found(window, axe)
 

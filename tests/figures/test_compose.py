@@ -86,7 +86,7 @@ def test_one_panel_has_no_letter_and_its_own_legend(cycle):
     assert figure.subfigs[0].axes[0].get_legend() is not None
 
 
-def test_what_panels_have_in_common_is_told_once(cycle):
+def test_what_panels_have_in_common_is_stated_once(cycle):
     panels = [partial(draw, cycle) for draw in (figures.force_stroke, figures.landscape)]
     figure = figures.compose(panels)
     (legend,) = figure.legends
@@ -175,7 +175,7 @@ def test_recordings_lie_behind_the_force_by_their_names(cycle):
     assert untidy(figure) == []
 
 
-def test_recordings_that_cannot_be_told_apart_or_compared_are_refused(cycle):
+def test_recordings_that_cannot_be_distinguished_or_compared_are_refused(cycle):
     run = recording("run.txt", there(0.020), 0.0 * there(0.020))
     with pytest.raises(ValueError, match="at most 4"):
         figures.force_stroke(cycle, measured=[run] * 5)

@@ -81,7 +81,7 @@ def test_rows_and_columns_share_the_axes_of_the_plane(chain):
     assert right.get_ylim() == ax.get_ylim()
 
 
-def test_the_narrowest_step_is_marked_and_told():
+def test_the_narrowest_step_is_marked_and_reported():
     figure = figures.force_plane(SHUFFLE)
     cycle = SHUFFLE.cycle()
     f = forces(SHUFFLE)
@@ -92,7 +92,7 @@ def test_the_narrowest_step_is_marked_and_told():
     assert min(band.get_width(), band.get_height()) == pytest.approx(least)
 
 
-def test_an_order_that_the_chain_does_not_have_is_told():
+def test_an_order_that_the_chain_does_not_have_is_reported():
     figure = figures.force_plane(WAVE, loading=[1, 0, 2])
     gap = WAVE.cells[1].force_0 - WAVE.cells[0].force_0
     assert f"order violated by {gap:.3g} N" in legend_of(figure)

@@ -100,7 +100,7 @@ def test_states_are_named_with_their_stroke_and_joined_by_arrows():
 
 
 @pytest.mark.slow
-def test_no_rounding_error_is_told_as_a_stroke():
+def test_no_rounding_error_is_reported_as_a_stroke():
     cycle = files.preset("curved-beam").cycle()
     said = says(figures.mechanism(cycle.chain, cycle.sequence))
     assert said.count("$u$ = 0 mm") == 2

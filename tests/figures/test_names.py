@@ -190,7 +190,7 @@ def test_no_figure_is_left_out_here(chains, robots, tmp_path):
 
 
 @pytest.mark.slow
-def test_letters_that_a_font_has_are_drawn_and_others_are_told_once(monkeypatch, caplog):
+def test_letters_that_a_font_has_are_drawn_and_others_are_reported_once(monkeypatch, caplog):
     monkeypatch.setattr(_names, "families", lambda: ("DejaVu Sans",))
     monkeypatch.setattr(_names, "_logged", set())
     cycle = named(sw.preset("paper-forward"), "漢字 Ж é").cycle()

@@ -130,7 +130,7 @@ def test_lanes_show_the_travel_of_their_cell():
         assert rise[: len(mine)] == pytest.approx(mine, abs=1e-9)
 
 
-def test_more_lanes_than_can_be_told_apart_are_refused():
+def test_more_lanes_than_can_be_distinguished_are_refused():
     cells = (Cell(Band((-0.010, 0.0), (0.010, 0.0))),) * 61
     path = Chain(cells).path([0.0])
     with refuses(ValueError, "61 cells", "at most 60"):

@@ -27,7 +27,7 @@ def test_bars_are_as_long_as_the_shares(yield_result):
     assert sum(bar.get_width() for bar in bars) == pytest.approx(100.0)
 
 
-def test_the_interval_is_drawn_and_told(yield_result):
+def test_the_interval_is_drawn_and_stated(yield_result):
     figure = figures.yield_bars(yield_result)
     (interval,) = lines(figure, "interval")
     assert points(interval)[:, 0] == pytest.approx(100 * np.array(yield_result.interval))
@@ -88,7 +88,7 @@ def test_a_share_near_one_does_not_look_certain():
     assert line.startswith("99.")
 
 
-def test_long_sequences_are_told_by_what_moves():
+def test_long_sequences_are_reported_by_what_moves():
     assert sequence_words("00>10>11>01>00", 50) == "00>10>11>01>00"
     assert sequence_words("000>100>111>011>000", 10) == "loads 1 2+3, unloads 1 2+3"
     assert sequence_words("cannot be built", 5) == "cannot be built"

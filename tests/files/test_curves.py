@@ -120,7 +120,7 @@ def test_a_wrong_file_is_answered_in_one_line(written, text, message):
     assert refusal(written(text)).startswith(f"dome.csv: {message}")
 
 
-def test_a_file_that_is_not_there_and_a_folder_are_told(written, tmp_path):
+def test_a_file_that_is_not_there_and_a_folder_are_reported(written, tmp_path):
     says(refusal("none.csv"), "none.csv: ", "no such file")
     says(refusal(tmp_path), f"{tmp_path}: ", "a folder")
 
@@ -280,7 +280,7 @@ def test_a_file_in_a_folder_below_is_read(written):
         ),
     ],
 )
-def test_a_wrong_name_in_a_design_is_told_with_its_place(written, text, message):
+def test_a_wrong_name_in_a_design_is_reported_with_its_place(written, text, message):
     written(CSV)
     written("volume_mL,pressure_kPa\n0,0\n1,1\n2,2\n", "balloon.csv")
     assert told(text).startswith(f"chain.toml: {message}")

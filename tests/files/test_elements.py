@@ -183,7 +183,7 @@ def test_every_element_of_the_library_has_its_keys(name):
         ("kresling = { sides = 6.5 }", "chain.cell[0].kresling.sides = 6.5: must be a whole"),
     ],
 )
-def test_wrong_arguments_of_the_library_are_told(text, message):
+def test_wrong_arguments_of_the_library_are_reported(text, message):
     assert answer(text).startswith(f"dome.toml: {message}")
 
 

@@ -242,7 +242,7 @@ def test_a_manifest_cannot_name_files_outside_its_folder(tmp_path, name):
     assert (tmp_path / "victim").read_text() == "old"
 
 
-def test_a_full_disk_is_told_with_the_file_and_changes_nothing(tmp_path, monkeypatch):
+def test_a_full_disk_is_reported_with_the_file_and_changes_nothing(tmp_path, monkeypatch):
     out = tmp_path / "out"
     write(out, OLD)
 
@@ -261,7 +261,7 @@ def test_a_full_disk_is_told_with_the_file_and_changes_nothing(tmp_path, monkeyp
     assert os.listdir(tmp_path) == ["out"]
 
 
-def test_a_folder_that_cannot_be_made_is_told_before_the_work(tmp_path):
+def test_a_folder_that_cannot_be_made_is_reported_before_the_work(tmp_path):
     (tmp_path / "file").write_text("")
     with refuses(OSError, "name a folder") as caught:
         check_folder(tmp_path / "file" / "out", "run")

@@ -204,7 +204,7 @@ def test_all_problems_are_said_at_once_one_line_each():
         assert line.startswith(f"forward.toml: chain.{place} = ")
 
 
-def test_what_only_the_mechanism_can_judge_is_told_with_its_place():
+def test_what_only_the_mechanism_can_judge_is_reported_with_its_place():
     text = (
         "[chain]\nband = { rest_length_mm = 5, two_sided = true }\n"
         f"{CELL}[[chain.cell]]\np_mm = [0, 0]\nq_mm = [-14.142135623730951, 0]"

@@ -129,7 +129,7 @@ def test_a_wrong_table_is_answered_with_place_value_and_what_is_allowed(table, m
     assert answer(table).startswith(f"wave.toml: {message}")
 
 
-def test_every_wrong_state_is_told():
+def test_every_wrong_state_is_reported():
     text = answer("[program]\nturning_points_mm = [0]\nstart = '00'\nends = '0100'")
     assert len(text.splitlines()) == 2
 

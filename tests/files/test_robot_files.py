@@ -387,7 +387,7 @@ def test_what_no_file_may_hold_is_refused_before_anything_is_written(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_sources_of_antennas_that_were_taken_off_stand_in_nobodys_way():
+def test_sources_of_removed_antennas_are_ignored():
     bare = replace(preset("robot-antennas"), antennas=())
     assert loads(dumps(bare)).subject == bare
 
@@ -399,7 +399,7 @@ def test_load_and_save_take_robots_too(tmp_path):
     assert load("preset:robot-right").subject == robot
 
 
-def test_who_needs_a_chain_or_a_robot_is_told_in_one_line_when_it_is_the_other():
+def test_who_needs_a_chain_or_a_robot_is_reported_in_one_line_when_it_is_the_other():
     with pytest.raises(DesignError) as caught:
         _ = load("preset:robot-forward").chain
     (line,) = str(caught.value).splitlines()

@@ -52,7 +52,7 @@ def test_a_slip_of_unit_is_answered_with_its_key_and_what_was_meant(text, key, m
     assert loads(text.replace("[chain]\n", "[chain]\nunusual = true\n", 1)).subject.unusual
 
 
-def test_one_of_several_bands_is_told_by_its_place():
+def test_one_of_several_bands_is_reported_by_its_place():
     bands = "bands = [{ p_mm = [-10, 0], q_mm = [10, 0] }, { p_mm = [-10, 0], q_mm = [0.01, 0] }]"
     told = answer(f"[chain]\n[[chain.cell]]\n{bands}")
     assert told.startswith("leg.toml: chain.cell[0].bands[1].q_mm = [0.01, 0]: ")

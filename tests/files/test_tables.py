@@ -45,7 +45,7 @@ def changed(**keys: Any) -> dict[str, Any]:
         ("friction_N", -1.5, "-1.5"),
     ],
 )
-def test_what_is_wrong_is_told_as_in_a_file(key: str, value: Any, in_file: str):
+def test_what_is_wrong_is_reported_as_in_a_file(key: str, value: Any, in_file: str):
     with pytest.raises(DesignError) as by_value:
         loads_tables(changed(**{key: value}), "design")
     text = preset_text("paper-forward")

@@ -16,13 +16,13 @@ def notes(*cells: sw.Cell) -> list[str]:
     return tie_notes(ties, chain)
 
 
-def test_a_chain_with_every_band_slack_is_told_so_once():
+def test_a_chain_with_every_band_slack_is_reported_so_once():
     slack = sw.Cell(sw.Band((-0.01, 0.0), (0.01, 0.0), 28.5, 0.2))
     (note,) = notes(slack, slack)
     says(note, "inner and outer", "same constant force", "20 mm", "40, 0 mm")
 
 
-def test_cells_that_are_alike_are_told_once_with_their_names():
+def test_cells_that_are_alike_are_reported_once_with_their_names():
     (note,) = notes(FIRST, FIRST, FIRST, FIRST)
     says(note, "cell 1", "cell 4", "tie", "0 mm", "all of", *(f"cell {k}" for k in range(1, 5)))
     says(note, "alike", "also at", "20, 40, ")

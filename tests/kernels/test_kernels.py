@@ -269,7 +269,7 @@ def test_a_mode_that_is_none_is_refused(monkeypatch):
 
 
 @pytest.mark.slow
-def test_kernels_are_compiled_behind_the_back_of_whoever_waits_for_answers(tmp_path):
+def test_kernels_are_compiled_in_the_background(tmp_path):
     (tmp_path / "tiny.py").write_text(textwrap.dedent(TINY))
     script = """
         import time, numpy as np, tiny

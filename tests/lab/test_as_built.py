@@ -198,7 +198,7 @@ def test_a_build_that_does_what_it_should_is_left_alone():
 
 
 @pytest.mark.slow
-def test_the_chain_that_is_told_does_what_was_seen():
+def test_the_reported_chain_reproduces_the_observation():
     for _, observed, found in reversed_():
         assert math.isfinite(observed.misfit(found.chain.cycle()))
 

@@ -145,7 +145,7 @@ def test_a_single_sample_is_said_to_show_no_scatter():
 
 
 @pytest.mark.slow
-def test_with_one_curve_the_law_is_chosen_by_what_it_explains_and_it_is_told():
+def test_with_one_curve_the_law_is_chosen_by_what_it_explains_and_it_is_reported():
     test = curves(softening, samples=1, cycles=(5,))
     choice = lab.choose_law(test)
     assert choice.chosen.law.name == "cubic"
@@ -191,7 +191,7 @@ def test_a_law_that_is_not_known_is_refused():
         lab.fit_bands(test, chosen(), "quartic")
 
 
-def test_the_loss_of_every_cycle_is_told():
+def test_the_loss_of_every_cycle_is_reported():
     test = curves(lambda f: line(f * 28.5, 0.0), cycles=(1, 5), scatter=0.0)
     loss = lab.hysteresis(test)
     assert loss.sel(sample=2, cycle=5).item() == pytest.approx(0.25, abs=0.01)
@@ -212,7 +212,7 @@ def test_stiffness_depends_on_the_window_and_the_table_says_how():
     )
 
 
-def test_what_is_used_and_what_is_dropped_is_told():
+def test_what_is_used_and_what_is_dropped_is_reported():
     rng = np.random.default_rng(0)
     runs = [tension(s, c, line(28.5), noise=noise(rng)) for s in (1, 2) for c in (4, 5, 6)]
     test = lab.band_test(runs, drop=(2,))
@@ -221,7 +221,7 @@ def test_what_is_used_and_what_is_dropped_is_told():
     says(test.notes, "Samp2_45mm_5.txt: ", "sample 2")
 
 
-def test_files_that_only_count_are_told_apart_by_cycles_per_sample():
+def test_files_that_only_count_are_distinguished_by_cycles_per_sample():
     up = there(0.04)
     stroke = np.concatenate([up, up[::-1]])
 

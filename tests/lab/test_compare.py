@@ -155,14 +155,14 @@ def test_a_design_gives_what_names_leave_open_or_all():
         lab.compare(data, [stiff, stiff])
 
 
-def test_runs_that_their_name_marks_bad_are_dropped_and_told():
+def test_runs_that_their_name_marks_bad_are_dropped_and_reported():
     data = units("MB", MB) + units("MB_bad", MT) + frictions()
     comparison = lab.compare(data)
     assert len(comparison.cells) == 1
     assert sum("MB_bad" in line and "'bad'" in line for line in comparison.notes) == 3
 
 
-def test_tension_tests_and_unknown_letters_are_told_and_stop_nothing():
+def test_tension_tests_and_unknown_letters_are_reported_and_stop_nothing():
     up = there(0.04)
     others = [recording(f"b/1unit_bands_{k}.txt", up, up) for k in (1, 2)]
     others.append(recording("c/1unit_XYZ_1.txt", up, up))
@@ -266,7 +266,7 @@ def test_the_wrong_order_is_found_out():
     says(test.verdict, "order differs", "inner then outer")
 
 
-def test_a_snap_that_friction_holds_back_is_told_with_both_forces():
+def test_a_snap_that_friction_holds_back_is_reported_with_both_forces():
     friction = (0.15, 0.15)
     (test,) = lab.compare(
         pairs("MMB", COUNTER, friction=friction) + no_bands(friction=friction)

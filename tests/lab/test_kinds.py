@@ -62,7 +62,7 @@ def test_twice_as_stiff_is_said_to_be_two_bands():
 
 
 @pytest.mark.parametrize("each", [(0.8, 57.0), (20.0, 20.5, 46.0, 46.5), (10.0, 20.0, 40.0)])
-def test_without_a_majority_no_stiffness_is_told(each):
+def test_without_a_majority_no_stiffness_is_reported(each):
     with pytest.raises(lab.LabError) as told:
         lab.band_test(samples(*each))
     line = str(told.value)
@@ -70,7 +70,7 @@ def test_without_a_majority_no_stiffness_is_told(each):
     assert "\n" not in line
 
 
-def test_files_of_one_name_that_are_two_bands_are_told_apart_by_a_jump_that_rubber_never_makes():
+def test_files_of_one_name_that_are_two_bands_are_distinguished_by_a_jump_that_rubber_never_makes():
     with refuses(lab.LabError, "pull_3.txt, pull_4.txt: ", "45.5 N/m", "2.32 times", "stiff"):
         lab.band_test([run(f"pull_{n}.txt", k) for n, k in enumerate((20, 19.6, 46, 45), 1)])
 

@@ -158,7 +158,7 @@ def test_numbers_are_cycles_only_where_those_of_a_batch_can_be():
     assert [(loop.sample, loop.cycle) for loop in samples.loops] == [(2, 1), (3, 1)]
 
 
-def test_the_window_is_all_that_is_taut_where_the_usual_one_is_not_measured_and_it_is_told():
+def test_the_window_is_all_that_is_taut_where_the_usual_one_is_not_measured_and_it_is_reported():
     test = lab.band_test([pulled(SEVEN)])
     assert test.window == pytest.approx((0.0, 0.0345))
     says(test.notes[1], "0 to 34.5", "mm", "5 to 35 mm")
@@ -191,7 +191,7 @@ def test_the_rest_length_follows_from_lengths_and_a_gauge_beside_them_is_refused
 
 
 @pytest.mark.slow
-def test_bands_of_other_lengths_each_count_from_their_own_and_the_mean_is_told():
+def test_bands_of_other_lengths_each_count_from_their_own_and_the_mean_is_reported():
     extension = np.linspace(0.002, 0.040, 9)
     bands = [
         pulled(table(rest, spring(30.0), extension), f"Samp{n}.csv")

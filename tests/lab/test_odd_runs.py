@@ -127,7 +127,7 @@ SPOILT: tuple[Callable[[Recording, np.random.Generator], Recording], ...] = (
 
 
 @pytest.mark.parametrize(("code", "unloading"), BOTH_WAYS)
-def test_of_files_damaged_at_random_verdicts_are_right_or_cannot_be_told(code, unloading):
+def test_verdicts_on_randomly_damaged_files_are_right_or_undecided(code, unloading):
     rng = np.random.default_rng(4)
     *whole, base = runs(code, unloading)
     judged, tried = 0, examples(6, full=240)

@@ -86,7 +86,7 @@ def test_a_file_that_is_no_recording_gets_one_clear_line(content, problem, tmp_p
     assert "\n" not in str(told.value)
 
 
-def test_a_missing_file_and_a_folder_are_told():
+def test_a_missing_file_and_a_folder_are_reported():
     with refuses(lab.LabError, "none.txt", "no such file"):
         lab.read("none.txt")
     with pytest.raises(lab.LabError, match="it is a folder"):
@@ -105,7 +105,7 @@ def test_one_broken_file_stops_no_other_and_none_is_dropped_silently(tmp_path):
     assert [n.rpartition("/")[2] for n in batch.ignored] == ["manifest.csv", "notes.md"]
 
 
-def test_rows_that_cannot_be_read_are_told_with_their_line(tmp_path):
+def test_rows_that_cannot_be_read_are_reported_with_their_line(tmp_path):
     rows = "".join(f"{k} {k} {k}\r\n" for k in range(9))
     cut = lab.read(written(tmp_path, "a.txt", HEADER + rows + "9 9"))
     (remark,) = cut.remarks
@@ -185,7 +185,7 @@ def test_the_table_is_tidy_and_names_its_units(tmp_path):
     assert lab.table([]).sizes["row"] == 0
 
 
-def test_what_is_odd_about_a_recording_is_told():
+def test_what_is_odd_about_a_recording_is_reported():
     up = there(0.020)
     late = recording("a_1.txt", up[50:], 0.1 * np.ones(len(up) - 50))
     says(lab.recording_warnings(late), "starts late", "stroke", f"{up[50] * 1e3:.4g}", "mm")
@@ -200,7 +200,7 @@ def test_what_is_odd_about_a_recording_is_told():
     assert lab.recording_warnings(plain) == ()
 
 
-def test_what_is_odd_beside_the_other_runs_is_told():
+def test_what_is_odd_beside_the_other_runs_is_reported():
     up = there(0.020)
     runs = [recording(f"d/a_{k}.txt", up, 0.1 + up) for k in (1, 2, 3, 5)]
     runs.append(recording("d/a_6.txt", up, 0.3 + up))

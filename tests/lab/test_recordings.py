@@ -31,7 +31,7 @@ def pair_named(comparison, name):
     return test
 
 
-def test_every_recording_is_read_and_the_known_oddities_are_told(recordings):
+def test_every_recording_is_read_and_the_known_oddities_are_reported(recordings):
     assert len(recordings) == 200
     lines = dict(zip(recordings, lab.Batch(tuple(recordings), ()).odd, strict=True))
     odd = {one.source.rpartition("/")[2]: each for one, each in lines.items()}

@@ -106,7 +106,7 @@ def test_a_law_that_jumps_or_has_no_numbers_is_refused():
         sw.Element.from_law(wave, 1.0, 0.0)
 
 
-def test_noise_is_smoothed_within_a_band_that_is_told():
+def test_noise_is_smoothed_within_a_reported_band():
     rng = np.random.default_rng(3)
     s = np.linspace(0.0, 6e-3, 300)
     noisy = wave(s) + rng.normal(0.0, 0.03, len(s))

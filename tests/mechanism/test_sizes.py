@@ -60,7 +60,7 @@ def test_a_size_far_off_the_mechanism_is_refused_with_what_was_meant(slipped, na
     assert "Did you mean" in str(refused.value) or meant is None
 
 
-def test_a_mechanism_all_in_millimetres_is_told_every_slip_once():
+def test_a_mechanism_all_in_millimetres_is_reported_every_slip_once():
     with pytest.raises(SlipError) as refused:
         sw.Cell(sw.Band((-10, 0), (10, 0), rest_length=10), lever=14.1)
     meant = {slip.name: slip.meant for slip in refused.value.slips}
@@ -72,7 +72,7 @@ def test_a_mechanism_all_in_millimetres_is_told_every_slip_once():
     }
 
 
-def test_degrees_for_radians_are_told_apart_from_a_limit_that_no_cell_has():
+def test_degrees_for_radians_are_distinguished_from_a_limit_that_no_cell_has():
     with refuses(ValueError, "limit = 45", "0.785398 rad (45°)?"):
         sw.Cell(sw.Band(P, Q), limit=45)
     with pytest.raises(ValueError, match=r"unbounded\.$"):

@@ -40,7 +40,7 @@ def test_every_page_of_the_paper_is_there():
 
 
 @pytest.mark.slow
-def test_six_cells_are_told_apart_by_their_anchors():
+def test_six_cells_are_distinguished_by_their_anchors():
     for part in drawn("fig1").subfigs:
         anchors = [text for text in says(part) if "mm" in text]
         assert len(set(anchors)) == len(anchors) == 6

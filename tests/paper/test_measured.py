@@ -132,12 +132,12 @@ def test_a_missing_snap_and_an_invented_one_differ(changed):
     assert judge("measured-undirected", changed).verdict is Judgement.DIFFERS
 
 
-def test_a_folder_without_recordings_is_told(tmp_path):
+def test_a_folder_without_recordings_is_reported(tmp_path):
     with refuses(lab.LabError, str(tmp_path), "no recording", "Rubber_bands"):
         judge("measured-stiffness", tmp_path)
 
 
-def test_the_robots_fourth_band_is_told_beside_the_three(folder):
+def test_the_robots_fourth_band_is_reported_beside_the_three(folder):
     verdict = judge("measured-robot-stiffness", folder)
     assert re.fullmatch(r"47\.0\d N/m .*three.* 45\.1\d .*four", verdict.ours)
     assert "which has 39.5" in verdict.reason

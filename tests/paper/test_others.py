@@ -53,7 +53,7 @@ def test_every_result_of_others_names_its_source_and_has_a_short_name_of_its_own
     assert all(any(year in claim.where for year in ("20", "ours")) for claim in paper.others())
 
 
-def test_progress_is_told_claim_by_claim(monkeypatch):
+def test_progress_is_reported_claim_by_claim(monkeypatch):
     monkeypatch.setattr(paper.Claim, "judge", lambda claim: claim.id)
     reported: list[tuple[int, int]] = []
     verdicts = paper.validate(lambda *step: reported.append(step))

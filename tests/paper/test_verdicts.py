@@ -42,7 +42,7 @@ def test_listing_the_claims_computes_nothing(monkeypatch):
     assert paper.claims()
 
 
-def test_progress_is_told_for_every_claim(known_verdicts):
+def test_progress_is_reported_for_every_claim(known_verdicts):
     reported = []
     paper.run(progress=lambda done, total: reported.append((done, total)))
     total = len(paper.claims())

@@ -278,7 +278,7 @@ def test_feet_stand_in_the_middle_of_the_depths_at_which_the_papers_robots_do_as
 
 
 @pytest.mark.slow
-def test_beyond_the_depths_that_are_told_a_gait_is_near_another_and_within_them_it_is_not():
+def test_beyond_the_depths_that_are_reported_a_gait_is_near_another_and_within_them_it_is_not():
     one = robot()
     low, high = one.predict().depths[0]
     assert low == 0.0
@@ -307,7 +307,7 @@ def test_depths_that_the_engine_cannot_follow_are_not_sure_and_do_not_break_the_
 
 
 @pytest.mark.slow
-def test_the_depths_of_unlike_legs_are_told_for_each():
+def test_the_depths_of_unlike_legs_are_reported_for_each():
     prediction = robot(0.005, 0.020).predict()
     backward, forward = prediction.depths
     assert backward[1] > 2 * forward[1]

@@ -119,7 +119,7 @@ def test_a_batch_of_elements_does_what_each_does_by_itself(one, drive):
     assert_the_same(chains)
 
 
-def test_what_no_mechanism_can_be_and_what_has_no_answer_are_told_apart(monkeypatch):
+def test_what_no_mechanism_can_be_and_what_has_no_answer_are_distinguished(monkeypatch):
     cell = sw.Cell(sw.Band((0.0, 0.0), (0.02, 0.0)))
 
     def build(i: int) -> sw.Chain:

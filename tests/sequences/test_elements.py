@@ -449,7 +449,7 @@ def test_eight_elements_are_planned_without_looking_at_every_branch():
     assert program.shortest and program.arrives == "01010101"
 
 
-def test_what_relays_forbid_under_a_force_is_told_in_forces_and_phases():
+def test_what_relays_forbid_under_a_force_is_reported_in_forces_and_phases():
     low = curve((0, 0), (1, 0.5), (2, 0.1), (4, 2.0))
     high = curve((0, 0), (1, 1.5), (2, 0.3), (4, 2.5))
     chain = replace(chain_of(low, high), actuator_stiffness=0.0)
@@ -484,7 +484,7 @@ def test_with_friction_a_program_is_searched_that_the_engine_follows(drive):
         graph(chain)
 
 
-def test_a_program_of_pouches_is_told_in_their_units(tmp_path):
+def test_a_program_of_pouches_is_reported_in_their_units(tmp_path):
     program = pouches().program("11")
     assert str(program).endswith(" mL") and program.arrives == "11"
     program.to_csv(tmp_path / "program.csv")

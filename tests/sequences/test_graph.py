@@ -533,7 +533,7 @@ def test_what_has_no_graph_is_refused_with_advice():
         graph(straight(*range(10, 31)), "force")
 
 
-def test_progress_is_told():
+def test_progress_is_reported():
     calls: list[tuple[int, int]] = []
     graph(straight(10, 20), progress=lambda done, total: calls.append((done, total)))
     # Starts, then branches: those followed, of those known so far.

@@ -293,7 +293,7 @@ def test_of_twenty_four_cells_every_state_that_stands_is_counted_once():
     assert chain.implicit_graph().vertex_count == np.count_nonzero(low <= high)
 
 
-def test_a_walk_ends_where_it_is_told_to_and_takes_near_states_first():
+def test_a_walk_ends_at_its_limit_and_takes_near_states_first():
     chain = forced(1, 6, concave_chain)
     implicit = chain.implicit_graph()
     whole = [node.label for node in implicit.walk()]
@@ -356,7 +356,7 @@ def test_it_follows_no_branch_that_is_not_asked_for(monkeypatch):
     assert len(runs) == 2
 
 
-def test_ties_are_told_as_far_as_branches_were_followed():
+def test_ties_are_reported_as_far_as_branches_were_followed():
     alike = sw.Chain([band(0.02), band(0.02)])
     implicit = alike.implicit_graph()
     assert implicit.ties == ()

@@ -447,7 +447,7 @@ def test_gardens_of_eden_are_unreachable_and_leave_by_latches():
     assert repr(reading.latches[0]).endswith("for good)")
 
 
-def test_what_was_not_looked_at_is_not_told():
+def test_what_was_not_examined_is_not_reported():
     reading = graph(NESTED, start="000").reading
     assert reading.garden_of_eden is None and "not known" in str(reading)
     assert reading.latches == () and reading.unreachable == ()

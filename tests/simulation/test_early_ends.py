@@ -90,13 +90,13 @@ def test_of_two_reasons_at_the_same_time_the_one_that_explains_more_is_given():
 
 @pytest.mark.parametrize("linkage", list(Linkage))
 @pytest.mark.parametrize("stiffness", [1e5, 1e8])
-def test_a_run_that_blows_up_is_told_and_keeps_finite_samples(linkage, stiffness):
+def test_a_run_that_blows_up_is_reported_and_keeps_finite_samples(linkage, stiffness):
     broken = walk(with_stiff_bands(stiffness), 2, settings=Settings(linkage=linkage))
     assert ended_early(broken)
     assert broken.cycles == 0
 
 
-def test_a_robot_that_falls_over_is_told():
+def test_a_robot_that_falls_over_is_reported():
     # Its weight is 250 mm above the pivots and just inside the supports.
     fallen = walk(robot(body=Body(centre=(0.037, 0.0, 0.25))), 4)
     says(ended_early(fallen), "robot fell over")

@@ -147,7 +147,7 @@ def test_a_chain_inside_an_element_does_what_it_does_written_out(stiffness, leve
     assert path.dissipated == pytest.approx(expected.dissipated, rel=1e-4)
 
 
-def test_a_snap_without_stops_is_told_in_phases():
+def test_a_snap_without_stops_is_reported_in_phases():
     cycle = sw.Chain([trilinear(1.0, -1.0), trilinear(1.2, -0.6)], actuator_stiffness=300.0).cycle()
     assert str(cycle.sequence) == "00>10>11>10>00"
     assert [e.arrivals for e in cycle.events] == [((0, 1),), ((1, 1),), ((1, 0),), ((0, 0),)]

@@ -206,7 +206,7 @@ def test_mobility_is_kept_replaced_and_bounded(maker):
             make(nothing)
 
 
-def test_mobilities_are_told_beside_the_fastest():
+def test_mobilities_are_reported_beside_the_fastest():
     cells = [trilinear(1.0, m) for m in (0.5, 2.0, 1.0)]
     assert mobilities_of(cells).tolist() == [0.25, 1.0, 0.5]
 

@@ -129,7 +129,7 @@ def test_a_landing_that_no_tenth_of_a_micrometre_changes_is_no_tie():
 
 
 @pytest.mark.slow
-def test_where_a_picometre_changes_what_is_lost_a_tie_is_told_with_friction_too():
+def test_where_a_picometre_changes_what_is_lost_a_tie_is_reported_with_friction_too():
     # Found by search: between these anchors the outcome of a snap changes by jumps.
     tied = 0
     for seed, cells in EDGES:
@@ -171,7 +171,7 @@ def _edge_of_an_outcome(chain: sw.Chain) -> list[sw.Chain]:
 # --- certificates --------------------------------------------------------------------------------
 
 
-def test_at_a_kink_the_smaller_stiffness_is_told():
+def test_at_a_kink_the_smaller_stiffness_is_reported():
     # Both bands go slack at λ = 0: rising on one side, flat on the other.
     path = SLACK_PAIR.path([0.0, 0.033])
     at = np.flatnonzero(np.isclose(path.stroke, 0.0294794, atol=1e-7))
@@ -190,7 +190,7 @@ def test_a_force_that_steps_within_the_rounding_of_its_travel_is_refused():
 
 
 @pytest.mark.slow
-def test_a_table_that_steps_is_refused_rather_than_told_wrong():
+def test_a_table_that_steps_is_refused():
     step = sw.Table((0.0, 0.023, 0.023 + 1e-13, 0.030), (0.0, 0.023, 0.2, 0.21))
     cell = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0), law=step))
     with refuses(statics.StaticsError, "drive", "mm", "certificate"):

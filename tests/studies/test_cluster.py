@@ -84,7 +84,7 @@ def test_a_cluster_whose_workers_are_killed_writes_what_this_machine_writes(tmp_
 
 
 @pytest.mark.slow
-def test_a_scheduler_that_is_killed_is_told_and_another_one_goes_on(tmp_path, cluster):
+def test_a_scheduler_that_is_killed_is_reported_and_another_one_goes_on(tmp_path, cluster):
     folder = tmp_path / "s.zarr"
 
     def kill(done: int, _all: int) -> None:

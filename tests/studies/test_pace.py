@@ -33,7 +33,7 @@ def test_a_rate_is_that_of_the_last_stretch_without_a_pause(tmp_path):
     assert speed.at_work
 
 
-def test_work_that_rests_is_told_from_work_whose_chunks_take_long(tmp_path):
+def test_paused_work_is_distinguished_from_slow_work(tmp_path):
     quick = pace(written(tmp_path / "a", 0.0, 1.0, 2.0), now=100.0)
     slow = pace(written(tmp_path / "b", 0.0, 90.0, 180.0), now=300.0)
     assert quick is not None and not quick.at_work

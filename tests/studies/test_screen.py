@@ -90,7 +90,7 @@ def filled(study: Study) -> Study:
 
 
 @pytest.mark.slow
-def test_what_is_kept_what_is_untold_and_some_by_lot_are_computed_and_no_other(make):
+def test_kept_undecided_and_some_random_designs_are_computed_and_no_other(make):
     study = filled(make(Wrong(untold=(13, 18))))
     data = study.to_xarray()
     lot = np.array([study.by_lot(k) for k in range(COUNT)])
@@ -158,7 +158,7 @@ def test_agreement_is_what_counting_gives(make):
 
 
 @pytest.mark.slow
-def test_shares_are_told_of_designs_drawn_by_lot_and_none_of_those_chosen(make):
+def test_fractions_are_reported_for_random_designs_and_not_for_chosen_ones(make):
     study = filled(make(Wrong()))
     record = account(status(study)).record
     lot = [k for k in range(COUNT) if study.by_lot(k)]
@@ -250,7 +250,7 @@ def test_without_the_extra_a_screened_study_says_which_one_before_it_begins(monk
     assert not place.exists()
 
 
-def test_a_design_that_cannot_be_is_not_screened_and_its_problem_is_told(tmp_path, monkeypatch):
+def test_a_design_that_cannot_be_is_not_screened_and_its_problem_is_reported(tmp_path, monkeypatch):
     seen: list[int] = []
 
     def verdicts(robots: Any) -> list[str]:

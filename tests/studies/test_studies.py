@@ -99,7 +99,7 @@ def children(pid: int) -> list[int]:
 
 
 @given(st.sampled_from(list(How)), st.integers(0, 2**63), st.integers(0, 60), st.integers(1, 63))
-def test_a_design_is_the_same_whoever_asks_for_it(how, seed, first, count):
+def test_a_design_is_the_same_for_every_worker(how, seed, first, count):
     space = Space(AXES, how, 63, seed)
     last = min(first + count, 63)
     whole = space.points(0, 63)
@@ -176,7 +176,7 @@ def test_workers_and_clients_killed_at_random_leave_the_same_bytes(tmp_path, und
 
 
 @pytest.mark.slow
-def test_what_is_damaged_or_gone_is_told_and_done_again(tmp_path, whole, undisturbed):
+def test_what_is_damaged_or_gone_is_reported_and_done_again(tmp_path, whole, undisturbed):
     folder = shutil.copytree(whole.folder, tmp_path / "study.zarr")
     study = opened(folder)
     cut, flipped, gone = (folder / name for name in ("sequence/c/1", "snaps/c/3", "problem/c/5"))
@@ -242,7 +242,7 @@ def test_another_study_and_another_version_are_refused(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_call_whose_process_always_dies_is_told_and_no_other_is_lost(tmp_path):
+def test_a_call_whose_process_always_dies_is_reported_and_no_other_is_lost(tmp_path):
     from stepwell.studies import mapped
 
     calls = {}

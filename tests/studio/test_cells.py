@@ -49,7 +49,7 @@ def test_a_key_at_its_default_says_what_leaving_it_out_says(name: str):
     assert str(mine.cycle()) == str(sw.preset(name).cycle())
 
 
-def test_a_number_past_the_bounds_that_are_told_is_refused():
+def test_a_number_past_the_bounds_that_are_reported_is_refused():
     design = tables("paper-forward")
     header, _ = ask("cells", design)
     bounded = [key for key in header["chain"] + header["cells"][1] if key["bounds"]]

@@ -52,7 +52,7 @@ def _with(cell: Cell, stiffness: float, rest_length: float) -> Cell:
 
 
 @pytest.mark.slow
-def test_what_is_told_of_a_pair_is_what_the_lab_says(runs: list[Path]):
+def test_the_page_shows_the_results_of_the_lab_for_a_pair(runs: list[Path]):
     header, blocks = ask(
         "measured",
         tables("paper-forward"),
@@ -155,7 +155,7 @@ def test_what_is_no_recording_gets_a_line_and_stops_no_other(content: bytes, wor
 
 
 @pytest.mark.parametrize("factor", [1e-3, 1e3])
-def test_a_stroke_in_another_unit_is_told(factor: float, runs: list[Path]):
+def test_a_stroke_in_another_unit_is_reported(factor: float, runs: list[Path]):
     one = lab.read(runs[0])
     rows = zip(one.time, one.stroke * 1e3 * factor, one.force, strict=True)
     text = HEADER + b"".join(b"%f,%f,%f\n" % row for row in rows)
@@ -166,7 +166,7 @@ def test_a_stroke_in_another_unit_is_told(factor: float, runs: list[Path]):
         lab.compare([lab.read_bytes(text, "m.csv")], [sw.preset("paper-forward")])
 
 
-def test_time_that_runs_back_is_told():
+def test_time_that_runs_back_is_reported():
     rows = [((2000 - k) / 50, k / 50, 1.0) for k in range(2000)]
     text = HEADER + b"".join(b"%f,%f,%f\n" % row for row in rows)
     header = ask("measured", tables("paper-forward"), files=[packed("back.csv", text)]).header
@@ -190,7 +190,7 @@ def test_files_are_asked_for_within_bounds(files: Any):
 
 
 @pytest.mark.parametrize("data", ["?", "", "aGFsbG8=", packed("a", b"x" * 999)["gzip_base64"][:16]])
-def test_what_does_not_arrive_whole_is_told(data: str):
+def test_what_does_not_arrive_whole_is_reported(data: str):
     files = [{"name": "a.csv", "gzip_base64": data}]
     (line,) = ask("measured", tables("paper-forward"), files=files).header["refused"]
     assert line == "a.csv: did not arrive whole: choose it again."

@@ -64,7 +64,7 @@ def test_a_stiffness_is_typed_shown_as_default_and_taken_out_again(page: Page):
     assert spin(page, name).input_value() == "33"
 
 
-def test_a_bad_value_is_told_at_its_field_and_can_be_mended(page: Page):
+def test_a_bad_value_is_reported_at_its_field_and_can_be_mended(page: Page):
     more(page, "outer")
     name = "friction of outer in N"
     before = number(page, "peak force")

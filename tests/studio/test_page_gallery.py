@@ -129,7 +129,7 @@ def test_what_is_out_of_view_waits(gallery: Page):
     assert height(gallery, "paper-forward") == above
 
 
-def test_all_hold_still_when_they_are_told_to(gallery: Page):
+def test_animations_stop_if_reduced_motion_is_preferred(gallery: Page):
     hold = gallery.get_by_role("button", name="Pause animations")
     hold.click()
     expect(hold).to_have_attribute("aria-pressed", "true")
@@ -209,7 +209,7 @@ def test_the_gallery_that_was_left_goes_on_and_what_was_open_comes_first(
 
 # In light colours the gallery is examined with all that may keep people out of the studio.
 @pytest.mark.parametrize("scheme", cases(["light", "dark"], ["dark"]))
-def test_motions_keep_nobody_out_and_are_no_wider_than_a_phone(
+def test_motions_are_accessible_and_no_wider_than_a_phone(
     gallery: Page, axe: str, scheme: Literal["light", "dark"]
 ):
     gallery.set_viewport_size({"width": 390, "height": 844})

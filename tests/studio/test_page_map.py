@@ -227,7 +227,7 @@ def test_a_set_of_states_is_wished_and_reached(page: Page):
     assert {"00", "10", "11"} <= chain.graph().reachable()
 
 
-def test_what_cannot_be_had_is_told_with_its_proof(page: Page):
+def test_what_cannot_be_had_is_reported_with_its_proof(page: Page):
     opened_tab(page, "Target")
     page.get_by_role("spinbutton", name="Maximum force in N").fill("0.01")
     page.get_by_role("spinbutton", name="Maximum force in N").press("Enter")

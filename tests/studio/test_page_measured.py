@@ -119,7 +119,7 @@ def test_recordings_are_dropped_stay_while_another_tab_is_open_and_can_be_left_o
     expect(page.get_by_role("table", name="Snaps")).to_have_count(0)
 
 
-def test_what_is_no_recording_is_told_and_stops_no_other(
+def test_what_is_no_recording_is_reported_and_stops_no_other(
     page: Page, runs: list[Path], tmp_path: Path
 ):
     picture, long = tmp_path / "picture.txt", tmp_path / "long.csv"

@@ -245,7 +245,7 @@ def test_an_antenna_is_dragged_and_one_undo_takes_it_back(robot_page: Page):
     button(page, "Undo").click()
 
 
-def test_a_wrong_antenna_is_told_at_its_field(robot_page: Page):
+def test_a_wrong_antenna_is_reported_at_its_field(robot_page: Page):
     page, name = robot_page, "length of antenna left in mm"
     typed(page, name, "-1")
     field = page.get_by_role("spinbutton", name=name)
@@ -255,7 +255,7 @@ def test_a_wrong_antenna_is_told_at_its_field(robot_page: Page):
     expect(page.get_by_role("alert")).to_have_count(0)
 
 
-def test_an_arena_that_cannot_be_is_told_and_can_be_mended(robot_page: Page):
+def test_an_arena_that_cannot_be_is_reported_and_can_be_mended(robot_page: Page):
     page = robot_page
     page.get_by_role("combobox", name="Arena", exact=True).select_option("open")
     expect(button(page, "Through the arena")).to_be_enabled()

@@ -171,7 +171,7 @@ def test_one_walks_from_machine_to_machine_finds_some_and_takes_one(
     )
 
 
-def test_nobody_is_kept_out(page: Page, study: Study, charted: studies.Atlas, axe: str):
+def test_the_page_is_accessible(page: Page, study: Study, charted: studies.Atlas, axe: str):
     opened_study(page, study)
     page.get_by_role("application", name=re.compile("^Designs over")).press("ArrowRight")
     page.get_by_text("Location, and the command for a terminal").click()

@@ -47,7 +47,7 @@ def test_a_design_of_the_gallery_opens(name: str):
     assert loads_tables(header["design"]).subject == sw.preset(name)
 
 
-def test_the_text_of_a_file_opens_and_a_wrong_one_is_told_as_by_a_command():
+def test_the_text_of_a_file_opens_and_a_wrong_one_is_reported_as_by_a_command():
     text = preset_text("three-wave")
     assert ask("open", toml=text).header["design"] == tables_in(text)
     for wrong in (text.replace("q_mm", "q_mmm", 1), "[chain", ""):
@@ -205,7 +205,9 @@ def test_elements_have_units_of_their_own_and_no_angles(name: str):
     ],
 )
 @pytest.mark.parametrize("kind", ["evaluate", "text", "margin"])
-def test_what_is_wrong_with_a_design_is_told_at_its_key(kind: str, key: str, value: Any, at: str):
+def test_what_is_wrong_with_a_design_is_reported_at_its_key(
+    kind: str, key: str, value: Any, at: str
+):
     design = json.loads(json.dumps(FORWARD))
     design["chain"]["cell"][1][key] = value
     header = ask(kind, design).header
@@ -259,7 +261,7 @@ def test_the_graph_is_pythons():
         assert edge["drive_mm"] == way.drive * 1e3
 
 
-def test_a_graph_that_cannot_be_is_told_in_the_words_of_the_command():
+def test_a_graph_that_cannot_be_is_reported_in_the_words_of_the_command():
     problem = ask("graph", tables("friction")).header["problems"][0]["text"]
     with pytest.raises(ValueError, match="friction") as error:
         sw.preset("friction").graph()
@@ -326,6 +328,6 @@ def test_a_wish_is_granted_as_by_python():
     assert ask("evaluate", header["design"]).header["sequence"] == "00>01>11>10>00"
 
 
-def test_a_wish_that_no_chain_grants_is_told_why():
+def test_a_wish_that_no_chain_grants_is_reported_why():
     for sequence in ("00>11>10>00", "00>x", "0" * 20):
         assert ask("wish", sequence=sequence).header["ok"] is False

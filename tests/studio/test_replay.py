@@ -50,7 +50,7 @@ def test_it_plays_and_goes_by_the_keyboard(offline: Opened, tmp_path: Path):
     expect(page.get_by_role("button", name="Play")).to_be_visible()
 
 
-def test_state_snap_and_actuator_are_told_at_the_cursor(offline: Opened, tmp_path: Path):
+def test_state_snap_and_actuator_are_reported_at_the_cursor(offline: Opened, tmp_path: Path):
     forward = chain("paper-forward")
     page = opens(offline, tmp_path, replay(forward))
     slider = page.get_by_role("slider", name="Stroke")

@@ -89,7 +89,7 @@ def test_the_robot_stands_where_its_simulation_starts(name: str):
     assert all(part["body"] < blocks["place"].shape[1] for part in header["parts"])
 
 
-def test_a_prediction_is_pythons_and_keeps_nobody_waiting():
+def test_a_prediction_is_pythons_and_blocks_no_other_request():
     header = ask("predict", tables("robot-forward")).header
     robot = sw.preset("robot-forward")
     prediction = robot.predict()
@@ -130,7 +130,7 @@ def test_a_path_is_no_name_of_an_arena(name: str):
         ("arena", {"text": "x" * 10}, "line 1"),
     ],
 )
-def test_what_cannot_be_is_told_in_words(kind: str, keys: Any, said: str):
+def test_what_cannot_be_is_reported_in_words(kind: str, keys: Any, said: str):
     header = ask(kind, tables("robot-forward"), **keys).header
     assert header["ok"] is False
     assert said in " ".join(one["text"] for one in header["problems"])

@@ -199,7 +199,7 @@ def test_two_pages_do_not_hear_each_other(studio: Studio, page: Page):
 
 
 @pytest.mark.slow
-def test_long_work_tells_how_far_it_is_and_ends_when_told_while_dragging_goes_on(page: Page):
+def test_long_work_shows_progress_and_can_be_stopped_while_dragging_goes_on(page: Page):
     slow = tables_in(preset_text("slack"))
     seq = page.send("yield", slow, samples=1_000_000)
     progress = page.hear().header
@@ -276,7 +276,7 @@ def test_it_begins_with_what_is_named_and_ends_in_one_line_with_a_page_open_and_
 
 
 @pytest.mark.slow
-def test_a_port_that_is_taken_is_told_in_one_line(studio: Studio):
+def test_a_port_that_is_taken_is_reported_in_one_line(studio: Studio):
     port = studio.host.partition(":")[2]
     command = [sys.executable, "-m", "stepwell", "studio", "--no-open", "--port", port]
     result = subprocess.run(command, capture_output=True, text=True)
