@@ -16,7 +16,7 @@ def test_simulating_a_robot_brings_no_encoder():
 
 
 def test_the_pages_say_what_the_encoder_is_and_whose_licence_it_has():
-    for page in ("commands.md", "how-to/robots.md", "decisions/video-apart.md"):
+    for page in ("commands/index.md", "how-to/robots.md", "decisions/video-apart.md"):
         text = (ROOT / "docs" / page).read_text("utf-8")
         assert "libx264" in text and "GPL" in text and "video]'" in text, page
 

@@ -47,8 +47,22 @@ FENCE = re.compile(r'^```(\w+)(?: title="([^"]+)")?\n(.*?)^```$', re.M | re.S)
 VERDICT: Any = MagicMock()
 
 
+COMMANDS = typer.main.get_command(app)
+# The groups of --help, in its order, each with its commands; the page of each has its name.
+GROUPS: dict[str, list[str]] = {}
+for _name in COMMANDS.list_commands(MagicMock()):  # type: ignore[attr-defined]
+    GROUPS.setdefault(COMMANDS.commands[_name].rich_help_panel, []).append(_name)  # type: ignore[attr-defined]
+
+
+def page_of(group: str) -> str:
+    return f"commands/{group.lower().replace(' ', '-')}"
+
+
 def page(name: str) -> str:
-    return (DOCS / f"{name}.md").read_text("utf-8")
+    """A page; `commands` is all pages of commands, in the order in which their examples run."""
+    names = ["commands/index", *map(page_of, GROUPS), "commands/common"]
+    shown = names if name == "commands" else [name]
+    return "\n".join((DOCS / f"{one}.md").read_text("utf-8") for one in shown)
 
 
 # What these hold goes by the names of laws, parameters, samples, sequences or files.
@@ -132,18 +146,27 @@ def test_the_documented_ranges_are_the_ones_that_hold(key, limits):
 
 def test_every_command_and_option_is_documented():
     text = page("commands")
-    group = typer.main.get_command(app)
-    commands = dict(group.commands)  # type: ignore[attr-defined]
+    commands = dict(COMMANDS.commands)  # type: ignore[attr-defined]
     commands |= {f"lab {name}": command for name, command in commands["lab"].commands.items()}
     for name, command in commands.items():
         mark = "\n### " if " " in name else "\n## "
         head = f"{mark}{'new, presets' if name in ('new', 'presets') else name}\n"
-        assert f"stepwell {name}" in text and head in text, f"docs/commands.md lacks{head}"
+        assert f"stepwell {name}" in text and head in text, f"docs/commands lacks{head}"
         section = text.split(head)[1].split(mark)[0]
         for parameter in command.params:
             for option in parameter.opts:
                 if option.startswith("--") and option != "--help":
-                    assert f"`{option}" in section, f"docs/commands.md, {name}: lacks {option}"
+                    assert f"`{option}" in section, f"docs/commands, {name}: lacks {option}"
+
+
+def test_the_page_of_a_group_describes_its_commands_in_the_order_of_the_help():
+    overview = page("commands/index")
+    for group, names in GROUPS.items():
+        file = page_of(group)
+        headings = re.findall(r"^## (.*)$", page(file), re.M)
+        assert [name for one in headings for name in one.split(", ")] == names, file
+        linked = re.findall(rf"\[([\w-]+)\]\({file.partition('/')[2]}\.md#", overview)
+        assert [name for name in linked if name in names] == names, group
 
 
 def lab_records() -> list[dict[str, Any]]:

@@ -9,7 +9,10 @@ from stepwell.accounts import schema_of
 from stepwell.cli import app
 from stepwell.cli.screen import EXIT_CODES
 
-PAGE = (Path(__file__).resolve().parents[2] / "docs" / "commands.md").read_text("utf-8")
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+PAGE = (DOCS / "commands" / "robots.md").read_text("utf-8")
+# Names that the JSON of every command has.
+COMMON = (DOCS / "commands" / "common.md").read_text("utf-8")
 ROBOT = typer.main.get_command(app).commands["robot"].commands  # type: ignore[attr-defined]
 
 
@@ -33,7 +36,7 @@ def test_the_help_of_robot_ends_with_the_exit_codes(stepwell, arguments):
 def test_every_name_of_the_robots_json_is_documented(kind):
     names = names_of(schema_of(kind))
     assert {"stepwell", "files"} < names
-    assert [name for name in sorted(names) if f"`{name}`" not in PAGE] == []
+    assert [name for name in sorted(names) if f"`{name}`" not in PAGE + COMMON] == []
 
 
 def names_of(schema) -> set[str]:

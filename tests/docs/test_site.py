@@ -38,18 +38,18 @@ HOOKS = SimpleNamespace(**runpy.run_path(str(ROOT / "docs" / "look" / "hooks.py"
 
 # What people type, and the pages of which one has to be among the first three.
 ASKED = {
-    "rubber band": {"words/", "tutorial/", "how-to/bands-loads-friction/"},
+    "rubber band": {"glossary/", "tutorial/", "how-to/bands-loads-friction/"},
     "how do I cite": {""},
     "q_mm": {"design-files/", "tutorial/", "lessons/"},
-    "stepwell maze": {"commands/", "how-to/robots/"},
-    "snap": {"words/", "tutorial/", "how-to/landings/", "how-to/masses/"},
+    "stepwell maze": {"commands/robots/", "how-to/robots/"},
+    "snap": {"glossary/", "tutorial/", "how-to/landings/", "how-to/masses/"},
     "friction": {"how-to/bands-loads-friction/", "tutorial/"},
     "turn the robot": {"how-to/robots/"},
-    "unit cell": {"words/"},
-    "yield": {"words/", "how-to/design-for-a-purpose/"},
+    "unit cell": {"glossary/"},
+    "yield": {"glossary/", "how-to/design-for-a-purpose/"},
     "lesson": {"lessons/"},
     "atlas": {"atlas/"},
-    "sweep": {"commands/", "how-to/many-designs/"},
+    "sweep": {"commands/parameter-studies/", "how-to/many-designs/"},
     "which number decides": {"what-decides/", "how-to/many-designs/"},
 }
 # In the quick run a thing, a question, a key of a file and a command are asked for, and a chain and
@@ -220,7 +220,7 @@ def test_the_link_to_the_sources_comes_from_one_place(site, monkeypatch):
 
 
 # Every kind of page; in the quick run each in one of the looks.
-KINDS = ["", "tutorial/", "theory/", "commands/", "gallery/", "gallery/countdown/"]
+KINDS = ["", "tutorial/", "theory/", "commands/analysis/", "gallery/", "gallery/countdown/"]
 LIGHT, DARK = (cases(KINDS, KINDS[k::2]) for k in range(2))
 
 

@@ -102,7 +102,7 @@ _OUT = typer.Option(
 Out = Annotated[Path | None, _OUT]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite existing files.")]
 Json = Annotated[
-    bool, typer.Option("--json", help="Print the result as JSON only; see docs/commands.md.")
+    bool, typer.Option("--json", help="Print the result as JSON only; see docs/commands/.")
 ]
 NO_OPEN = "Do not open a browser."
 CYCLES = "Number of drive cycles."

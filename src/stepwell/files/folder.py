@@ -116,7 +116,7 @@ def digest(data: str | bytes) -> str:
 
 
 def manifest(folder: str | os.PathLike[str]) -> dict[str, Any]:
-    """Manifest of a complete folder of results, in the format of docs/commands.md.
+    """Manifest of a complete folder of results, in the format of docs/commands/common.md.
 
     Returns:
         `command`, `design_sha256`, `seed`, and the SHA-256 of every file.

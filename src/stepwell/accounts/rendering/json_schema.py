@@ -45,7 +45,7 @@ def schema_of(kind: str) -> JsonSchema:
         "$schema": _DIALECT,
         "$id": f"urn:stepwell:schema:{kind}:{version}",
         "title": f"stepwell.{name}",
-        "description": f"Names and units: docs/commands.md. A {kind} record of version {version} "
+        "description": f"Names and units: docs/commands/. A {kind} record of version {version} "
         "keeps these names; others may be added.",
         "type": "object",
         "properties": properties,
