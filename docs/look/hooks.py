@@ -82,22 +82,31 @@ def _mathml(source: str) -> str:
     return made.replace("<math ", f'<math alttext="{said}" ', 1)
 
 
+def address(variable: str, name: str) -> str:
+    """The address in an environment variable, else the one under [project.urls], else ''."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    return (os.environ.get(variable) or project.get("urls", {}).get(name, "")).rstrip("/")
+
+
 def repository() -> str:
-    """Where the sources are: STEPWELL_REPOSITORY, else Repository in pyproject.toml, else ''."""
-    told = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
-    found: str = told["project"].get("urls", {}).get("Repository", "")
-    return (os.environ.get("STEPWELL_REPOSITORY") or found).rstrip("/")
+    """The address of the sources."""
+    return address("STEPWELL_REPOSITORY", "Repository")
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
-    """Blocks marked math are formulas, and the link to the sources stands where there is one."""
+    """Blocks marked math are formulas; the addresses of sources and site are used if known.
+
+    The page for a missing address, 404.html, begins its links at the path of the site's address,
+    or at / without one.
+    """
     config.mdx_configs.setdefault("pymdownx.superfences", {})["custom_fences"] = [
         {"name": "math", "class": "formula", "format": formula}
     ]
-    address = repository()
-    if address:
-        config.repo_url = address
-        config.repo_name = "/".join(address.split("/")[-2:])
+    if sources := repository():
+        config.repo_url = sources
+        config.repo_name = "/".join(sources.split("/")[-2:])
+    if site := address("STEPWELL_SITE", "Documentation"):
+        config.site_url = f"{site}/"
     return config
 
 
@@ -131,6 +140,11 @@ def on_page_content(html: str, page: Page, **_: Any) -> str:
 def on_post_page(output: str, **_: Any) -> str:
     """The box of the search has a name for those who hear the page."""
     return output.replace('data-md-component="search" role="dialog"', _SEARCH)
+
+
+def on_post_template(output_content: str, template_name: str, **_: Any) -> str:
+    """The same on the page for a missing address."""
+    return on_post_page(output_content) if template_name == "404.html" else output_content
 
 
 def _lowered(text: str) -> str:

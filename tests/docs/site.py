@@ -48,8 +48,11 @@ def outside(link: str) -> bool:
     return bool(parts.scheme or parts.netloc)
 
 
-def lost(site: Path) -> list[str]:
-    """Links, anchors and files of a built site that lead nowhere, as "page: link"."""
+def lost(site: Path, root: str = "/") -> list[str]:
+    """Links, anchors and files of a built site that lead nowhere, as "page: link".
+
+    `root` is the path of the site on its server.
+    """
     files = {file.relative_to(site).as_posix() for file in site.rglob("*") if file.is_file()}
     pages = {name: read(site / name) for name in files if name.endswith(".html")}
     found = []
@@ -59,8 +62,9 @@ def lost(site: Path) -> list[str]:
             if outside(link):
                 continue
             path = unquote(parts.path)
-            start = "" if path.startswith("/") else posixpath.dirname(name)
-            target = posixpath.normpath(posixpath.join(start, path.lstrip("/"))) if path else name
+            start = "" if path.startswith(root) else posixpath.dirname(name)
+            inside = path.removeprefix(root)
+            target = posixpath.normpath(posixpath.join(start, inside)) if path else name
             if target not in files:
                 target = posixpath.normpath(posixpath.join(target, "index.html"))
             there = target in files
@@ -72,12 +76,27 @@ def lost(site: Path) -> list[str]:
 
 
 @contextmanager
-def shown(site: Path) -> Iterator[str]:
-    """The address at which a folder is served while this lasts, to this machine alone."""
+def shown(site: Path, root: str = "/") -> Iterator[str]:
+    """The address at which a folder is served while this lasts, to this machine alone.
+
+    The folder has the path `root` on the server. Any other address has the page 404.html.
+    """
 
     class Handler(SimpleHTTPRequestHandler):
         def __init__(self, *told: Any):
             super().__init__(*told, directory=str(site))
+
+        def translate_path(self, path: str) -> str:
+            inside = path.startswith(root)
+            return super().translate_path(path.removeprefix(root)) if inside else ""
+
+        def send_error(self, code: int, *_: Any) -> None:
+            page = (site / "404.html").read_bytes()
+            self.send_response(code)
+            self.send_header("Content-Type", "text/html")
+            self.send_header("Content-Length", str(len(page)))
+            self.end_headers()
+            self.wfile.write(page)
 
         def log_message(self, format: str, *args: Any) -> None:
             pass
@@ -85,6 +104,6 @@ def shown(site: Path) -> Iterator[str]:
     with ThreadingHTTPServer(("127.0.0.1", 0), Handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         try:
-            yield f"http://127.0.0.1:{server.server_port}/"
+            yield f"http://127.0.0.1:{server.server_port}{root}"
         finally:
             server.shutdown()

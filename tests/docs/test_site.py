@@ -79,6 +79,9 @@ def build(folder: Path, **environment: str) -> Path:
     return folder
 
 
+# The path of the site on its server: it need not be the only site there.
+UNDER = "/sub/path/"
+
 # What does not fold as prose does, each with how wide it may be.
 _WIDE: dict[str, tuple[str, Callable[[str], int]]] = {
     "word": (r">([^<]+)<", lambda text: max(map(len, text.split()), default=0)),
@@ -108,14 +111,16 @@ def _widest(site: Path) -> set[str]:
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return build(
-        tmp_path_factory.mktemp("site"), STEPWELL_REPOSITORY="https://forge.example/us/stepwell/"
-    )
+    addresses = {
+        "STEPWELL_REPOSITORY": "https://forge.example/us/stepwell/",
+        "STEPWELL_SITE": f"https://pages.example{UNDER}",
+    }
+    return build(tmp_path_factory.mktemp("site"), **addresses)
 
 
 @pytest.fixture(scope="module")
 def home(site: Path) -> Iterator[str]:
-    with shown(site) as address:
+    with shown(site, UNDER) as address:
         yield address
 
 
@@ -159,7 +164,7 @@ def paths(site: Path) -> list[str]:
 
 def test_every_link_anchor_and_picture_leads_somewhere(site):
     assert len(paths(site)) > 50
-    assert lost(site) == []
+    assert lost(site, UNDER) == []
 
 
 def test_the_schema_of_every_result_is_served_and_committed_nowhere(site):
@@ -267,9 +272,32 @@ def test_a_search_finds_first_what_one_wants_to_do(searching, words):
     results.first.wait_for()
     searching.wait_for_timeout(500)
     found = [one.get_attribute("href") or "" for one in results.all()[:5]]
-    pages = [urlsplit(link).path.lstrip("/") for link in found]
+    pages = [urlsplit(link).path.removeprefix(UNDER) for link in found]
     assert set(pages[:3]) & ASKED[words], pages
     assert not any(page.startswith("decisions/") for page in pages[:3]), pages
+
+
+def test_an_address_without_a_page_shows_links_and_a_search_at_any_depth(chromium, home, axe):
+    context = chromium.new_context(**LOOKS["dark on a phone"])
+    page = context.new_page()
+    missing: list[str] = []
+    page.on("response", lambda one: missing.append(one.url) if one.status == 404 else None)
+    address = home + "how-to/no/such/page/"
+    page.goto(address, wait_until="load")
+    assert missing == [address]
+    expect(page.get_by_role("heading", level=1)).to_have_text("Page not found")
+    assert page.evaluate("document.documentElement.scrollWidth") == 360
+    nothing_found(page, axe)
+    page.get_by_role("article").get_by_role("link", name="Tutorial").click()
+    assert page.url == home + "tutorial/"
+    page.go_back()
+    page.get_by_role("searchbox", name="Search all pages").fill("rubber band")
+    page.get_by_role("article").get_by_role("button", name="Search").click()
+    first = page.locator("li.md-search-result__item > a.md-search-result__link").first
+    expect(first).to_be_visible()
+    assert (first.get_attribute("href") or "").startswith(home)
+    assert {*missing} == {address}
+    context.close()
 
 
 @pytest.mark.parametrize("path", LIGHT)
