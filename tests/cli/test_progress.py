@@ -1,14 +1,18 @@
-"""Who waits at a terminal is told how far it is and how long it will take; nobody else is."""
+"""Progress bars: shown at a terminal, with the remaining time; in no other case."""
 
 import io
+import os
 import re
+import subprocess
 import sys
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
+from operator import attrgetter
 from time import sleep
 
 import pytest
 
+import stepwell as stepwell_package
 from stepwell import simulation
 from stepwell.cli.screen import progress
 
@@ -27,8 +31,8 @@ def at_a_terminal(monkeypatch) -> Terminal:
     return screen
 
 
-def telling(reported):
-    """In the place of `progress`: keeps what is told."""
+def recorder(reported):
+    """In the place of `progress`: keeps the reported numbers."""
 
     @contextmanager
     def kept(_):
@@ -92,7 +96,7 @@ def test_a_million_small_steps_move_the_bar_now_and_then(monkeypatch):
 )
 def test_commands_that_may_take_long_tell_their_progress(stepwell, module, arguments, monkeypatch):
     reported: list[tuple[float, float]] = []
-    monkeypatch.setattr(f"stepwell.cli.{module}.progress", telling(reported))
+    monkeypatch.setattr(f"stepwell.cli.{module}.progress", recorder(reported))
     if arguments[1] == "converge":
         few = simulation.convergence
         monkeypatch.setattr(
@@ -101,3 +105,81 @@ def test_commands_that_may_take_long_tell_their_progress(stepwell, module, argum
     assert stepwell(*arguments).exit_code in (0, 3)
     assert len(reported) > 3
     assert all(0 <= done <= total + 1e-6 for done, total in reported)
+
+
+
+@pytest.fixture
+def bars(monkeypatch):
+    """Labels of the bars of commands, as at a terminal: all of them, and those that are open."""
+    shown: list[str] = []
+    open_now: list[str] = []
+
+    @contextmanager
+    def on_terminal(label):
+        shown.append(label())
+        open_now.append(label())
+        yield lambda *_: None
+        open_now.pop()
+
+    monkeypatch.setattr("stepwell.cli.screen.on_terminal", on_terminal)
+    return shown, open_now
+
+
+# Commands, each with the functions that take its time.
+LONG = [
+    (("animate", "preset:paper-forward", "--fps", "1"), ["figures.animation", "Chain.cycle"]),
+    (("figure", "preset:paper-forward"), ["reports.figure", "figures.save"]),
+    (("figure", "paper:fig1"), ["reports.figure_of", "figures.save"]),
+    (("graph", "preset:three-wave", "--out", "wave.svg"), ["reports.write_graph"]),
+    (("robot", "show", "robot-forward"), ["Robot.predict"]),
+    (("export", "robot-forward"), ["simulation.mjcf"]),
+    (("doctor",), ["cli.about.installation"]),
+]
+
+
+@pytest.mark.parametrize(("arguments", "functions"), LONG, ids=lambda one: "-".join(one[:2]))
+def test_computing_and_writing_show_a_bar(stepwell, bars, arguments, functions, monkeypatch):
+    called: list[tuple[str, bool]] = []
+
+    def watched(name, function):
+        def call(*given, **named):
+            called.append((name, bool(bars[1])))
+            return function(*given, **named)
+
+        return call
+
+    for name in functions:
+        place, attribute = name.rpartition(".")[::2]
+        owner = attrgetter(place)(stepwell_package)
+        monkeypatch.setattr(owner, attribute, watched(name, getattr(owner, attribute)))
+    result = stepwell(*arguments)
+    assert result.exit_code == 0, result.output
+    assert {*called} == {(name, True) for name in functions}
+
+
+def test_json_at_a_terminal_has_no_bar(stepwell, bars):
+    shown, _ = bars
+    assert stepwell("run", "preset:paper-forward", "--json").exit_code == 0
+    assert shown == []
+    assert stepwell("run", "preset:paper-forward").exit_code == 0
+    assert "following" in shown
+
+
+@pytest.mark.slow
+def test_an_animation_shows_its_frames_at_a_terminal_and_nothing_in_a_pipe(tmp_path):
+    pty = pytest.importorskip("pty", reason="there is no pseudo-terminal here")
+    words = [sys.executable, "-c", "import stepwell.cli as c; c.main()", "animate"]
+    words += ["preset:paper-forward", "--seconds", "1", "--force"]
+    env = {**os.environ, "TERM": "xterm-256color"}
+    ours, theirs = pty.openpty()
+    printed = b""
+    with subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=theirs, env=env):
+        os.close(theirs)
+        # The end of a terminal is an error on Linux.
+        with suppress(OSError), os.fdopen(ours, "rb", buffering=0) as terminal:
+            while part := terminal.read(1 << 16):
+                printed += part
+    at_terminal = shown(printed.decode())
+    piped = subprocess.run(words, cwd=tmp_path, capture_output=True, env=env, check=True)
+    assert "frames" in at_terminal and "%" in at_terminal
+    assert piped.stderr == b""

@@ -116,9 +116,9 @@ def doctor(as_json: options.Json = False) -> None:
 
     Example: stepwell doctor
     """
-    installed = installation(
-        {"cores": _cores, "kernels": _kernels, "OpenGL": _opengl, "display": _display}
-    )
+    probes = {"cores": _cores, "kernels": _kernels, "OpenGL": _opengl, "display": _display}
+    with screen.progress("packages"):
+        installed = installation(probes)
     screen.report(account(installed), as_json)
     if not installed.ok:
         raise typer.Exit(screen.FAILED)

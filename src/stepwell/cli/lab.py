@@ -114,7 +114,7 @@ def band(
         raise wrong("--law", f"{law!r}: must be one of {', '.join(known)}.")
     given = recordings_in(folders)
     test = part.test(given)
-    with usable("--gauge"):
+    with usable("--gauge"), progress("fits"):
         choice = sw.lab.choose_law(test, None if gauge is None else gauge * 1e-3)
     with usable("--law"):
         fit = sw.lab.fit_bands(test, choice, law)
@@ -199,13 +199,12 @@ def compare(
     given = recordings_in([data])
     names = [opts.by_name(design) or design for design in designs or ()]
     designed = {design: sw.files.text_of(design) for design in names}
-    comparison = sw.lab.compare(
-        given,
-        [sw.files.loads(text, design).chain for design, text in designed.items()],
-        baseline=friction.read(),
-        as_designed=as_designed,
-        rig=machine.read(),
-    )
+    chains = [sw.files.loads(text, design).chain for design, text in designed.items()]
+    baseline, rig = friction.read(), machine.read()
+    with progress("comparison"):
+        comparison = sw.lab.compare(
+            given, chains, baseline=baseline, as_designed=as_designed, rig=rig
+        )
     hashes = {design: sw.files.digest(text) for design, text in designed.items()}
     output.report(comparison, data_sha256=sw.lab.hashes(given), designs_sha256=hashes)
 
@@ -233,9 +232,10 @@ def calibrate(
     """
     output.check_output_folder("lab calibrate")
     given = recordings_in([data])
-    batch = sw.lab.sort_series(given, baseline=friction.read())
-    prepared = sw.lab.prepare(batch.series, sw.lab.tension_tables(given), batch.notes)
+    baseline = friction.read()
     with progress("fits") as tell:
+        batch = sw.lab.sort_series(given, baseline=baseline)
+        prepared = sw.lab.prepare(batch.series, sw.lab.tension_tables(given), batch.notes)
         calibration = sw.lab.calibrate(prepared, law, progress=tell)
     output.report(calibration, source=data.name, data_sha256=sw.lab.hashes(given))
 

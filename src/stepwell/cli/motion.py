@@ -88,7 +88,7 @@ def graph(
     if out is None:
         screen.report(reported, as_json)
         return
-    with screen.usable("--out"):
+    with screen.usable("--out"), screen.progress(screen.WRITING):
         sw.reports.write_graph(result, out)  # type: ignore[arg-type]
     if as_json:
         screen.show_json(reported.record, out)
@@ -144,7 +144,8 @@ class MotionOptions(options.Group):
             if self.start or self.target:
                 option = "--target" if self.target else "--from"
                 raise screen.wrong(option, "needs --program.")
-            return sw.files.load(design).chain.cycle()
+            with screen.progress("following") as tell:
+                return sw.files.load(design).chain.cycle(progress=tell)
         if self.start or self.target:
             return planned(sw.files.load(design).chain, self.start, self.target)
         return program_in_file(sw.files.load(design))

@@ -13,7 +13,7 @@ import typer
 
 import stepwell as sw
 from stepwell.base import need, refuse_address
-from stepwell.cli.screen import EXIT_CODES, report, usable, warn, wrong
+from stepwell.cli.screen import EXIT_CODES, progress, report, silence, usable, warn, wrong
 
 
 def designs(incomplete: str) -> list[str]:
@@ -102,7 +102,10 @@ _OUT = typer.Option(
 Out = Annotated[Path | None, _OUT]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite existing files.")]
 Json = Annotated[
-    bool, typer.Option("--json", help="Print the result as JSON only; see docs/commands/.")
+    bool,
+    typer.Option(
+        "--json", callback=silence, help="Print the result as JSON only; see docs/commands/."
+    ),
 ]
 NO_OPEN = "Do not open a browser."
 CYCLES = "Number of drive cycles."
@@ -209,7 +212,8 @@ class Output(Group):
         """
         if not isinstance(result, sw.accounts.Account):
             given = sw.accounts.About(*about, **more) if about or more else None
-            result = sw.accounts.account(result, given)
+            with progress("results"):
+                result = sw.accounts.account(result, given)
         report(result, self.as_json, self.out, self.force, **self.writing, **(how or {}))
         return result
 

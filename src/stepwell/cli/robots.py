@@ -36,7 +36,9 @@ def show(robot: options.Robot, output: options.Output) -> None:
     """
     text, design = options.read_robot(robot)
     output.check_output_folder("robot show", robot=text)
-    output.report(design.predict(), text, robot)
+    with screen.progress("gait"):
+        prediction = design.predict()
+    output.report(prediction, text, robot)
 
 
 @options.command(commands)
@@ -296,7 +298,7 @@ def export(
     options.free_file(out, force)
     _, design = options.read_robot(robot)
     place = sw.files.load_arena(arena) if arena is not None else None
-    with screen.usable(robot):
+    with screen.usable(robot), screen.progress("model"):
         text = sw.simulation.mjcf(design, place)
     sw.files.write_atomic(out, text)
     screen.show_verbatim(f"Wrote {out}")

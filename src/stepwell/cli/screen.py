@@ -7,7 +7,8 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
+from contextvars import ContextVar
 from itertools import groupby
 from pathlib import Path
 from types import FrameType
@@ -21,6 +22,8 @@ from stepwell.accounts import Account, Line, escaped, folded, heading, paragraph
 from stepwell.base import ExtraError, SettingError, Shows, on_terminal
 
 WRITING = "writing"
+# Whether the command prints JSON, and thus no progress.
+_SILENT = ContextVar("silent", default=False)
 
 
 class Interrupted(KeyboardInterrupt):
@@ -31,7 +34,9 @@ class Interrupted(KeyboardInterrupt):
 def progress(
     label: str, *, kept: str = "", note: Callable[[], str] = str
 ) -> Iterator[Shows | None]:
-    """A function of (done, total) that shows a bar on standard error; None without a terminal.
+    """A function of (done, total) that shows a bar on standard error.
+
+    None, and no bar, without a terminal or with --json.
 
     `note` is a text after the label, updated with the bar. `kept` is the text after an interruption
     about the results that are kept.
@@ -41,7 +46,7 @@ def progress(
     """
     reached = ""
     try:
-        with on_terminal(lambda: label + note()) as shown:
+        with nullcontext() if _SILENT.get() else on_terminal(lambda: label + note()) as shown:
 
             def update(done: float, total: float) -> None:
                 nonlocal reached
@@ -57,6 +62,12 @@ def progress(
         if label == WRITING:
             left = "the folder is unchanged, or marked as incomplete"
         raise Interrupted(f"Interrupted ({label}{reached}); {left}.") from None
+
+
+def silence(as_json: bool) -> bool:
+    """The callback of --json: this command shows no progress."""
+    _SILENT.set(as_json)
+    return as_json
 
 
 def styled() -> bool:
@@ -271,6 +282,7 @@ class Commands(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         """Run a command."""
+        silence(False)
         try:
             # From here on Ctrl-C leaves results to report.
             if threading.current_thread() is threading.main_thread():

@@ -128,13 +128,14 @@ def figure(
         others = {"--panels": panels, "--width": page.width, "--measured": measured}
         for other in [name for name, value in others.items() if value]:
             raise screen.wrong(other, f"cannot be combined with {design}.")
-        with screen.usable("DESIGN"):
+        with screen.usable("DESIGN"), screen.progress("figure"):
             drawn = sw.reports.figure_of(design.removeprefix(_PAPER))
     else:
         layout["measured"] = [sw.lab.read(one) for one in measured or ()]
         layout["mass"] = None if snap.mass is None else snap.mass * 1e-3
         drawn = _composed(design, panels, damping=snap.damping, **layout)
-    sw.figures.save(drawn, out, dpi=sw.figures.PRINT_DPI, text=True)
+    with screen.progress(screen.WRITING):
+        sw.figures.save(drawn, out, dpi=sw.figures.PRINT_DPI, text=True)
     size = [25.4 * float(inches) for inches in drawn.get_size_inches()]
     screen.show_verbatim(f"Wrote {out}")
     screen.show_lines(f"{size[0]:.0f} mm wide, {size[1]:.0f} mm high.")
@@ -147,7 +148,7 @@ def figure(
 def _composed(design: str, panels: str | None, **how: Any) -> Figure:
     file = sw.files.load(design)
     program = program_in_file(file) if file.program else None
-    with screen.usable("--panels"):
+    with screen.usable("--panels"), screen.progress("figure"):
         return sw.reports.figure(file.subject, _rows(panels), program=program, **how)
 
 

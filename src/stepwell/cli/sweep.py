@@ -261,9 +261,10 @@ def status(store: _Store, as_json: Json = False) -> None:
 
     Example: stepwell sweep status store
     """
-    progress = sw.studies.status(store)
-    screen.report(account(progress), as_json)
-    if any(gap.damaged for gap in progress.gaps):
+    with screen.progress("status"):
+        status = sw.studies.status(store)
+    screen.report(account(status), as_json)
+    if any(gap.damaged for gap in status.gaps):
         raise typer.Exit(screen.FAILED)
 
 
@@ -308,7 +309,8 @@ def export(
         screen.show_lines(f"Written into {out}: the best {table.count} of {study.count} designs.")
         return
     write = study.to_parquet if out.suffix == ".parquet" else study.to_csv
-    count = write(out, partial=partial)
+    with screen.progress(screen.WRITING):
+        count = write(out, partial=partial)
     of = "" if count == study.count else f" of {study.count}"
     screen.show_lines(f"Written into {out}: {count}{of} designs.")
 
@@ -320,7 +322,8 @@ def report(store: _Store, partial: _Partial = False, *, output: Folder) -> None:
     Example: stepwell sweep report store --out report
     """
     output.check_output_folder("sweep report")
-    status = sw.studies.status(store)
+    with screen.progress("status"):
+        status = sw.studies.status(store)
     if not partial:
         status.study.require_whole()
     output.report(status, how={"partial": partial})
