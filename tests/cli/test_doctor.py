@@ -13,7 +13,7 @@ import pytest
 
 from accounts.schemas import violations
 from stepwell.accounts import account, card, page
-from stepwell.base import installation, installed
+from stepwell.base import install, installation, installed
 from stepwell.base.extras import EXTRAS
 from stepwell.cli import about
 from stepwell.kernels import store
@@ -58,7 +58,7 @@ def test_a_missing_extra_comes_with_the_command_that_adds_it(stepwell, monkeypat
     monkeypatch.setattr(installed, "_version", lambda name: None if name == "av" else known(name))
     result = stepwell("doctor")
     assert result.exit_code == 0
-    assert "pip install 'stepwell[video]'" in result.stdout
+    assert install("video") in result.stdout
     assert re.search(r"^H\.264 encoder .* no$", result.stdout, re.M)
 
 

@@ -107,7 +107,6 @@ def test_commands_that_may_take_long_tell_their_progress(stepwell, module, argum
     assert all(0 <= done <= total + 1e-6 for done, total in reported)
 
 
-
 @pytest.fixture
 def bars(monkeypatch):
     """Labels of the bars of commands, as at a terminal: all of them, and those that are open."""

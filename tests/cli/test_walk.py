@@ -13,6 +13,7 @@ import xarray
 
 from cli.folders import written
 from sizes import SIZE
+from stepwell.base import install
 from stepwell.files import load, preset_text
 from stepwell.reports import contents
 
@@ -120,7 +121,7 @@ def test_without_pyav_there_is_the_gif_and_a_line_that_says_what_to_install(
         pytest.skip(result.stderr.strip())
     assert written(tmp_path / "out") == WRITTEN - FIGURES | {"walk.gif"}
     (line,) = result.stderr.splitlines()
-    assert "pip install 'stepwell[video]'" in line and "libx264" in line and "GPL" in line
+    assert install("video") in line and "libx264" in line and "GPL" in line
 
 
 @pytest.mark.slow
@@ -196,4 +197,4 @@ def test_without_mujoco_one_line_says_what_to_install(tmp_path, command):
     )  # fmt: skip
     assert (result.returncode, result.stdout) == (1, "")
     assert result.stderr.count("\n") == 1
-    assert "pip install 'stepwell[robot]'" in result.stderr
+    assert install("robot") in result.stderr

@@ -19,6 +19,8 @@ from pathlib import Path
 
 from packaging.requirements import Requirement
 
+from stepwell.base import install
+
 ROOT = Path(__file__).resolve().parents[2]
 # What pip and venv bring is no part of what Stepwell asks for.
 NOT_OURS = ("pip", "setuptools", "pkg_resources", "_distutils_hack", "distutils-precedence.pth")
@@ -279,10 +281,10 @@ def without(env: Fresh, *extras: str) -> None:
     lacked = [(extra, words) for extra in extras for words in LACKS[extra]]
     listed, *told = env.each(("doctor",), *(words for _, words in lacked), codes=(0, 1))
     for extra in extras:
-        assert f"pip install 'stepwell[{extra}]'" in listed
+        assert install(extra) in listed
     for (extra, _), said in zip(lacked, told, strict=True):
         assert len(said.splitlines()) == 1, said
-        assert f"pip install 'stepwell[{extra}]'" in said
+        assert install(extra) in said
     assert not (env.folder / "forward").exists()
 
 
@@ -412,7 +414,7 @@ def cluster(env: Fresh) -> None:
 def gpu(env: Fresh) -> None:
     """MuJoCo Warp goes with the MuJoCo that is there."""
     env.run("-c", "import mujoco, mujoco_warp\nmujoco_warp.put_model")
-    assert "pip install 'stepwell[gpu]'" not in env.stepwell("doctor")
+    assert install("gpu") not in env.stepwell("doctor")
 
 
 # What each installation must be able to do, besides what the core does.

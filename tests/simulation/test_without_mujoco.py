@@ -6,6 +6,7 @@ import sys
 import pytest
 
 from facts import says
+from stepwell.base import install
 
 # Each asks a process of its own.
 pytestmark = pytest.mark.slow
@@ -21,7 +22,7 @@ def test_the_simulation_says_in_one_line_how_to_install_it():
     result = run("from stepwell.simulation import walk, maze, mjcf")
     assert result.returncode != 0
     line = result.stderr.splitlines()[-1]
-    says(line, "stepwell.base.errors.ExtraError: ", "MuJoCo", "pip install 'stepwell[robot]'")
+    says(line, "stepwell.base.errors.ExtraError: ", "MuJoCo", install("robot"))
     # One error, not a chain of them.
     assert result.stderr.count("Traceback") == 1
 

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
+from stepwell import base
 from stepwell.files import loads_tables, preset_text, tables_in
 from stepwell.studio.server import page_files
 from studio.pages import FORWARD, Page, Studio, opened, running
@@ -294,7 +295,7 @@ def test_without_its_packages_the_command_says_how_to_get_them():
     assert result.returncode == 1
     assert result.stderr.splitlines() == [
         "The studio needs Starlette, uvicorn and websockets, which are not all installed here. "
-        "Install them with: pip install 'stepwell[studio]'"
+        f"Install them with: {base.install('studio')}{base.IN_CLONE}"
     ]
 
 

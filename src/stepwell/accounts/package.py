@@ -57,9 +57,10 @@ FOLDER: Schema = (Quantity("command"), _HASHES)
 def installation_account(setup: base.Installation, about: About) -> Account:
     """Packages, tools and machine code of an installation."""
     missing, kernels = setup.missing, setup.kernels
+    again = f"pip install --upgrade --force-reinstall {base.SOURCE}{base.IN_CLONE}"
     facts = [
         Fact("Missing", ", ".join(missing)),
-        Fact("Repair", "" if setup.ok else "pip install --upgrade --force-reinstall stepwell"),
+        Fact("Repair", "" if setup.ok else again),
         Fact("Stepwell", f"{base.__version__}, Python {setup.python}, {setup.system}"),
         Fact("Cores", str(setup.cores or "")),
     ]
@@ -76,7 +77,7 @@ def installation_account(setup: base.Installation, about: About) -> Account:
         "Broken": _table(_BROKEN, setup.broken),
         "Packages": _table(_PACKAGE, setup.packages),
         "Extras": RecordTable(extras, recorded(_EXTRA, setup.extras), most=None),
-        "Extras to install": Verbatim("\n".join(lacking), "commands"),
+        f"Extras to install{base.IN_CLONE}": Verbatim("\n".join(lacking), "commands"),
         "Tools": _table(_TOOL, setup.tools),
     }
     title, hint = "Installation", "No other part is examined before the packages are installed."

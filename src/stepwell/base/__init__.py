@@ -26,7 +26,7 @@ from stepwell.base.errors import (
     nearest_word,
     printable,
 )
-from stepwell.base.extras import have, late, missing, need
+from stepwell.base.extras import IN_CLONE, SOURCE, have, install, late, missing, need
 from stepwell.base.limits import content_of, most, problem, require
 from stepwell.base.quantities import (
     Column,

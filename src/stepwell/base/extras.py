@@ -8,9 +8,20 @@ from typing import Any, NamedTuple
 
 from stepwell.base.errors import ExtraError
 
+# What pip installs. No index has Stepwell yet, so it is the folder of a clone. A release on an
+# index changes this line to "stepwell"; a test lists the pages that have to follow.
+SOURCE: str = "."
+# The place for an installation command, for the end of a message.
+IN_CLONE = " (in a clone of Stepwell)" if SOURCE == "." else ""
+
+
+def install(*extras: str) -> str:
+    """The command that installs Stepwell with these extras."""
+    return f"pip install '{SOURCE}[{','.join(extras)}]'"
+
 
 class Extra(NamedTuple):
-    """Content of `pip install 'stepwell[NAME]'`: packages, each with its module, and texts.
+    """Content of an extra: packages, each with its module, and texts.
 
     `needs` is a sentence on which feature needs which package, `note` a remark on the installation.
     """
@@ -103,7 +114,7 @@ def missing(*names: str, note: str = "") -> ExtraError:
     are, them = ("is not", "it") if one_package else ("are not all", "them")
     advice = (
         f"{sentences}, which {are} installed here. "
-        f"Install {them} with: pip install 'stepwell[{','.join(lacking)}]'"
+        f"Install {them} with: {install(*lacking)}{IN_CLONE}"
     )
     notes = " ".join(filter(None, [*(one.note for one in extras), note]))
     return ExtraError(f"{advice}. {notes}" if notes else advice, name=next(iter(lacking.values())))

@@ -11,7 +11,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any, NamedTuple, TypeVar
 
 from stepwell.base.errors import printable
-from stepwell.base.extras import EXTRAS, Extra
+from stepwell.base.extras import EXTRAS, Extra, install
 from stepwell.base.shown import Shown
 from stepwell.base.value import ByValue
 
@@ -44,7 +44,7 @@ class InstalledExtra(NamedTuple):
     @property
     def install(self) -> str:
         """The command that adds it."""
-        return f"pip install 'stepwell[{self.name}]'"
+        return install(self.name)
 
 
 class Tool(NamedTuple):

@@ -308,7 +308,7 @@ def demo(
     screen.show_text(sw.reports.OPENING)
     if left_out:
         titles = "; ".join(planned.title for planned in left_out)
-        packages = "packages that pip install 'stepwell[all]' brings"
+        packages = f"packages that {sw.base.install('all')}{sw.base.IN_CLONE} brings"
         screen.show_text(f"Skipped, because they need {packages}: {titles}.")
     shown: list[tuple[sw.reports.PlannedStep, sw.reports.StoryStep]] = []
     for planned in [one for one in sw.reports.STEPS if one.available]:

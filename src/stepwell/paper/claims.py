@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from stepwell.base import ByValue, InputError, Shown, described
+from stepwell.base import IN_CLONE, ByValue, InputError, Shown, described, install
 
 
 class Judgement(StrEnum):
@@ -65,7 +65,7 @@ class Claim(ByValue):
         except ModuleNotFoundError as error:
             if error.name is None or not error.name.startswith("mujoco"):
                 raise
-            finding = Finding("", Judgement.NEEDS_MUJOCO, "pip install 'stepwell[robot]'")
+            finding = Finding("", Judgement.NEEDS_MUJOCO, install("robot") + IN_CLONE)
         return ClaimVerdict(self, finding.ours, finding.verdict, finding.reason)
 
 

@@ -7,7 +7,7 @@ from html import escape
 from importlib.resources import files as resources
 from string import Template
 
-from stepwell.base import __version__, notify, write_atomic
+from stepwell.base import IN_CLONE, __version__, install, notify, write_atomic
 from stepwell.files import staged_folder
 from stepwell.reports.story.steps import OPENING, PlannedStep, Progress, StoryPiece, StoryStep
 
@@ -109,6 +109,6 @@ def _left_out(planned_steps: Sequence[PlannedStep]) -> str:
     titles = "".join(f"<li>{escape(planned.title)}</li>" for planned in planned_steps)
     return (
         '<section id="left-out"><h2>Skipped steps</h2><p>These steps need packages that are not '
-        f"installed. Install them with <code>pip install 'stepwell[all]'</code>.</p><ul>{titles}"
+        f"installed. Install them with <code>{install('all')}</code>{IN_CLONE}.</p><ul>{titles}"
         "</ul></section>"
     )
