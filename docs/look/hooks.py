@@ -49,6 +49,10 @@ BOOST = {
 SYMBOLIC = ("theory.md", "robot-theory.md")
 _WHOLE = re.compile(r"(<(pre|code|math|script)\b.*?</\2>|<[^>]+>)", re.S)
 _INDEXED = re.compile(r"(?<![\w.])(\w)_(?:(\w)(?!\w)|\{([^}]+)\})")
+# Code in a sentence, and a word in it that a line would be broken in.
+_CODE = re.compile(r"<code>[^<]*</code>")
+_BREAKABLE = re.compile(r"(?<![^\s>])(?:--?[\w-]{1,22}|'[^\s']{1,22}')(?![^\s<])")
+_UNBROKEN = r'<span class="whole">\g<0></span>'
 _SEARCH = 'data-md-component="search" role="dialog" aria-label="Search box"'
 
 
@@ -127,7 +131,8 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
 
 
 def on_page_content(html: str, page: Page, **_: Any) -> str:
-    """Symbols in a sentence have their index below the line, where a page is about symbols."""
+    """Options in code are not broken; symbols have their index below the line on some pages."""
+    html = _CODE.sub(lambda code: _BREAKABLE.sub(_UNBROKEN, code[0]), html)
     if page.file.src_uri not in SYMBOLIC:
         return html
     made, last = [], 0

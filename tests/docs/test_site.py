@@ -250,6 +250,18 @@ def test_on_a_phone_no_page_scrolls_sideways_keeps_anybody_out_or_asks_another_h
     assert [url for url in opened.asked if not url.startswith((home, "data:", "blob:"))] == []
 
 
+def test_the_table_of_claims_fits_a_desktop_and_options_stay_whole(window, home):
+    window.set_viewport_size({"width": 1440, "height": 900})
+    window.goto(home + "claims/")
+    wide = window.locator(".md-typeset__scrollwrap")
+    assert wide.evaluate("(one) => one.scrollWidth <= one.clientWidth")
+    window.goto(home + "commands/")
+    options = window.locator("p code .whole")
+    assert {"--help", "'.[robot]'"} <= {*options.all_inner_texts()}
+    assert options.evaluate_all("(all) => all.every((one) => one.getClientRects().length === 1)")
+    window.set_viewport_size(LOOKS["light"]["viewport"])
+
+
 @pytest.fixture(scope="module")
 def searching(windows: dict[str, Opened], home: str) -> Iterator[Page]:
     """A page whose search is open, and has read its index."""

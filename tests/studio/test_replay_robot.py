@@ -119,6 +119,29 @@ def test_a_robot_is_seen_whole_on_a_phone(offline: Opened, tmp_path: Path, press
     assert page.evaluate("document.documentElement.scrollWidth") <= 360
 
 
+# Cells of tables that are wider than the page or cut off, and those whose label is indented.
+CELLS = """
+() => [...document.querySelectorAll("td")].filter((one) =>
+  one.getBoundingClientRect().right > innerWidth || one.scrollWidth > one.clientWidth + 1
+  || getComputedStyle(one).paddingLeft !== "0px").map((one) => one.textContent)
+"""
+
+
+@pytest.mark.parametrize("run", ["left", "pressed"], ids=["walk", "maze"])
+def test_the_report_of_a_run_fits_a_phone(offline: Opened, tmp_path: Path, run: str, request):
+    sw.reports.write(request.getfixturevalue(run), tmp_path, video=False)
+    page = offline.page
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.goto((tmp_path / "report.html").as_uri())
+    page.evaluate("document.querySelectorAll('details').forEach((one) => one.open = true)")
+    assert page.locator("td:visible").count() > 100
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+    assert page.evaluate(CELLS) == []
+    page.locator("iframe").scroll_into_view_if_needed()
+    slider = page.frame_locator("iframe").get_by_role("slider", name="Time in the run")
+    expect(slider).to_be_visible()
+
+
 def test_a_run_that_was_over_at_once_is_refused(left: Walk):
     from dataclasses import fields, replace
 
