@@ -250,6 +250,10 @@ def test_on_a_phone_no_page_scrolls_sideways_keeps_anybody_out_or_asks_another_h
     assert [url for url in opened.asked if not url.startswith((home, "data:", "blob:"))] == []
 
 
+# Whether each of these is on one line.
+WHOLE = "(all) => all.every((one) => one.getClientRects().length === 1)"
+
+
 def test_the_table_of_claims_fits_a_desktop_and_options_stay_whole(window, home):
     window.set_viewport_size({"width": 1440, "height": 900})
     window.goto(home + "claims/")
@@ -258,7 +262,12 @@ def test_the_table_of_claims_fits_a_desktop_and_options_stay_whole(window, home)
     window.goto(home + "commands/")
     options = window.locator("p code .whole")
     assert {"--help", "'.[robot]'"} <= {*options.all_inner_texts()}
-    assert options.evaluate_all("(all) => all.every((one) => one.getClientRects().length === 1)")
+    assert options.evaluate_all(WHOLE)
+    window.set_viewport_size({"width": 390, "height": 844})
+    window.goto(home + "commands/robots/")
+    names = window.locator("td:first-child code", has_not_text=re.compile(r"\s"))
+    assert {"--cycles", "stepwell"} <= {*names.all_inner_texts()}
+    assert names.evaluate_all(WHOLE)
     window.set_viewport_size(LOOKS["light"]["viewport"])
 
 
