@@ -51,7 +51,7 @@ from stepwell.figures.robots.parts import (
     rectangle,
 )
 from stepwell.robot import Arena, Robot, Wall
-from stepwell.robot.rounds import states
+from stepwell.robot.leg_cycles import states
 
 # What moves in the first act, and the order of states before and after.
 ANCHOR_BEFORE, ANCHOR_AFTER = (0.020, 0.0), (0.005, 0.0)

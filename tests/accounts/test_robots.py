@@ -12,7 +12,7 @@ import stepwell as sw
 from accounts.schemas import violations
 from stepwell import files
 from stepwell.accounts import About, account, card, page, terminal
-from stepwell.robot import predict, rounds
+from stepwell.robot import leg_cycles, predict
 from stepwell.simulation import Convergence, Resolution, Sweep, Trial, compare_gaits
 
 # A wall that the robot meets in its second cycle.
@@ -179,8 +179,8 @@ def test_a_card_of_a_walk_compares_nothing_and_accounts_simulate_nothing(
             _ = fresh.comparison
     # What is computed when it is first asked for is kept in the value.
     assert account(walk).record and account(prediction).record
-    for name in ("rounds", "go_round", "go_rounds"):
-        monkeypatch.setattr(rounds, name, refuse)
+    for name in ("leg_cycles", "run_leg_cycle", "run_leg_cycles"):
+        monkeypatch.setattr(leg_cycles, name, refuse)
     for name in ("slide", "changes"):
         monkeypatch.setattr(predicting, name, refuse)
     monkeypatch.setattr(comparing, "compare_gaits", refuse)

@@ -33,7 +33,7 @@ from stepwell.design.margins.robustness import robustness
 from stepwell.design.plane import Box
 from stepwell.design.synthesis.candidates import Kind, Rule
 from stepwell.design.synthesis.region import BandType
-from stepwell.robot import rounds as round_
+from stepwell.robot import leg_cycles
 
 FORCE, OVER_FORCE, PLACE = 1, -1, 0  # a number goes as the force to this power
 ROUTES: dict[str, tuple[int | None, Callable[[], Any]]] = {}
@@ -305,8 +305,8 @@ def _():
         for side, way in (("left", 1), ("right", -1))
     ]
     # What `predict` is made of, in one pass; its doubts would take the interpreter a minute.
-    with mock.patch.object(round_, "PASSES", 1):
-        travel = round_.rounds(robot.Robot(legs))[0].halves[0].travel
+    with mock.patch.object(leg_cycles, "PASSES", 1):
+        travel = leg_cycles.leg_cycles(robot.Robot(legs))[0].halves[0].travel
     jump = np.argmax(np.abs(np.diff(travel[:, -1])))
     return [np.sum(travel[jump])]
 

@@ -19,7 +19,7 @@ from stepwell.paper.walking import (
     walk_of,
 )
 from stepwell.robot import Floor, other_layout, other_start
-from stepwell.robot.rounds import TOLERANCE
+from stepwell.robot.leg_cycles import TOLERANCE
 from stepwell.simulation import Outcome, Settings, maze, mazes
 
 THREE = ("wall 1", "wall 2", "wall 3")

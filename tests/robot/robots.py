@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import stepwell as sw
 from stepwell.robot import Antenna, Foot, Leg, Robot
-from stepwell.robot.rounds import rounds
+from stepwell.robot.leg_cycles import leg_cycles
 from stepwell.robot.slide import slide
 
 FORWARD, BACKWARD = "00>10>11>01>00", "00>01>11>10>00"
@@ -56,13 +56,13 @@ class Motion(NamedTuple):
 
 def gaits(one: Robot) -> dict[str, str]:
     """The gait of each leg as the prediction has it, without its margins, drags and flips."""
-    return {cycle.leg.name: cycle.gait() for cycle in rounds(one)}
+    return {cycle.leg.name: cycle.gait() for cycle in leg_cycles(one)}
 
 
 @cache
 def motion(one: Robot) -> Motion:
     """What a prediction says of a cycle, in a tenth of the time that its doubts take."""
-    cycles = rounds(one)
+    cycles = leg_cycles(one)
     x, y, turn = slide(one, cycles).displacement()
     most = max(leg.stroke for leg in one.legs)
     return Motion({each.leg.name: each.gait() for each in cycles}, x / most, y / most, turn)

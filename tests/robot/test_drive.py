@@ -11,8 +11,8 @@ from facts import says
 from robot.robots import FORWARD, leg, robot
 from sizes import examples
 from stepwell.robot import Blocks, Drive, Floor, Motion, Robot
+from stepwell.robot.leg_cycles import leg_cycles
 from stepwell.robot.prediction import DriveNeeds, drive_needs, predicted_gaits, too_soft
-from stepwell.robot.rounds import rounds
 from stepwell.robot.stance import Spring, largest
 
 # Without weight and lag the legs are their chains and nothing else.
@@ -31,7 +31,7 @@ def needed() -> DriveNeeds:
 
 def strokes(one: Robot) -> tuple[float, float]:
     """Where the first cycle turns and ends [m]."""
-    return rounds(one)[0].first.turns[1:]
+    return leg_cycles(one)[0].first.turns[1:]
 
 
 def engine(chain: sw.Chain) -> tuple[float, float]:

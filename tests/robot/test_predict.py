@@ -292,8 +292,8 @@ def test_beyond_the_depths_that_are_reported_a_gait_is_near_another_and_within_t
 @pytest.mark.slow
 def test_depths_that_the_engine_cannot_follow_are_not_sure_and_do_not_break_the_text(monkeypatch):
     one = replace(robot(), title="Robot of this test alone")
-    module = sys.modules["stepwell.robot.rounds"]
-    honest = module.go_round
+    module = sys.modules["stepwell.robot.leg_cycles"]
+    honest = module.run_leg_cycle
 
     def lost_when_deeper(leg, stances, *others):
         if stances[0].robot.foot.below > 0.95e-3:
@@ -301,7 +301,7 @@ def test_depths_that_the_engine_cannot_follow_are_not_sure_and_do_not_break_the_
         return honest(leg, stances, *others)
 
     prediction = one.predict()
-    monkeypatch.setattr(module, "go_round", lost_when_deeper)
+    monkeypatch.setattr(module, "run_leg_cycle", lost_when_deeper)
     assert prediction.depths[0][1] == pytest.approx(0.95e-3, abs=2e-5)
     assert "preload 0.00 to 0.9" in repr(prediction)
 

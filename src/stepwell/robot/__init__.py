@@ -2,6 +2,7 @@
 
 from stepwell.robot.arena import Arena, Cylinder, Floor, Goal, Wall, other_layout, other_start
 from stepwell.robot.fit import of_arena, of_robot
+from stepwell.robot.leg_cycles import TOLERANCE, TRIAL, gait, states
 from stepwell.robot.parts import Antenna, Blocks, Body, Drive, Foot, Leg, Profile
 from stepwell.robot.prediction import (
     DriveNeeds,
@@ -17,7 +18,6 @@ from stepwell.robot.prediction import (
     too_soft,
 )
 from stepwell.robot.robot import Robot
-from stepwell.robot.rounds import TOLERANCE, TRIAL, gait, states
 
 __all__ = [
     "Antenna",

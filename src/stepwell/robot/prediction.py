@@ -10,10 +10,10 @@ from itertools import product
 import numpy as np
 
 from stepwell.base import ByValue, Drawn, Vec2, bisected, to_unit
-from stepwell.robot import rounds as cycling
+from stepwell.robot import leg_cycles as cycling
+from stepwell.robot.leg_cycles import LegCycle, gait
 from stepwell.robot.parts import Leg
 from stepwell.robot.robot import Robot
-from stepwell.robot.rounds import Round, gait
 from stepwell.robot.slide import STEPS, Slide, slide
 from stepwell.robot.stance import Spring, largest, leaning
 from stepwell.statics import StaticsError
@@ -327,8 +327,8 @@ class Prediction(ByValue, Drawn):
 
 def predict(robot: Robot) -> Prediction:
     """Predict a cycle of a robot without simulation. All else as for `Robot.predict`."""
-    cycles = cycling.rounds(robot)
-    slid, firsts = slide(robot, cycles), tuple(one.first for one in cycles)
+    cycles = cycling.leg_cycles(robot)
+    slid, firsts = slide(robot, cycles), tuple(cycle.first for cycle in cycles)
     x, y, turn = slid.displacement()
     first_x = x if firsts == cycles else slide(robot, firsts).displacement()[0]
     rigid, softer = _other_drives(robot, cycles)
@@ -336,23 +336,23 @@ def predict(robot: Robot) -> Prediction:
     margins = cache(lambda i: _margin_and_alternatives(firsts[i]))
     flips = cache(lambda i, *antenna: tuple(_flips(robot, firsts[i], *antenna)))
     legs: list[LegPrediction] = []
-    for i, (one, first) in enumerate(zip(cycles, _first_alike(cycles), strict=True)):
+    for i, (cycle, first) in enumerate(zip(cycles, _first_alike(cycles), strict=True)):
         margin, nearest, alternatives = margins(first)
         legs.append(
             LegPrediction(
-                one.leg.name,
-                one.gait(),
-                float(slid.gain[:, i].sum()) / one.leg.stroke,
+                cycle.leg.name,
+                cycle.gait(),
+                float(slid.gain[:, i].sum()) / cycle.leg.stroke,
                 float(slid.slip[:, i].sum()),
                 margin,
                 nearest,
-                _uncertainty(robot, one.leg),
-                tuple(sorted({*alternatives, *(gaits[i] for gaits in softer)} - {one.gait()})),
-                tuple(_pushes(robot, i, one, slid)),
+                _uncertainty(robot, cycle.leg),
+                tuple(sorted({*alternatives, *(gaits[i] for gaits in softer)} - {cycle.gait()})),
+                tuple(_pushes(robot, i, cycle, slid)),
                 tuple(
-                    replace(flip, antenna=antenna.name, leg=one.leg.name)
+                    replace(flip, antenna=antenna.name, leg=cycle.leg.name)
                     for antenna in robot.antennas
-                    if antenna.leg == one.leg.name and antenna.connected
+                    if antenna.leg == cycle.leg.name and antenna.connected
                     for flip in flips(first, antenna.cell, antenna.moves, antenna.swing)
                 ),
                 firsts[i].gait(),
@@ -360,27 +360,28 @@ def predict(robot: Robot) -> Prediction:
             )
         )
     ways = x / robot.u_max, y / robot.u_max, turn, first_x / robot.u_max
-    strokes = cycles[0].turns.back, cycles[0].turns.out
+    strokes = cycles[0].turns.unloading_end, cycles[0].turns.loading_end
     return Prediction(robot, tuple(legs), *ways, strokes, too_soft(robot))
 
 
 def predicted_gaits(robot: Robot) -> tuple[str, ...]:
     """For each leg the states of the cycle that repeats itself; errors as for `Robot.predict`."""
-    return _gaits(cycling.rounds(robot))
+    return _gaits(cycling.leg_cycles(robot))
 
 
 def too_soft(robot: Robot) -> str:
     """Effect of the drive's compliance on the gait, in words; "" without one."""
-    cycles, stiffness = cycling.rounds(robot), robot.drive.stiffness
+    cycles, stiffness = cycling.leg_cycles(robot), robot.drive.stiffness
     gaits = _gaits(cycles)
-    if _completes(robot, cycles, stiffness) or gaits == _gaits(cycling.rounds(robot, math.inf)):
+    if _completes(robot, cycles, stiffness) or gaits == _gaits(cycling.leg_cycles(robot, math.inf)):
         return ""
+    turns = cycles[0].turns
     text = (
         f"the drive is too soft: with {stiffness:g} N/m the legs move from "
-        f"{to_unit(cycles[0].turns.back, 'mm'):.1f} to {to_unit(cycles[0].turns.out, 'mm'):.1f} mm "
-        f"of {to_unit(robot.drive.amplitude, 'mm'):g} mm"
+        f"{to_unit(turns.unloading_end, 'mm'):.1f} to {to_unit(turns.loading_end, 'mm'):.1f} mm of "
+        f"{to_unit(robot.drive.amplitude, 'mm'):g} mm"
     )
-    firsts = tuple(one.first for one in cycles)
+    firsts = tuple(cycle.first for cycle in cycles)
     if gaits == _gaits(firsts):
         return text
     advance = slide(robot, firsts).displacement()[0] / robot.u_max
@@ -390,31 +391,34 @@ def too_soft(robot: Robot) -> str:
     return f"{text}; the first cycle advances by {advance:.2f} u_max, then the robot {then}"
 
 
-def _gaits(cycles: Sequence[Round]) -> tuple[str, ...]:
-    return tuple(one.gait() for one in cycles)
+def _gaits(cycles: Sequence[LegCycle]) -> tuple[str, ...]:
+    return tuple(cycle.gait() for cycle in cycles)
 
 
 def _other_drives(
-    robot: Robot, cycles: tuple[Round, ...]
+    robot: Robot, cycles: tuple[LegCycle, ...]
 ) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Gaits of all legs with a rigid drive, and gaits with the uncertain force added or removed.
 
     If the drive has enough force for both, they are the gaits of `cycles`, without a new path.
     """
-    unknown = sum(_uncertainty(robot, one.leg) for one in cycles)
+    unknown = sum(_uncertainty(robot, cycle.leg) for cycle in cycles)
     if _completes(robot, cycles, robot.drive.stiffness, unknown):
         return _gaits(cycles), []
-    stances = [one.stances for one in cycles]
+    stances = [cycle.stances for cycle in cycles]
+    stiffness = robot.drive.stiffness
     others = (
-        cycling.go_rounds(robot, stances, robot.drive.stiffness, by) for by in (unknown, -unknown)
+        cycling.run_leg_cycles(robot, stances, stiffness, force) for force in (unknown, -unknown)
     )
-    return _gaits(cycling.rounds(robot, math.inf)), list(map(_gaits, others))
+    return _gaits(cycling.leg_cycles(robot, math.inf)), list(map(_gaits, others))
 
 
-def _completes(robot: Robot, cycles: Sequence[Round], stiffness: float, more: float = 0.0) -> bool:
+def _completes(
+    robot: Robot, cycles: Sequence[LegCycle], stiffness: float, added_force: float = 0.0
+) -> bool:
     """Whether the carriage reaches both ends of its stroke in these cycles."""
-    spring = Spring(robot.drive.amplitude, stiffness, more)
-    reach = min(robot.drive.amplitude, *(one.leg.chain.full_stroke for one in cycles))
+    spring = Spring(robot.drive.amplitude, stiffness, added_force)
+    reach = min(robot.drive.amplitude, *(cycle.leg.chain.full_stroke for cycle in cycles))
     out, back = (
         spring.stops(cycling.forces(cycles, 0), 1),
         spring.stops(cycling.forces(cycles, 1), -1),
@@ -422,13 +426,13 @@ def _completes(robot: Robot, cycles: Sequence[Round], stiffness: float, more: fl
     return out >= reach - cycling.ROUNDING and back <= cycling.ROUNDING
 
 
-def _visits_same_states(robot: Robot, cycles: Sequence[Round], stiffness: float) -> bool:
+def _visits_same_states(robot: Robot, cycles: Sequence[LegCycle], stiffness: float) -> bool:
     """Whether the legs visit the same states in the strokes that the carriage reaches."""
     spring = Spring(robot.drive.amplitude, stiffness)
     for half, way in enumerate((1, -1)):
         end = spring.stops(cycling.forces(cycles, half), way)
-        for one in cycles:
-            ahead, full = one.halves[half], np.array(one.leg.chain.full_travels)
+        for cycle in cycles:
+            ahead, full = cycle.halves[half], np.array(cycle.leg.chain.full_travels)
             gone = ahead.travel[way * ahead.stroke <= way * end + cycling.ROUNDING]
             travels = np.concatenate([gone, ahead.at(np.array([end]))[0]])
             if gait(travels / full) != gait(ahead.travel / full):
@@ -439,7 +443,7 @@ def _visits_same_states(robot: Robot, cycles: Sequence[Round], stiffness: float)
 @lru_cache(maxsize=32)
 def drive_needs(robot: Robot) -> DriveNeeds:
     """Requirements on the actuator for the gaits that a robot has with a rigid drive."""
-    cycles = cycling.rounds(robot, math.inf)
+    cycles = cycling.leg_cycles(robot, math.inf)
     push, pull = largest(cycling.forces(cycles, 0), 1), largest(cycling.forces(cycles, 1), -1)
     scale = max(push, pull) / robot.drive.amplitude
     softest, stiffest = scale / STIFFNESSES, scale * STIFFNESSES
@@ -456,7 +460,8 @@ def drive_needs(robot: Robot) -> DriveNeeds:
     needed = min(enough, least(partial(_visits_same_states, robot, cycles)))
 
     def gaits(stiffness: float) -> str:
-        return str(_gaits(cycling.go_rounds(robot, [one.stances for one in cycles], stiffness)))
+        stances = [cycle.stances for cycle in cycles]
+        return str(_gaits(cycling.run_leg_cycles(robot, stances, stiffness)))
 
     looks = np.geomspace(enough, needed * (1.0 - WITHIN), LOOKS_FOR_STIFFNESS).tolist()
     if needed < (1.0 - WITHIN) * enough:
@@ -471,7 +476,7 @@ def depths(robot: Robot) -> tuple[tuple[float, float], ...]:
     In this range the gait does not depend on the uncertain force. If the gait is uncertain at the
     feet's own depth, both ends are that depth.
     """
-    cycles = tuple(one.first for one in cycling.rounds(robot))
+    cycles = tuple(cycle.first for cycle in cycling.leg_cycles(robot))
     own = cache(lambda i: _depths(robot, i, cycles))
     return tuple(map(own, _first_alike(cycles)))
 
@@ -484,9 +489,11 @@ def known_depths(robot: Robot) -> tuple[tuple[float, float] | None, ...]:
         return (None,) * len(robot.legs)
 
 
-def _first_alike(cycles: Sequence[Round]) -> list[int]:
+def _first_alike(cycles: Sequence[LegCycle]) -> list[int]:
     """For each leg the index of the first equal leg, or of the first mirror image."""
-    return [[other.alike(one.leg, one.stances) for other in cycles].index(True) for one in cycles]
+    return [
+        [other.alike(cycle.leg, cycle.stances) for other in cycles].index(True) for cycle in cycles
+    ]
 
 
 def _uncertainty(robot: Robot, leg: Leg) -> float:
@@ -501,9 +508,9 @@ def _uncertainty(robot: Robot, leg: Leg) -> float:
     return damping * speed / 2.0 + falls * speed * late
 
 
-def _margin_and_alternatives(one: Round) -> tuple[float, str, tuple[str, ...]]:
+def _margin_and_alternatives(cycle: LegCycle) -> tuple[float, str, tuple[str, ...]]:
     """Smallest force [N] on one cell that changes the gait, the new gait, and alternatives."""
-    cells = len(one.leg.chain)
+    cells = len(cycle.leg.chain)
     # At a given stroke a force on one of two cells acts as the opposite force on the other.
     tried = (cells - 1,) if cells == 2 else range(cells)
     margin, nearest = math.inf, ""
@@ -513,9 +520,9 @@ def _margin_and_alternatives(one: Round) -> tuple[float, str, tuple[str, ...]]:
             extra = {cell: sense * force}
             # Without a force it is the known cycle.
             return (
-                cycling.go_round(one.leg, one.stances, one.turns, extra).gait()
+                cycling.run_leg_cycle(cycle.leg, cycle.stances, cycle.turns, extra).gait()
                 if force
-                else one.gait()
+                else cycle.gait()
             )
 
         nearer = [force for force in FORCES if force < margin]
@@ -524,16 +531,16 @@ def _margin_and_alternatives(one: Round) -> tuple[float, str, tuple[str, ...]]:
         if change is not None and change[0] < margin:
             margin, nearest = change
     # Other forces of the floor: no drag, or a load that does not depend on the step.
-    others = {one.gait(tolerance) for tolerance in TOLERANCES}
+    others = {cycle.gait(tolerance) for tolerance in TOLERANCES}
     for out, back in (
-        [replace(foot, drags=False) for foot in one.stances],
-        [replace(foot, load=np.full_like(foot.load, foot.load[0])) for foot in one.stances],
+        [replace(foot, drags=False) for foot in cycle.stances],
+        [replace(foot, load=np.full_like(foot.load, foot.load[0])) for foot in cycle.stances],
     ):
-        others.add(cycling.go_round(one.leg, (out, back), one.turns).gait())
-    return margin, nearest, tuple(sorted(others - {one.gait()}))
+        others.add(cycling.run_leg_cycle(cycle.leg, (out, back), cycle.turns).gait())
+    return margin, nearest, tuple(sorted(others - {cycle.gait()}))
 
 
-def _depths(robot: Robot, index: int, cycles: Sequence[Round]) -> tuple[float, float]:
+def _depths(robot: Robot, index: int, cycles: Sequence[LegCycle]) -> tuple[float, float]:
     """Range of preload depths [m] in which a leg keeps its gait despite the uncertain force."""
     foot, leg = robot.foot, robot.legs[index]
     unknown, gait = _uncertainty(robot, leg), cycles[index].gait()
@@ -546,7 +553,7 @@ def _depths(robot: Robot, index: int, cycles: Sequence[Round]) -> tuple[float, f
         for force in (unknown, -unknown):
             extra = {len(leg.chain) - 1: force}
             try:
-                after = cycling.go_round(leg, stances, cycles[index].turns, extra).gait()
+                after = cycling.run_leg_cycle(leg, stances, cycles[index].turns, extra).gait()
             except StaticsError:
                 return "not followed"  # counts as another gait
             if after != gait:
@@ -562,14 +569,16 @@ def _depths(robot: Robot, index: int, cycles: Sequence[Round]) -> tuple[float, f
     return first_change([foot.below / 2, 0.0]), first_change([*deeper, max(deepest, foot.below)])
 
 
-def _flips(robot: Robot, one: Round, cell: int | str, moves: Vec2, swing: float) -> Iterator[Flip]:
+def _flips(
+    robot: Robot, cycle: LegCycle, cell: int | str, moves: Vec2, swing: float
+) -> Iterator[Flip]:
     """Changes of gait as an antenna moves this anchor p; the antenna's name is left empty."""
-    unknown, length, before = _uncertainty(robot, one.leg), math.hypot(*moves), one.gait()
+    unknown, length, before = _uncertainty(robot, cycle.leg), math.hypot(*moves), cycle.gait()
 
     def thresholds(force: float) -> list[tuple[float, str]]:
         def pressed(share: float) -> str:
-            leg, last = one.leg.with_moved_anchor(cell, moves, share), len(one.leg.chain) - 1
-            return cycling.go_round(leg, one.stances, one.turns, {last: force}).gait()
+            leg, last = cycle.leg.with_moved_anchor(cell, moves, share), len(cycle.leg.chain) - 1
+            return cycling.run_leg_cycle(leg, cycle.stances, cycle.turns, {last: force}).gait()
 
         return list(changes(pressed, np.linspace(0.0, 1.0, LOOKS).tolist()))
 
@@ -578,16 +587,16 @@ def _flips(robot: Robot, one: Round, cell: int | str, moves: Vec2, swing: float)
         # The same change with the uncertain force added and removed.
         same = [next((s for s, g in changed if g == after), math.inf) for changed in around]
         early, late = min(share, *same) * length, max(share, *same) * length
-        yield Flip("", one.leg.name, share * length, early, late, share * swing, before, after)
+        yield Flip("", cycle.leg.name, share * length, early, late, share * swing, before, after)
         before = after
 
 
-def _pushes(robot: Robot, index: int, one: Round, slid: Slide) -> Iterator[Push]:
+def _pushes(robot: Robot, index: int, cycle: LegCycle, slid: Slide) -> Iterator[Push]:
     for half in (0, 1):
         rows = slice(half * STEPS, (half + 1) * STEPS)
         step, load = slid.push[rows, index], slid.load[rows, index]
         total = float(step.sum())
-        if abs(total) < PUSHES * one.leg.stroke:
+        if abs(total) < PUSHES * cycle.leg.stroke:
             continue
         # Only pushes in the direction of the total, not those during the handover of weight.
         pushing = np.maximum(np.sign(total) * step, 0.0)
@@ -595,11 +604,13 @@ def _pushes(robot: Robot, index: int, one: Round, slid: Slide) -> Iterator[Push]
         feet = (slid.load[rows] > 0.0).sum(axis=1)
         sharing = float(pushing @ feet / pushing.sum())
         gain, slip = (float(of[rows, index].sum()) for of in (slid.gain, slid.slip))
-        most = _largest_drag(robot, one, carries, sharing)
+        most = _largest_drag(robot, cycle, carries, sharing)
         yield Push(not half, total, gain, slip, carries, robot.floor.drag, *most)
 
 
-def _largest_drag(robot: Robot, one: Round, load: float, sharing: float) -> tuple[float, PushEnd]:
+def _largest_drag(
+    robot: Robot, cycle: LegCycle, load: float, sharing: float
+) -> tuple[float, PushEnd]:
     """The floor's drag [N] at which a foot slips or the gait of its leg changes."""
     left = robot.weight - sharing * load
     if left <= 0.0 or robot.floor.gravity == 0.0:
@@ -608,8 +619,8 @@ def _largest_drag(robot: Robot, one: Round, load: float, sharing: float) -> tupl
 
     def dragged(drag: float) -> str:
         other = replace(robot, floor=replace(robot.floor, drag=drag))
-        out, back = (replace(foot, robot=other) for foot in one.stances)
-        return cycling.go_round(one.leg, (out, back), one.turns).gait()
+        out, back = (replace(foot, robot=other) for foot in cycle.stances)
+        return cycling.run_leg_cycle(cycle.leg, (out, back), cycle.turns).gait()
 
     if slips > robot.floor.drag:
         for drag, _ in changes(dragged, np.linspace(robot.floor.drag, slips, 9).tolist()):

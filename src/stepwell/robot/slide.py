@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepwell.base import Floats
+from stepwell.robot.leg_cycles import LegCycle
 from stepwell.robot.robot import Robot
-from stepwell.robot.rounds import Round
 from stepwell.robot.stance import feet_places, supports_load, touch
 
 STEPS = 320  # of loading, and of unloading
 NONE = 1e-5  # slides shorter than this fraction of a step count as none
-ROUNDS = 60
+ITERATIONS = 60
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Slide:
         return float(x), float(y), float(yaw[-1])
 
 
-def slide(robot: Robot, rounds: Sequence[Round]) -> Slide:
+def slide(robot: Robot, cycles: Sequence[LegCycle]) -> Slide:
     """Motion of the body on the floor for given cycles of the legs.
 
     At every step the body makes the small motion with the least dissipation by friction under feet
@@ -44,7 +44,7 @@ def slide(robot: Robot, rounds: Sequence[Round]) -> Slide:
     edge, supports = touch(robot), np.asarray(robot.body.supports, float)
     halves: list[tuple[Floats, ...]] = []
     for half in (0, 1):
-        ways = [one.halves[half] for one in rounds]
+        ways = [cycle.halves[half] for cycle in cycles]
         begin, end = ways[0].stroke[[0, -1]]
         stroke = np.linspace(min(begin, end), max(begin, end), STEPS + 1)[:: -1 if half else 1]
         followed = [way.at(stroke)[0] for way in ways]
@@ -66,7 +66,7 @@ def slide(robot: Robot, rounds: Sequence[Round]) -> Slide:
     twist, slid = _least(points, rubs, moves)
     across = np.array([leg.at[1] for leg in robot.legs])
     gain = np.where(load > 0.0, twist[:, :1] - twist[:, 2:] * across, 0.0)
-    return Slide(twist, push, gain, np.where(load > 0.0, slid[:, : len(rounds)], 0.0), load)
+    return Slide(twist, push, gain, np.where(load > 0.0, slid[:, : len(cycles)], 0.0), load)
 
 
 def _least(points: Floats, rubs: Floats, moves: Floats) -> tuple[Floats, Floats]:
@@ -83,7 +83,7 @@ def _least(points: Floats, rubs: Floats, moves: Floats) -> tuple[Floats, Floats]
     speed = np.ones((n, k))
     twist = np.zeros((n, 3))
     scale = np.diag([1.0, 1.0, 1e-4]) * 1e-12
-    for _ in range(ROUNDS):
+    for _ in range(ITERATIONS):
         weight = rubs / np.maximum(speed, floor)
         left = np.einsum("nk,nkij,nkil->njl", weight, maps, maps)
         right = -np.einsum("nk,nkij,nki->nj", weight, maps, own)

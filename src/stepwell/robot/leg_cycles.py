@@ -45,7 +45,7 @@ def states(share: Floats, tolerance: float = TOLERANCE) -> list[str | None]:
     at_0, at_1 = np.asarray(share < tolerance), np.asarray(share > 1.0 - tolerance)
     resting = np.asarray((at_0 | at_1).all(axis=1))
     return [
-        "".join("1" if one else "0" for one in row) if rests else None
+        "".join("1" if at_stop else "0" for at_stop in row) if rests else None
         for row, rests in zip(at_1, resting, strict=True)
     ]
 
@@ -72,8 +72,8 @@ class Turns(NamedTuple):
     """Begin and turning points of a cycle of a leg."""
 
     begin: tuple[float, ...]  # (cells,) travels [m]
-    out: float  # stroke at which it turns [m]
-    back: float  # stroke at which it ends [m]
+    loading_end: float  # stroke at which it turns [m]
+    unloading_end: float  # stroke at which it ends [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +122,7 @@ class FootPhase:
 
 
 @dataclass(frozen=True, eq=False)
-class HalfRound:
+class HalfLegCycle:
     """Loading or unloading of a leg, in contact phases."""
 
     phases: tuple[FootPhase, ...]
@@ -157,17 +157,17 @@ class HalfRound:
 
 
 @dataclass(frozen=True, eq=False)
-class Round:
+class LegCycle:
     """A cycle of a leg: loading and unloading, with the stances of its foot."""
 
     leg: Leg
-    halves: tuple[HalfRound, HalfRound]  # loading and unloading, as the stances of the foot
+    halves: tuple[HalfLegCycle, HalfLegCycle]  # loading and unloading, as the stances of the foot
     stances: Stances
     turns: Turns
-    before: "Round | None" = None  # the cycle before, None for the first, from all cells at 0
+    before: "LegCycle | None" = None  # the cycle before, None for the first, from all cells at 0
 
     @property
-    def first(self) -> "Round":
+    def first(self) -> "LegCycle":
         """The first cycle, which begins with every cell at 0."""
         return self if self.before is None else self.before.first
 
@@ -183,81 +183,81 @@ class Round:
 
 
 @lru_cache(maxsize=32)
-def rounds(robot: Robot, stiffness: float | None = None) -> tuple[Round, ...]:
+def leg_cycles(robot: Robot, stiffness: float | None = None) -> tuple[LegCycle, ...]:
     """The cycle of every leg, with the other legs at the same stroke.
 
     `stiffness` [N/m] replaces that of the drive, if given.
     """
     setting_out = leaning(robot)
-    cycles: tuple[Round, ...] = ()
+    cycles: tuple[LegCycle, ...] = ()
     for _ in range(PASSES):
         stances = [footing(robot, i, cycles, setting_out) for i in range(len(robot.legs))]
-        cycles = go_rounds(robot, stances, stiffness or robot.drive.stiffness)
+        cycles = run_leg_cycles(robot, stances, stiffness or robot.drive.stiffness)
     return cycles
 
 
-def go_rounds(
-    robot: Robot, stances: Sequence[Stances], stiffness: float, more: float = 0.0
-) -> tuple[Round, ...]:
+def run_leg_cycles(
+    robot: Robot, stances: Sequence[Stances], stiffness: float, added_force: float = 0.0
+) -> tuple[LegCycle, ...]:
     """Follow all legs from all cells at 0, cycle after cycle, until a cycle ends where it began.
 
-    The legs' outermost blocks are one carriage that the drive pushes through a spring, against an
-    additional force `more` [N]. At every stroke the legs are separate chains. The carriage rests
-    where the spring force equals the sum of their forces, jumps where that sum falls faster than
-    the spring force, and turns at the end of the command.
+    The legs' outermost blocks are one carriage. The drive pushes it through a spring, against
+    `added_force` [N]. At every stroke the legs are separate chains. The carriage rests where the
+    spring force equals the sum of their forces, jumps where that sum falls faster than the spring
+    force, and turns at the end of the command.
     """
-    spring = Spring(robot.drive.amplitude, stiffness, more)
+    spring = Spring(robot.drive.amplitude, stiffness, added_force)
     begins: list[tuple[float, ...]] = [(0.0,) * len(leg.chain) for leg in robot.legs]
     cycles = _cycle(robot, stances, spring, begins)
     for _ in range(MOST_CYCLES - 1):
-        ends = [tuple(one.halves[1].travel[-1].tolist()) for one in cycles]
-        if all(_closes(one, end) for one, end in zip(cycles, ends, strict=True)):
+        ends = [tuple(cycle.halves[1].travel[-1].tolist()) for cycle in cycles]
+        if all(_closes(cycle, end) for cycle, end in zip(cycles, ends, strict=True)):
             break
         try:
             after = _cycle(robot, stances, spring, ends)
         except ValueError:
             # It would begin in the middle of a jump: the next cycle is not determined.
             break
-        cycles = [replace(one, before=past) for past, one in zip(cycles, after, strict=True)]
+        cycles = [replace(cycle, before=past) for past, cycle in zip(cycles, after, strict=True)]
     return tuple(cycles)
 
 
-def _closes(one: Round, end: Sequence[float]) -> bool:
+def _closes(cycle: LegCycle, end: Sequence[float]) -> bool:
     """Whether a cycle ends where it began."""
-    off = np.abs(np.subtract(one.turns.begin, end)) / np.array(one.leg.chain.full_travels)
+    off = np.abs(np.subtract(cycle.turns.begin, end)) / np.array(cycle.leg.chain.full_travels)
     return bool(np.all(off < CLOSES))
 
 
 def _cycle(
     robot: Robot, stances: Sequence[Stances], spring: Spring, begins: Sequence[tuple[float, ...]]
-) -> list[Round]:
+) -> list[LegCycle]:
     """Loading and unloading of all legs, up to the strokes that the spring reaches."""
 
-    def go(out: float, back: float) -> list[Round]:
-        done: list[Round] = []
-        for leg, each, begin in zip(robot.legs, stances, begins, strict=True):
-            turns = Turns(begin, out, back)
+    def run(loading_end: float, unloading_end: float) -> list[LegCycle]:
+        done: list[LegCycle] = []
+        for leg, feet, begin in zip(robot.legs, stances, begins, strict=True):
+            turns = Turns(begin, loading_end, unloading_end)
             # Equal legs have equal cycles.
-            twins = (one for one in done if one.turns == turns and one.alike(leg, each))
-            twin = next(twins, None) or go_round(leg, each, turns)
+            twins = (cycle for cycle in done if cycle.turns == turns and cycle.alike(leg, feet))
+            twin = next(twins, None) or run_leg_cycle(leg, feet, turns)
             done.append(replace(twin, leg=leg))
         return done
 
     reach = min(robot.drive.amplitude, *(leg.chain.full_stroke for leg in robot.legs))
-    cycles = go(max(reach, math.fsum(begins[0])), 0.0)
+    cycles = run(max(reach, math.fsum(begins[0])), 0.0)
     out = spring.stops(forces(cycles, 0), 1)
     if out < reach - ROUNDING:
-        cycles = go(out, 0.0)
+        cycles = run(out, 0.0)
     back = spring.stops(forces(cycles, 1), -1)
-    return cycles if back < ROUNDING else go(out, back)
+    return cycles if back < ROUNDING else run(out, back)
 
 
-def forces(cycles: Sequence[Round], half: int) -> list[tuple[Floats, Floats]]:
+def forces(cycles: Sequence[LegCycle], half: int) -> list[tuple[Floats, Floats]]:
     """Strokes [m] and forces [N] of every leg for a `Spring`, loading (0) or unloading (1)."""
-    return [(one.halves[half].stroke, one.halves[half].force) for one in cycles]
+    return [(cycle.halves[half].stroke, cycle.halves[half].force) for cycle in cycles]
 
 
-def footing(robot: Robot, index: int, cycles: Sequence[Round], setting_out: Floats) -> Stances:
+def footing(robot: Robot, index: int, cycles: Sequence[LegCycle], setting_out: Floats) -> Stances:
     """Stances of the foot of one leg, loading and unloading, for given cycles of the other legs.
 
     Without cycles, all legs are assumed to step alike. `setting_out` (legs,) [N] is the ground
@@ -268,45 +268,47 @@ def footing(robot: Robot, index: int, cycles: Sequence[Round], setting_out: Floa
     out, back = (
         [
             # Equal legs step together, also where one alone would do otherwise at that stroke.
-            share * np.append(one.chain.full_travels[:-1], 0.0)
-            if not cycles or one.chain == leg.chain
+            share * np.append(other.chain.full_travels[:-1], 0.0)
+            if not cycles or other.chain == leg.chain
             else cycles[k].first.halves[half].at(stroke)[0]
-            for k, one in enumerate(robot.legs)
+            for k, other in enumerate(robot.legs)
         ]
         for half in (0, 1)
     )
     return stance(robot, index, out, setting_out[index]), stance(robot, index, back)
 
 
-def go_round(
+def run_leg_cycle(
     leg: Leg, stances: Stances, turns: Turns, extra: Extra = MappingProxyType({})
-) -> Round:
+) -> LegCycle:
     """Follow one cycle of a leg; `extra` has constant forces against the travel of cells [N]."""
     begin = np.array(turns.begin)
-    out = _half(leg, stances[0], 1, begin, turns.out, extra)
+    out = _half(leg, stances[0], 1, begin, turns.loading_end, extra)
     try:
-        back = _half(leg, stances[1], -1, out.travel[-1], turns.back, extra)
+        back = _half(leg, stances[1], -1, out.travel[-1], turns.unloading_end, extra)
     except ValueError:
         # The foot is in stance where the drive turns: a sudden reversal of drag has no solution.
         # Without drag, loading and unloading have the same law.
         quiet = replace(stances[0], drags=False)
         stances = (quiet, quiet)
-        out = _half(leg, quiet, 1, begin, turns.out, extra)
-        back = _half(leg, quiet, -1, out.travel[-1], turns.back, extra)
-    return Round(leg, (out, back), stances, turns)
+        out = _half(leg, quiet, 1, begin, turns.loading_end, extra)
+        back = _half(leg, quiet, -1, out.travel[-1], turns.unloading_end, extra)
+    return LegCycle(leg, (out, back), stances, turns)
 
 
-def _half(leg: Leg, foot: Stance, way: int, begin: Floats, until: float, extra: Extra) -> HalfRound:
+def _half(
+    leg: Leg, foot: Stance, way: int, begin: Floats, end: float, extra: Extra
+) -> HalfLegCycle:
     """Follow one half cycle in phases, each with the foot in stance or in flight."""
     stands, weighed = bool(begin[-1] <= touch(foot.robot)), float(begin[:-1].sum())
     nothing = np.zeros_like(foot.step)
     phase = FootPhase(foot, way, stands, weighed, begin, begin[None], np.zeros(1), nothing)
-    if abs(until - float(begin.sum())) < ROUNDING:
-        return HalfRound((phase,))
+    if abs(end - float(begin.sum())) < ROUNDING:
+        return HalfLegCycle((phase,))
     ahead, phases = phase, list[FootPhase]()
     for _ in range(MOST_PHASES):
         try:
-            phase, ahead = _phase(leg, phase, until, extra)
+            phase, ahead = _phase(leg, phase, end, extra)
         except ValueError:
             if not phases:
                 raise
@@ -314,10 +316,10 @@ def _half(leg: Leg, foot: Stance, way: int, begin: Floats, until: float, extra: 
             break
         phases.append(phase)
         if not len(ahead.travel):
-            return HalfRound(tuple(phases))
+            return HalfLegCycle(tuple(phases))
         phase = replace(phase, stands=not phase.stands, begin=phase.travel[-1])
     # After that, or if the foot chatters: the rest of the way as in the last phase.
-    return HalfRound((*phases, ahead))
+    return HalfLegCycle((*phases, ahead))
 
 
 def _phase(leg: Leg, phase: FootPhase, until: float, extra: Extra) -> tuple[FootPhase, FootPhase]:
