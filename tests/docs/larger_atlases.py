@@ -20,7 +20,7 @@ from stepwell.studies import Atlas, charted, find, opened
 ROOT = Path(__file__).parents[2]
 PAGE, FILE = ROOT / "docs" / "atlas.md", ROOT / "docs" / "atlases.json"
 _BEGIN, _END = "<!-- larger: written by tests/docs/larger_atlases.py -->", "<!-- end -->"
-# What is asked of all machines of an atlas, and how the page says it.
+# What is asked of all graph classes of an atlas, and how the page says it.
 ASKED = {
     "reaches every state": "reach every state",
     "latches": "latch",
@@ -37,7 +37,7 @@ def summary(store: str) -> dict[str, Any]:
     """What the page tells of a store."""
     study = opened(store)
     atlas = charted(study, checks=100)
-    known = {one.name for one in atlas.machines}
+    known = {one.name for one in atlas.graph_classes}
     return {
         "identity": study.identity,
         "cells": len(atlas.chain),
@@ -46,26 +46,26 @@ def summary(store: str) -> dict[str, Any]:
         "ties": atlas.ties,
         "wakes": atlas.wakes,
         "not_proved": atlas.not_proved,
-        "graphs": len(atlas.machines),
+        "graphs": len(atlas.graph_classes),
         "cycles": len(atlas.cycles),
         "whole": atlas.whole,
         "unseen_at_most_percent": None if atlas.unseen is None else atlas.unseen.high * 100,
         "checked": atlas.checked,
         "agreed": atlas.agreed,
-        "machines_agree": sum(one.agrees for one in atlas.machines),
+        "classes_agree": sum(one.agrees for one in atlas.graph_classes),
         "sampled": {
             "asked": atlas.sampled.asked,
             "failed": atlas.sampled.failed,
-            "others": sum(name not in known for name in atlas.sampled.machines),
+            "others": sum(name not in known for name in atlas.sampled.graph_classes),
         },
-        "sure": _share(atlas, [one for one in atlas.machines if one.kept.low >= 0.99]),
+        "sure": _share(atlas, [one for one in atlas.graph_classes if one.kept.low >= 0.99]),
         "does": {query: _share(atlas, find(atlas, query)) for query in ASKED},
     }
 
 
-def _share(atlas: Atlas, machines: Any) -> dict[str, float]:
-    times = sum(one.share.times for one in machines)
-    return {"graphs": len(machines), "designs_percent": 100 * times / atlas.closed_form}
+def _share(atlas: Atlas, graph_classes: Any) -> dict[str, float]:
+    times = sum(one.share.times for one in graph_classes)
+    return {"graphs": len(graph_classes), "designs_percent": 100 * times / atlas.closed_form}
 
 
 def records() -> list[dict[str, Any]]:
@@ -84,11 +84,11 @@ def tables(found: list[dict[str, Any]]) -> str:
         other = "proved: none" if one["whole"] else f"in at most one design of {100 / most:,.0f}"
         lines.append(
             f"| {one['cells']} | {one['designs']:,} | {one['closed_form']:,} | {one['graphs']} | "
-            f"{one['cycles']} | {other} | {one['machines_agree']} of {one['graphs']} machines, "
+            f"{one['cycles']} | {other} | {one['classes_agree']} of {one['graphs']} graph classes, "
             f"{one['agreed']} of {one['checked']} more designs |"
         )
     heads = " | ".join(f"{one['cells']} cells: graphs | of designs" for one in found)
-    lines += ["", f"| machines that | {heads} |", "|---|" + "---|---|" * len(found)]
+    lines += ["", f"| graph classes that | {heads} |", "|---|" + "---|---|" * len(found)]
     rows = {"are built surely (99 %)": "sure", **{text: query for query, text in ASKED.items()}}
     for text, key in rows.items():
         shares = [one["sure"] if key == "sure" else one["does"][key] for one in found]

@@ -162,7 +162,7 @@ def test_no_figure_is_left_out_here(chains, robots, tmp_path):
         # One of the others.
         "plot",
         # Names of laws and numbers, all ours.
-        "band_laws", "calibration", "machines",
+        "band_laws", "calibration", "graph_classes",
         # Below.
         "animation", "moving", "measured_forces", "measured_energies", "measured_pairs",
         "recording", "outcomes",

@@ -26,10 +26,10 @@ from stepwell.studies import (
     IndependentBlocks,
     StudyError,
     atlas,
-    borders,
     canonical,
     changed,
     charted,
+    class_boundaries,
     find,
     name_of,
     opened,
@@ -39,7 +39,7 @@ from stepwell.studies import (
     resumed,
     sweep,
 )
-from stepwell.studies.machines import ways_of
+from stepwell.studies.graph_classes import ways_of
 
 pytestmark = pytest.mark.slow
 
@@ -78,9 +78,9 @@ def stores(tmp_path_factory):
 
 def test_of_two_cells_it_is_proved_that_no_other_graph_occurs(stores):
     _, catalogue = stores(2, 20_000)
-    assert catalogue.whole and catalogue.possible == len(catalogue.machines) == 3
+    assert catalogue.whole and catalogue.possible == len(catalogue.graph_classes) == 3
     assert catalogue.closed_form == catalogue.designs == 20_000 and catalogue.space_proved
-    assert sum(one.share.times for one in catalogue.machines) == catalogue.closed_form
+    assert sum(one.share.times for one in catalogue.graph_classes) == catalogue.closed_form
     assert sum(one.share.times for one in catalogue.cycles) == catalogue.closed_form
 
 
@@ -89,14 +89,14 @@ def test_of_two_cells_it_is_proved_that_no_other_graph_occurs(stores):
 )
 def test_the_engine_finds_the_same_graphs(stores, cells, designs, drive):
     _, catalogue = stores(cells, designs, drive)
-    assert all(one.agrees for one in catalogue.machines)
+    assert all(one.agrees for one in catalogue.graph_classes)
     assert catalogue.checked > 30 and catalogue.agreed == catalogue.checked
-    assert sum(one.share.times for one in catalogue.machines) == catalogue.closed_form
+    assert sum(one.share.times for one in catalogue.graph_classes) == catalogue.closed_form
 
 
-def test_machines_say_of_their_design_what_its_graph_says(stores):
+def test_graph_classes_say_of_their_design_what_its_graph_says(stores):
     _, catalogue = stores(3, 2_000)
-    for one in catalogue.machines[:6]:
+    for one in catalogue.graph_classes[:6]:
         graph = one.chain.graph()
         reading = graph.reading
         assert one.states == len(graph.vertices)
@@ -140,7 +140,7 @@ def test_what_is_not_proved_is_followed_by_the_engine_and_called_a_sample(stores
         == catalogue.designs
     )
     assert catalogue.sampled.asked == 40
-    assert sum(catalogue.sampled.machines.values()) + catalogue.sampled.failed == 40
+    assert sum(catalogue.sampled.graph_classes.values()) + catalogue.sampled.failed == 40
     for number in json.loads(str(study.values("asked")[0]))[:9]:
         chain = changed(
             study.subject,
@@ -236,13 +236,15 @@ def test_tolerances_of_what_no_cell_has_are_refused(stores):
 
 def test_a_yield_is_that_of_mechanisms_built_one_by_one(stores):
     study, catalogue = stores(2, 20_000)
-    machine = min(catalogue.machines, key=lambda one: one.gap)
+    graph_class = min(catalogue.graph_classes, key=lambda one: one.gap)
     wide, many = Tolerances(anchor=0.006, stiffness=0.2), examples(80, full=200)
     (one,) = (
-        m for m in charted(study, tolerances=wide, samples=many).machines if m.name == machine.name
+        m
+        for m in charted(study, tolerances=wide, samples=many).graph_classes
+        if m.name == graph_class.name
     )
     from stepwell.design import Draws
-    from stepwell.studies.machines import name_of, ways_of
+    from stepwell.studies.graph_classes import name_of, ways_of
 
     draws = Draws(one.chain, wide, 0)
     names = [name_of(canonical(ways_of(draws.sample(k).graph()), 2)) for k in range(many)]
@@ -293,9 +295,9 @@ def test_canonical_texts_of_other_graphs_differ():
     assert len(texts) == 12
 
 
-def test_machines_are_found_by_what_they_do(stores):
+def test_graph_classes_are_found_by_what_they_do(stores):
     _, catalogue = stores(3, 2_000)
-    everything = set(catalogue.machines)
+    everything = set(catalogue.graph_classes)
     remembering, forgetting = (
         set(find(catalogue, "remembers")),
         set(find(catalogue, "not remembers")),
@@ -306,7 +308,7 @@ def test_machines_are_found_by_what_they_do(stores):
     assert counting and all(one.counts_by_hand >= 1 for one in counting)
     assert set(find(catalogue, "counts by hand")) == set(counting)
     assert find(catalogue, "counts to 9") == ()
-    one = catalogue.machines[0]
+    one = catalogue.graph_classes[0]
     assert find(catalogue, one.name) == (one,) and one in find(catalogue, one.cycle)
     both = find(catalogue, "Reaches every state and not remembers, has loops")
     assert all(m.reached == m.states and not m.remembers and m.sub_loops for m in both)
@@ -344,35 +346,35 @@ def test_the_atlas_that_comes_with_stepwell_is_what_its_command_makes(tmp_path):
     assert bytes_of(tmp_path / "three.zarr") == bytes_of(THREE)
 
 
-def test_machines_are_drawn_with_their_states_in_one_place_and_their_own_way_back(stores):
+def test_graph_classes_are_drawn_with_their_states_in_one_place_and_their_own_way_back(stores):
     _, catalogue = stores(3, 2_000)
     figure = catalogue.plot(most=5)
     assert untidy(figure, 7.0) == []
     *panels, shares, yields = figure.axes
     places = set()
-    for ax, machine in zip(panels, catalogue.machines[:5], strict=True):
+    for ax, graph_class in zip(panels, catalogue.graph_classes[:5], strict=True):
         states = {text.get_text(): text for text in ax.texts if text.get_text().isdigit()}
         places |= {(name, text.get_position()) for name, text in states.items()}
         bold = {name for name, text in states.items() if text.get_fontweight() == "bold"}
-        assert bold == set(machine.cycle.split(">")), machine
+        assert bold == set(graph_class.cycle.split(">")), graph_class
     assert len(places) == 8
     for ax, attribute in ((shares, "share"), (yields, "kept")):
-        (line,) = (line for line in ax.lines if line.get_gid() == "machines")
-        wanted = [100.0 * getattr(one, attribute).share for one in catalogue.machines]
+        (line,) = (line for line in ax.lines if line.get_gid() == "classes")
+        wanted = [100.0 * getattr(one, attribute).share for one in catalogue.graph_classes]
         assert list(line.get_ydata()) == pytest.approx(wanted)
     with pytest.raises(ValueError, match="5 cells"):
-        figures.machines(replace(catalogue, chain=sw.Chain([CELL] * 5)))
+        figures.graph_classes(replace(catalogue, chain=sw.Chain([CELL] * 5)))
 
 
-def test_an_atlas_fills_a_folder_of_which_the_page_tells_all_machines(stores, tmp_path):
+def test_an_atlas_fills_a_folder_of_which_the_page_tells_all_graph_classes(stores, tmp_path):
     _, catalogue = stores(2, 20_000)
     names = reports.write(catalogue, tmp_path)
-    assert set(names) == {"atlas.json", "machines.png", "machines.svg", "report.html"}
+    assert set(names) == {"atlas.json", "graph_classes.png", "graph_classes.svg", "report.html"}
     page = (tmp_path / "report.html").read_text("utf-8")
     assert "3 graphs and 4 cycles" in page
-    assert all(one.name in page for one in catalogue.machines)
+    assert all(one.name in page for one in catalogue.graph_classes)
     record = json.loads((tmp_path / "atlas.json").read_text("utf-8"))
-    assert record["machines"] == account(catalogue).record["machines"]
+    assert record["graph_classes"] == account(catalogue).record["graph_classes"]
 
 
 def chain_at(chain: sw.Chain, name: str, value: float) -> sw.Chain:
@@ -382,20 +384,20 @@ def chain_at(chain: sw.Chain, name: str, value: float) -> sw.Chain:
 
 
 @pytest.mark.parametrize(("cells", "designs", "low"), [(2, 20_000, -0.008), (3, 2_000, 0.0)])
-def test_at_a_border_the_engine_finds_one_machine_and_then_the_other(stores, cells, designs, low):
+def test_the_engine_finds_another_graph_on_either_side_of_a_boundary(stores, cells, designs, low):
     study, catalogue = stores(cells, designs, low=low)
-    near = borders(study, catalogue)
-    known = {one.name: one for one in catalogue.machines}
-    assert {one.machine for one in near} == known.keys()
+    near = class_boundaries(study, catalogue)
+    known = {one.name: one for one in catalogue.graph_classes}
+    assert {one.graph_class for one in near} == known.keys()
     span = {axis.name: (axis.low, axis.high) for axis in catalogue.axes}
     for one in near[:: 1 if cells == 2 else 17]:
-        chain = known[one.machine].chain
+        chain = known[one.graph_class].chain
         first, last = span[one.parameter]
         start = float(parameter(chain, one.parameter).value(chain))  # type: ignore[arg-type]
         assert one.value == pytest.approx(start + one.step, rel=1e-12)
         assert first <= one.value <= last
-        wanted, past = [one.machine, one.beyond], np.sign(one.step) * (last - first)
-        assert one.machine != one.beyond
+        wanted, past = [one.graph_class, one.beyond], np.sign(one.step) * (last - first)
+        assert one.graph_class != one.beyond
 
         def names(before, behind, one=one, chain=chain, past=past):
             return [
@@ -407,21 +409,24 @@ def test_at_a_border_the_engine_finds_one_machine_and_then_the_other(stores, cel
         assert names(4e-5, 0.0) == wanted or names(5e-4, 5e-4) == wanted
 
 
-def test_a_machine_that_is_passed_over_is_looked_for_by_brute_force(stores):
+def test_a_graph_class_that_is_passed_over_is_looked_for_by_brute_force(stores):
     # Shares nothing with the search but the closed form: the first change on 4000 places a way.
     study, catalogue = stores(2, 20_000)
-    near = {(one.machine, one.parameter, one.step > 0): one for one in borders(study, catalogue)}
+    near = {
+        (one.graph_class, one.parameter, one.step > 0): one
+        for one in class_boundaries(study, catalogue)
+    }
     names, places = [axis.name for axis in catalogue.axes], 4000
     numbers = packed(catalogue.chain, names)
-    for machine in catalogue.machines:
-        (start,) = study.designs.space.points(machine.design, machine.design + 1)
+    for graph_class in catalogue.graph_classes:
+        (start,) = study.designs.space.points(graph_class.design, graph_class.design + 1)
         for k, axis in enumerate(catalogue.axes):
             for end in (axis.low, axis.high):
                 points = np.tile(start, (places, 1))
                 points[:, k] = np.linspace(start[k], end, places)
                 key, _, _, verdict = classed(numbers.at(points), STROKE)
                 other = np.flatnonzero((key != key[0]) & (verdict == DECIDED))
-                one = near.get((machine.name, axis.name, end > start[k]))
+                one = near.get((graph_class.name, axis.name, end > start[k]))
                 assert (one is None) == (not len(other))
                 if one is not None:
                     step = abs(end - start[k]) / (places - 1)

@@ -126,33 +126,35 @@ def test_a_study_is_begun_in_the_page_and_ends_there(page: Page, home: Path):
 def opened_atlas(page: Page) -> None:
     page.get_by_role("tab", name="Atlas").click()
     page.get_by_role("combobox", name="Atlas").select_option("two.zarr", timeout=SLOW)
-    expect(output(page, "machine")).to_be_visible(timeout=SLOW)
+    expect(output(page, "graph class")).to_be_visible(timeout=SLOW)
 
 
-def test_one_walks_from_machine_to_machine_finds_some_and_takes_one(
+def test_one_walks_from_graph_class_to_graph_class_finds_some_and_takes_one(
     page: Page, charted: studies.Atlas
 ):
     opened_atlas(page)
-    known = {one.name: one for one in charted.machines}
-    expect(output(page, "machine")).to_have_text(charted.machines[0].name)
-    seen, ground = set(), page.get_by_role("application", name="Map of 3 machines")
+    known = {one.name: one for one in charted.graph_classes}
+    expect(output(page, "graph class")).to_have_text(charted.graph_classes[0].name)
+    seen, ground = set(), page.get_by_role("application", name="Map of 3 graph classes")
     for key in ("ArrowRight", "ArrowLeft", "ArrowLeft", "ArrowUp", "ArrowDown", "Home"):
-        machine = known[output(page, "machine").inner_text()]
-        seen.add(machine.name)
-        assert output(page, "cycle of the machine").inner_text() == machine.cycle
-        assert number(page, "fraction of the machine") == shown_as(machine.share.share * 100)
-        assert number(page, "yield of the machine") == shown_as(machine.kept.share * 100)
+        graph_class = known[output(page, "graph class").inner_text()]
+        seen.add(graph_class.name)
+        assert output(page, "cycle of the graph class").inner_text() == graph_class.cycle
+        assert number(page, "fraction of the graph class") == shown_as(
+            graph_class.share.share * 100
+        )
+        assert number(page, "yield of the graph class") == shown_as(graph_class.kept.share * 100)
         ground.press(key)
     assert len(seen) > 1
-    expect(output(page, "machine")).to_have_text(charted.machines[0].name)
+    expect(output(page, "graph class")).to_have_text(charted.graph_classes[0].name)
     # A query lights up what Python finds, and a wrong one is told.
-    query = page.get_by_label("Which machine")
+    query = page.get_by_label("Which graph class")
     query.fill("reaches every state")
     query.press("Enter")
     names = {one.name for one in studies.find(charted, "reaches every state")}
     assert 0 < len(names) < 3
-    expect(output(page, "matches")).to_contain_text(f"{len(names)} of 3 machines")
-    lit = page.locator(".machine.match")
+    expect(output(page, "matches")).to_contain_text(f"{len(names)} of 3 graph classes")
+    lit = page.locator(".graph-class.match")
     assert {one.get_attribute("data-name") for one in lit.all()} == names
     query.fill("reaches all")
     query.press("Enter")
@@ -160,14 +162,14 @@ def test_one_walks_from_machine_to_machine_finds_some_and_takes_one(
     page.get_by_role("button", name="Show all").click()
     expect(lit).to_have_count(0)
     ground.press("Home")
-    expect(output(page, "machine")).to_have_text(charted.machines[0].name)
+    expect(output(page, "graph class")).to_have_text(charted.graph_classes[0].name)
     page.get_by_role("list", name="Neighbours").get_by_role("button").first.click()
-    machine = known[output(page, "machine").inner_text()]
-    assert machine != charted.machines[0]
+    graph_class = known[output(page, "graph class").inner_text()]
+    assert graph_class != charted.graph_classes[0]
     page.get_by_role("button", name="Use this design").click()
     settled(page)
     expect(output(page, "sequence")).to_have_attribute(
-        "data-value", str(machine.chain.cycle().sequence)
+        "data-value", str(graph_class.chain.cycle().sequence)
     )
 
 

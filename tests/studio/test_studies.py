@@ -373,16 +373,18 @@ def test_an_atlas_is_what_the_command_says_of_it(two: Path):
     header, _ = unpacked(answered(Message("atlas", 1, None, {"name": "two.zarr"}, 0, two)))
     study = studies.opened(two / "two.zarr")
     chart = studies.charted(study)
-    record = json.loads(json.dumps(account(chart, borders=studies.borders(study, chart)).record))
+    record = json.loads(
+        json.dumps(account(chart, class_boundaries=studies.class_boundaries(study, chart)).record)
+    )
     del record["cycles"], record["schema"]
-    shown = header["machines"]
-    for one, of in zip(shown, record.pop("machines"), strict=True):
+    shown = header["graph_classes"]
+    for one, of in zip(shown, record.pop("graph_classes"), strict=True):
         assert {key: one[key] for key in of} == of
     assert {key: header[key] for key in record} == record
-    for one, machine in zip(shown, chart.machines, strict=True):
-        assert one["design_tables"] == tables_in(files.dumps(machine.chain))
+    for one, graph_class in zip(shown, chart.graph_classes, strict=True):
+        assert one["design_tables"] == tables_in(files.dumps(graph_class.chain))
         assert {(w["from"], w["to"], w["direction"], w["snaps"]) for w in one["ways"]} == {
-            *machine.ways
+            *graph_class.ways
         }
     query = {"name": "two.zarr", "query": "reaches every state and not snaps", "yield_percent": 90}
     answer, _ = unpacked(answered(Message("atlas", 2, None, query, 0, two)))
@@ -394,14 +396,14 @@ def test_an_atlas_is_what_the_command_says_of_it(two: Path):
 
 
 @pytest.mark.slow
-def test_machines_lie_within_the_picture_and_on_none_other(two: Path):
+def test_graph_classes_lie_within_the_picture_and_on_none_other(two: Path):
     study = studies.opened(two / "two.zarr")
     chart = studies.charted(study, samples=2, checks=0)
     names = [f"{k:08x}" for k in range(60)]
-    renamed = [replace(chart.machines[k % 3], name=name) for k, name in enumerate(names)]
+    renamed = [replace(chart.graph_classes[k % 3], name=name) for k, name in enumerate(names)]
     parameter = chart.axes[0].name
     near = [
-        studies.Border(names[k], parameter, 0.0, 1e-3 * (1 + k % 5), names[(k * k + 1) % 60])
+        studies.ClassBoundary(names[k], parameter, 0.0, 1e-3 * (1 + k % 5), names[(k * k + 1) % 60])
         for k in range(50)
     ]
     places = np.array([*placed(chart, near, renamed).values()])

@@ -10,13 +10,13 @@ from stepwell.accounts.parts import CARD, PAGE, Account, Fact, Picture, RecordTa
 from stepwell.accounts.study import VARIED
 from stepwell.base import Quantity, Schema, amount, counted, display_unit, number, plain, read_off
 from stepwell.design import parameter
-from stepwell.studies import Atlas, Border, Cycling, Machine, Varied
+from stepwell.studies import Atlas, ClassBoundary, FullCycle, GraphClass, Varied
 
 _GRAPH = keys(name=(str, itemgetter(0)), designs=(int, itemgetter(1)))
-_SAMPLED = keys(asked=int, failed=int, graphs=([_GRAPH], lambda one: one.machines.items()))
-# Of machines and cycles: their most robust design among those drawn.
+_SAMPLED = keys(asked=int, failed=int, graphs=([_GRAPH], lambda one: one.graph_classes.items()))
+# Of graph classes and cycles: their most robust design among those drawn.
 _DRAWN = keys(gap=("percent", "of.gap"), design=(int, "of.design"), values=[float])
-_BORDER = keys(machine=str, parameter=str, unit=str, at=float, step=float, beyond=str)
+_CLASS_BOUNDARY = keys(graph_class=str, parameter=str, unit=str, at=float, step=float, beyond=str)
 
 
 def _unit_of(atlas: Atlas, name: str) -> tuple[str, float]:
@@ -30,8 +30,8 @@ def _space(atlas: Atlas) -> list[Varied]:
     return [Varied(one.name, unit, one.low * by, one.high * by) for one, unit, by in units]
 
 
-def _drawn(atlas: Atlas, of: Iterable[Machine | Cycling]) -> list[Row]:
-    """Machines or cycles, each with the varied parameters of a design, in units of `space`."""
+def _drawn(atlas: Atlas, of: Iterable[GraphClass | FullCycle]) -> list[Row]:
+    """Graph classes or cycles, each with the varied parameters of a design, in units of `space`."""
     names = [axis.name for axis in atlas.axes]
     read = [(parameter(atlas.chain, name).value, _unit_of(atlas, name)[1]) for name in names]
     drawn = ((one, [plain(value(one.chain), by) for value, by in read]) for one in of)
@@ -44,7 +44,7 @@ def _share(name: str, read: str) -> Schema:
     return tuple(Quantity(end, "percent", read=f"{read}.{what}") for end, what in ends.items())
 
 
-_MACHINE: Schema = (
+_GRAPH_CLASS: Schema = (
     *keys(name=(str, "of.name"), cycle=(str, "of.cycle"), designs=(int, "of.share.times")),
     *_share("share", "of.share"),
     *_share("yield", "of.kept"),
@@ -60,16 +60,16 @@ _CYCLE: Schema = (
 )
 
 
-def _unloading_order(machine: Machine) -> str:
+def _unloading_order(graph_class: GraphClass) -> str:
     """The cells in the order in which they snap back, numbered as they load."""
-    states = machine.cycle.split(">")
+    states = graph_class.cycle.split(">")
     steps = pairwise(states[len(states) // 2 :])
     cells = (next(k for k, cell in enumerate(a, 1) if cell != b[k - 1]) for a, b in steps)
     return " ".join(map(str, cells))
 
 
-# Tables of machines and of cycles.
-_MACHINES: Schema = (
+# Tables of graph classes and of cycles.
+_CLASS_TABLE: Schema = (
     Quantity("name", head="name"),
     Quantity("back", head="back", read=_unloading_order),
     Quantity("share", "percent", "fraction", read="share.share"),
@@ -77,34 +77,37 @@ _MACHINES: Schema = (
     Quantity("reached", head="reached", read=lambda m: f"{m.reached} of {m.states}", left=False),
     Quantity("memory", head="memory"),
 )
-_CYCLES: Schema = (Quantity("sequence", head="cycle"), _MACHINES[2])
+_CYCLES: Schema = (Quantity("sequence", head="cycle"), _CLASS_TABLE[2])
 ATLAS: Schema = (
     *keys(title=(str, "chain.title"), cells=(int, lambda atlas: len(atlas.chain)), drive=str),
     *keys(space=([VARIED], _space), designs=int, closed_form=int, not_proved=int, ties=int),
     *keys(wakes=int, tolerances=keys(anchor="mm", stiffness="percent", rest_length="percent")),
-    *keys(graphs=(int, lambda atlas: len(atlas.machines)), possible=int | None),
+    *keys(graphs=(int, lambda atlas: len(atlas.graph_classes)), possible=int | None),
     *keys(space_proved=bool, whole=bool),
     Quantity("unseen_at_most", "percent", read=lambda one: one.unseen and one.unseen.high),
-    *keys(checked=int, agreed=int, sampled=_SAMPLED, machines=[_MACHINE]),
-    *keys(cycles=([_CYCLE], lambda atlas: _drawn(atlas, atlas.cycles)), borders=[_BORDER]),
+    *keys(checked=int, agreed=int, sampled=_SAMPLED, graph_classes=[_GRAPH_CLASS]),
+    *keys(
+        cycles=([_CYCLE], lambda atlas: _drawn(atlas, atlas.cycles)),
+        class_boundaries=[_CLASS_BOUNDARY],
+    ),
 )
 
 
 def atlas_account(
     atlas: Atlas,
     about: About,
-    machines: Sequence[Machine] | None = None,
-    borders: Sequence[Border] = (),
+    graph_classes: Sequence[GraphClass] | None = None,
+    class_boundaries: Sequence[ClassBoundary] = (),
     query: str = "",
 ) -> Account:
-    """Machines of an atlas, all or those that match a query, their yields and borders."""
-    machines = atlas.machines if machines is None else machines
+    """Graph classes of an atlas, all or those that match a query: yields and boundaries."""
+    graph_classes = atlas.graph_classes if graph_classes is None else graph_classes
     cycles = counted(len(atlas.cycles), "cycle")
-    answer = f"{counted(len(atlas.machines), 'graph')} and {cycles}"
+    answer = f"{counted(len(atlas.graph_classes), 'graph')} and {cycles}"
     if query:
-        matching = counted(len(machines), "machine") if machines else "no machine"
+        matching = counted(len(graph_classes), "graph class") if graph_classes else "no graph class"
         answer = f"{query}: {matching} of this atlas"
-    rows, space = recorded(_MACHINES, machines), recorded(VARIED, _space(atlas))
+    rows, space = recorded(_CLASS_TABLE, graph_classes), recorded(VARIED, _space(atlas))
     full, within = recorded(_CYCLES, atlas.cycles), atlas.tolerances
     columns = (
         "Back: the cells in the order in which they snap back, numbered as they load. Yield: the "
@@ -113,22 +116,23 @@ def atlas_account(
     )
     ends = "All designs were drawn evenly between these ends."
     sections = {
-        f"Machines, {'highest yield' if query else 'most frequent'} first": (
-            Picture("machines", "The most frequent machines, their fractions and yields"),
-            RecordTable(_MACHINES, rows, most=15, more="machines", level=CARD),
+        f"Graph classes, {'highest yield' if query else 'most frequent'} first": (
+            Picture("graph_classes", "The most frequent graph classes, their fractions and yields"),
+            RecordTable(_CLASS_TABLE, rows, most=15, more="graph classes", level=CARD),
         ),
-        "Columns of the table": Text(columns if machines else "", CARD),
+        "Columns of the table": Text(columns if graph_classes else "", CARD),
         "Full cycles": RecordTable(_CYCLES, full, "The inner cell is the first.", level=PAGE),
         "Varied parameters": RecordTable(VARIED, space, ends, level=PAGE),
     }
-    bordering = [
+    boundaries = [
         {**one._asdict(), "unit": unit or "1", "at": one.value * by, "step": one.step * by}
-        for one, unit, by in ((one, *_unit_of(atlas, one.parameter)) for one in borders)
+        for one, unit, by in ((one, *_unit_of(atlas, one.parameter)) for one in class_boundaries)
     ]
-    given: dict[str, Any] = {"machines": _drawn(atlas, machines), "borders": bordering}
+    classes = _drawn(atlas, graph_classes)
+    given: dict[str, Any] = {"graph_classes": classes, "class_boundaries": boundaries}
     title = atlas.chain.title or f"Atlas of {counted(len(atlas.chain), 'cell')}"
     facts, options = () if query else _facts(atlas), {"packages": ["zarr"], "given": given}
-    return Account(atlas, title, "atlas/1", answer, facts, sections, seed=atlas.seed, **options)
+    return Account(atlas, title, "atlas/2", answer, facts, sections, seed=atlas.seed, **options)
 
 
 def _facts(atlas: Atlas) -> list[Fact]:
@@ -136,11 +140,11 @@ def _facts(atlas: Atlas) -> list[Fact]:
     if atlas.unseen is not None:
         most = number(atlas.unseen.high * 100)
         unseen = f"at most {most} % of designs have another graph, at 95 %"
-    sampled, known = atlas.sampled, {one.name for one in atlas.machines}
+    sampled, known = atlas.sampled, {one.name for one in atlas.graph_classes}
     others = (
         f"{atlas.designs - atlas.closed_form} designs; of a sample of {sampled.asked} the engine "
-        f"finds {counted(len(sampled.machines), 'graph')}, "
-        f"{len(sampled.machines.keys() - known) or 'none'} of them new"
+        f"finds {counted(len(sampled.graph_classes), 'graph')}, "
+        f"{len(sampled.graph_classes.keys() - known) or 'none'} of them new"
     )
     varied = counted(len(atlas.axes), "parameter")
     drawn = f"{atlas.designs} drawn evenly, {atlas.closed_form} of them in closed form"

@@ -15,7 +15,7 @@ from stepwell.base import InputError, of_kind
 # For each file of this folder: the classes with an account, each by the function with the name of
 # the class, and the kinds of records, with the version of their names.
 FILES = {
-    "atlas": ("Atlas", "atlas/1"),
+    "atlas": ("Atlas", "atlas/2"),
     "chain": ("Cell Chain Element", ""),
     "changes": ("Margin", ""),
     "check": ("Check", "check/2"),
@@ -62,7 +62,7 @@ def account(value: Any, about: About | None = None, **options: Any) -> Account:
     Args:
         value: a result, such as a `Check`.
         about: the design file and the recordings from which it was computed.
-        options: of the kind of result, such as `borders` of an atlas.
+        options: of the kind of result, such as `class_boundaries` of an atlas.
 
     Raises:
         ValueError: there is no account of such a value.

@@ -149,12 +149,12 @@ def find(
     with usable("QUERY"):
         sw.studies.understood(query)
     chart = _charted(study, within, checks=0)
-    machines = sw.studies.find(chart, query, yields)
-    if out is not None and machines:
-        sw.files.save(machines[0].chain, out)
+    graph_classes = sw.studies.find(chart, query, yields)
+    if out is not None and graph_classes:
+        sw.files.save(graph_classes[0].chain, out)
         if not as_json:
-            show_lines(f"Written into {out}: {machines[0].name}.")
-    report(account(chart, machines=machines, query=query), as_json)
+            show_lines(f"Written into {out}: {graph_classes[0].name}.")
+    report(account(chart, graph_classes=graph_classes, query=query), as_json)
 
 
 def _opened(store: Path | None) -> sw.studies.Study:
@@ -180,7 +180,7 @@ def _percent(text: str) -> float:
 def _charted(
     study: sw.studies.Study, within: parts.BandTolerances, checks: int = 100
 ) -> sw.studies.Atlas:
-    with usable("STORE"), progress("machines") as tell:
+    with usable("STORE"), progress("graph classes") as tell:
         return sw.studies.charted(
             study, tolerances=within.tolerances(), checks=checks, progress=tell
         )
@@ -188,5 +188,5 @@ def _charted(
 
 def _show(study: sw.studies.Study, chart: sw.studies.Atlas, output: Output) -> None:
     # The text has no neighbours: the studio shows them.
-    near = sw.studies.borders(study, chart) if output.as_json else ()
-    output.report(account(chart, borders=near))
+    near = sw.studies.class_boundaries(study, chart) if output.as_json else ()
+    output.report(account(chart, class_boundaries=near))

@@ -17,7 +17,7 @@ from stepwell.figures.cells.mechanism import mechanism
 from stepwell.figures.common.write import PRINT_DPI, save, svg
 from stepwell.figures.composing import WIDTHS as JOURNAL_WIDTHS, JournalWidth, compose, length
 from stepwell.figures.defaults import plot
-from stepwell.figures.graphs import machines, transition_graph
+from stepwell.figures.graphs import graph_classes, transition_graph
 from stepwell.figures.maps import transition_map
 from stepwell.figures.measured import (
     band_laws,
@@ -59,7 +59,7 @@ __all__ = [
     "labelled_chain",
     "landscape",
     "length",
-    "machines",
+    "graph_classes",
     "margins",
     "maze",
     "maze_timeline",

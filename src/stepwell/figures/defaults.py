@@ -39,7 +39,7 @@ def plot(value: Any, **options: Any) -> Figure:
     | a robot, a prediction | `robot_drawing`, `prediction` |
     | a walk, a path through an arena, a sweep | `trajectory`, `maze`, `sweep` |
     | a recording, a test of bands | `recording`, `band_laws` |
-    | an atlas | `machines` |
+    | an atlas | `graph_classes` |
     | a measured cell, a measured pair | `measured_forces`, `measured_pairs` |
     | a comparison | `measured_forces`, or `measured_pairs` without unit cells |
     | a calibration | `calibration` |
@@ -91,7 +91,7 @@ def _chain(chain: Chain, **options: Any) -> Figure:
 
 
 _USUAL: dict[str, Callable[..., Figure]] = {
-    "Atlas": graphs.machines,
+    "Atlas": graphs.graph_classes,
     "BandFit": lambda fit, **options: measured.band_laws(fit.test, fit.choice, **options),
     "BandTest": lambda test, **options: measured.band_laws(
         test, **{"choice": choose_law(test)} | options

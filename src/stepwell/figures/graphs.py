@@ -22,7 +22,7 @@ from stepwell.mechanism import Cell, Chain
 from stepwell.sequences import Program, TransitionGraph
 
 if TYPE_CHECKING:
-    from stepwell.studies import Atlas, Machine
+    from stepwell.studies import Atlas, GraphClass
 
 
 MOST_STATES = 64
@@ -198,7 +198,7 @@ def _box(edge: str, width: float, label: str) -> Artist:
 # Least width of a graph, by number of cells [mm].
 _WIDTHS = {1: 36.0, 2: 40.0, 3: 52.0, 4: 80.0}
 # Largest number of graphs and of legend entries; width of an entry, height of a row [mm].
-_GRAPHS, _ENTRIES, _MACHINE_ENTRY, _LINE = 12, 7, 42.0, 3.9
+_GRAPHS, _ENTRIES, _CLASS_ENTRY, _LINE = 12, 7, 42.0, 3.9
 _EDGE, _HEAD, _GAP = 2.0, 8.0, 4.0
 # Height of a state in the fullest column [mm].
 _STATE = 8.5
@@ -206,7 +206,7 @@ _LEFT, _RIGHT, _BOTTOM, _TALL, _BETWEEN = 17.0, 4.0, 11.0, 26.0, 4.5
 
 
 @style.styled
-def machines(atlas: Atlas, most: int = _GRAPHS) -> Figure:
+def graph_classes(atlas: Atlas, most: int = _GRAPHS) -> Figure:
     """The most frequent transition graphs of an atlas, and the fraction and yield of all graphs.
 
     Cells are numbered in loading order; states have the same positions in all graphs. Plots below
@@ -226,9 +226,9 @@ def machines(atlas: Atlas, most: int = _GRAPHS) -> Figure:
             f"the atlas has {count} cells: at most {max(_WIDTHS)} are legible; plot a single "
             "graph with transition_graph."
         )
-    if not atlas.machines:
+    if not atlas.graph_classes:
         raise InputError("the atlas contains no transition graph yet: compute more designs.")
-    shown = atlas.machines[: max(1, most)]
+    shown = atlas.graph_classes[: max(1, most)]
     page = sheet.page_width(style.PAGE)
     room = int((page - 2 * _EDGE + _GAP) / (_WIDTHS[count] + _GAP))
     per_row = max(1, min(len(shown), room))
@@ -236,7 +236,7 @@ def machines(atlas: Atlas, most: int = _GRAPHS) -> Figure:
     # The fullest column has the states with half of the cells at 1.
     tall = 6.0 + _STATE * comb(count, count // 2)
     foot = _BOTTOM + 2 * _TALL + _BETWEEN + 4.0
-    columns = max(1, int(page / _MACHINE_ENTRY))
+    columns = max(1, int(page / _CLASS_ENTRY))
     foot += _LINE * -(-_ENTRIES // columns) + 1.5
     pitch = wide + _GAP, _HEAD + tall + _GAP
     high = foot + -(-len(shown) // per_row) * pitch[1]
@@ -263,7 +263,7 @@ def _in_loading_order(chain: Chain) -> Chain:
     return replace(chain, cells=tuple(sorted(cells, key=lambda cell: cell.force_0)))
 
 
-def _head(figure: Figure, x: float, y: float, place: int, one: Machine) -> None:
+def _head(figure: Figure, x: float, y: float, place: int, one: GraphClass) -> None:
     """Write the rank of a transition graph, its fraction of designs, yield and memory."""
     bold = {"fontweight": "bold", "fontsize": 8.0}
     sheet.text_at(figure, x, y + 3.4, f"{place}", **bold)
@@ -279,15 +279,15 @@ def _draw_fractions(figure: Figure, atlas: Atlas, shown: int, page: float) -> No
     """Draw fractions and yields of all transition graphs, most frequent first."""
     corner, wide = (_LEFT, _BOTTOM), page - _LEFT - _RIGHT
     upper, lower = sheet.stack(figure, corner, wide, [_TALL, _TALL], _BETWEEN)
-    ranks = np.arange(1, len(atlas.machines) + 1)
+    ranks = np.arange(1, len(atlas.graph_classes) + 1)
     for ax, colour, shares in (
-        (upper, style.BLUE, [one.share for one in atlas.machines]),
-        (lower, style.GREEN, [one.kept for one in atlas.machines]),
+        (upper, style.BLUE, [one.share for one in atlas.graph_classes]),
+        (lower, style.GREEN, [one.kept for one in atlas.graph_classes]),
     ):
         ends = np.array([[each.low, each.high] for each in shares]) * 100.0
         values = np.array([each.share for each in shares]) * 100.0
         ax.vlines(ranks, *ends.T, color=colour, linewidth=1.0)
-        ax.plot(ranks, values, "o", color=colour, markersize=3.2, markeredgewidth=0, gid="machines")
+        ax.plot(ranks, values, "o", color=colour, markersize=3.2, markeredgewidth=0, gid="classes")
         ax.set_xlim(0.3, len(ranks) + 0.7)
         if shown < len(ranks):
             # After the last graph drawn above.

@@ -32,7 +32,7 @@ _OF_COMMANDS = {
     "robot show": ("robot.toml robot.json", "robot prediction"),
     "robot sweep": ("sweep.csv sweep.nc sweep.json", "sweep"),
     "sweep report": ("study.csv study.json", "outcomes influences"),
-    "atlas show": ("atlas.json", "machines"),
+    "atlas show": ("atlas.json", "graph_classes"),
     "walk": ("robot.toml walk.json walk.nc walk.mp4 walk.gif", "gait trajectory contacts"),
     "maze": ("robot.toml arena.toml maze.json walk.nc maze.mp4 maze.gif", "maze timeline"),
     "lab read": ("recordings.csv recordings.nc recordings.json", ""),

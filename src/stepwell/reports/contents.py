@@ -255,8 +255,10 @@ def _study(status: sw.studies.Status, _: Account, partial: bool = False) -> Cont
 
 def _atlas(atlas: sw.studies.Atlas, _: Account) -> Contents:
     """Contents of an atlas: its transition graphs, if they are legible side by side."""
-    drawable = atlas.machines and len(atlas.chain) <= _DRAWABLE_GRAPHS
-    draws: dict[str, Draw] = {"machines": partial(figures.machines, atlas)} if drawable else {}
+    drawable = atlas.graph_classes and len(atlas.chain) <= _DRAWABLE_GRAPHS
+    draws: dict[str, Draw] = (
+        {"graph_classes": partial(figures.graph_classes, atlas)} if drawable else {}
+    )
     return Contents("atlas show", "atlas.json", draws=draws)
 
 

@@ -16,14 +16,20 @@ from stepwell.studies.designs import (
     unit_in,
 )
 from stepwell.studies.fill import Pace, StudyEstimate, estimate, pace
-from stepwell.studies.finding import QUERIES, THREE, Border, borders, find, understood
+from stepwell.studies.finding import (
+    QUERIES,
+    THREE,
+    ClassBoundary,
+    class_boundaries,
+    find,
+    understood,
+)
 from stepwell.studies.found import Extent, Frequency, Varied
-from stepwell.studies.influence import DecidingNumbers, Influence, decided
-from stepwell.studies.machines import (
+from stepwell.studies.graph_classes import (
     Atlas,
-    Cycling,
-    Machine,
-    Sampled,
+    FullCycle,
+    GraphClass,
+    SampledGraphs,
     atlas,
     atlas_blocks,
     canonical,
@@ -31,6 +37,7 @@ from stepwell.studies.machines import (
     possible,
     proved_space,
 )
+from stepwell.studies.influence import DecidingNumbers, Influence, decided
 from stepwell.studies.mapper import WorkerError, dashboard, mapped, mapped_on
 from stepwell.studies.run import (
     CancelledError,
@@ -65,9 +72,9 @@ __all__ = [
     "Axis",
     "Block",
     "IndependentBlocks",
-    "Border",
+    "ClassBoundary",
     "CancelledError",
-    "Cycling",
+    "FullCycle",
     "DecidingNumbers",
     "Designs",
     "StudyEstimate",
@@ -77,10 +84,10 @@ __all__ = [
     "GapError",
     "How",
     "Influence",
-    "Machine",
+    "GraphClass",
     "Pace",
     "Packed",
-    "Sampled",
+    "SampledGraphs",
     "Screened",
     "Space",
     "Status",
@@ -95,7 +102,7 @@ __all__ = [
     "atlas",
     "atlas_blocks",
     "begun",
-    "borders",
+    "class_boundaries",
     "cancel",
     "canonical",
     "changed",

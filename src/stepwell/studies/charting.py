@@ -14,10 +14,10 @@ from stepwell.concave import DECIDED, as_made, classed, closed_graph, motion_ord
 from stepwell.design import USUAL, Draws, Share, Tolerances, share_of
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, TransitionGraph
-from stepwell.studies import machines
+from stepwell.studies import graph_classes as classes
 from stepwell.studies.blocks import CLOSED_FORM, COUNTS, DRIVES, Packed, packed
 from stepwell.studies.designs import IndependentBlocks, changed
-from stepwell.studies.machines import Atlas, Machine, possible, proved_space
+from stepwell.studies.graph_classes import Atlas, GraphClass, possible, proved_space
 from stepwell.studies.store import Study
 
 # Candidate designs of a graph whose yields are compared: those with the largest gaps.
@@ -57,8 +57,8 @@ def charted(
     graphs, cycles = (_merged(study.values(name, done)) for name in ("graphs", "cycles"))
     total = designs.size * sum(len(study.rows(chunk)) for chunk in done)
     closed_form = sums.pop(CLOSED_FORM)
-    machines = [
-        space.machine(key, share_of(count, closed_form), best, tolerances, samples)
+    graph_classes = [
+        space.graph_class(key, share_of(count, closed_form), best, tolerances, samples)
         for key, (count, best) in tracked(graphs.items(), progress)
     ]
     known = closed_form + sums["wakes"]
@@ -73,8 +73,10 @@ def charted(
         closed_form,
         **sums,
         tolerances=tolerances,
-        machines=tuple(machines),
-        cycles=tuple(space.cycling(code, share_of(n, known), b) for code, (n, b) in cycles.items()),
+        graph_classes=tuple(graph_classes),
+        cycles=tuple(
+            space.full_cycle(code, share_of(n, known), b) for code, (n, b) in cycles.items()
+        ),
         unseen=_unseen(study, done),
         sampled=space.sampled(_asked(study, done, checks)),
         checked=checked,
@@ -156,11 +158,11 @@ class _Space:
 
     def name(self, chain: Chain) -> str:
         """Name of a chain's graph, computed by the general engine."""
-        return machines.name_of(machines.canonical(machines.ways_of(self.graph(chain)), len(chain)))
+        return classes.name_of(classes.canonical(classes.ways_of(self.graph(chain)), len(chain)))
 
-    def machine(
+    def graph_class(
         self, key: int, share: Share, best: _Best, tolerances: Tolerances, samples: int
-    ) -> Machine:
+    ) -> GraphClass:
         """A graph with its most robust design: the candidate with the highest yield."""
         # The selection uses its own samples, so that it does not bias the yield.
         other, few = self.space.seed + 1, min(samples, _FEW)
@@ -171,12 +173,12 @@ class _Space:
         gap, design = best[int(np.argmax(kept))]
         chain, cells = self.chain(design), self.cells(design)
         ways = closed_graph(cells, self.drive)
-        name = machines.name_of(machines.canonical(ways, len(chain)))
+        name = classes.name_of(classes.canonical(ways, len(chain)))
         draws = Draws(chain, tolerances, self.space.seed)
         times, others = self._kept(key, draws, design, samples)
         times += sum(self._followed(draws, number) == name for number in others)
         graph = self.graph(chain)
-        agrees = sorted(machines.ways_of(graph)) == sorted(ways)
+        agrees = sorted(classes.ways_of(graph)) == sorted(ways)
         reading, vertices, reached = graph.reading, graph.vertices, graph.reachable()
         counts, by_hand = (
             max(
@@ -189,7 +191,7 @@ class _Space:
         # Cells are numbered in loading order.
         again = [loading.index(cell) for cell in unloading]
         cycle = Sequence.full_cycle(range(len(loading)), again)
-        return Machine(
+        return GraphClass(
             name,
             share,
             design,
@@ -228,13 +230,13 @@ class _Space:
         except StepwellError:
             return ""
 
-    def cycling(self, code: int, share: Share, best: _Best) -> machines.Cycling:
+    def full_cycle(self, code: int, share: Share, best: _Best) -> classes.FullCycle:
         """A cycle with its most robust design."""
         gap, design = best[0]
         n = len(self.numbers.base)
         digits = [code // n**k % n for k in reversed(range(2 * n))]
         cycle = str(Sequence.full_cycle(digits[:n], digits[n:]))
-        return machines.Cycling(cycle, share, design, self.chain(design), gap)
+        return classes.FullCycle(cycle, share, design, self.chain(design), gap)
 
     def agreement(self, most: int) -> tuple[int, int]:
         """Number of new designs for which engine and closed form agree, and number of designs."""
@@ -243,13 +245,13 @@ class _Space:
         _, _, _, verdict = classed(self.numbers.at(points), self.drive)
         checked, agreed = points[verdict == DECIDED], 0
         for point in checked:
-            ways = machines.ways_of(self.graph(self.made(point.tolist())))
+            ways = classes.ways_of(self.graph(self.made(point.tolist())))
             agreed += sorted(ways) == sorted(
                 closed_graph(self.numbers.at(point[None])[0], self.drive)
             )
         return agreed, len(checked)
 
-    def sampled(self, designs: Sized[int]) -> machines.Sampled:
+    def sampled(self, designs: Sized[int]) -> classes.SampledGraphs:
         """Result of the engine for these designs."""
         counts, failed = Counter[str](), 0
         for design in designs:
@@ -257,4 +259,4 @@ class _Space:
                 counts[self.name(self.chain(design))] += 1
             except StepwellError:
                 failed += 1
-        return machines.Sampled(len(designs), failed, dict(counts.most_common()))
+        return classes.SampledGraphs(len(designs), failed, dict(counts.most_common()))

@@ -12,7 +12,7 @@ from stepwell.base import Floats, InputError, Ints, nearest_word
 from stepwell.concave import DECIDED, classed, closed_graph
 from stepwell.studies.blocks import DRIVES, packed
 from stepwell.studies.designs import IndependentBlocks
-from stepwell.studies.machines import Atlas, Machine, canonical, name_of
+from stepwell.studies.graph_classes import Atlas, GraphClass, canonical, name_of
 from stepwell.studies.store import Study
 
 # Designs along each line, and number of bisections of the interval with the boundary: to 3·10⁻⁵ of
@@ -20,11 +20,11 @@ from stepwell.studies.store import Study
 _STEPS, _HALVES = 32, 10
 
 
-class Border(NamedTuple):
+class ClassBoundary(NamedTuple):
     """Boundary to another transition graph along one parameter of a graph's most robust design.
 
     Attributes:
-        machine: name of the graph.
+        graph_class: name of the graph class.
         parameter: the changed parameter; all others are constant.
         value: its value just past the boundary [SI]; within micrometres if several cells move
             together in a landing.
@@ -32,14 +32,14 @@ class Border(NamedTuple):
         beyond: name of the graph past the boundary, in the atlas or not.
     """
 
-    machine: str
+    graph_class: str
     parameter: str
     value: float
     step: float
     beyond: str
 
 
-def borders(study: Study, atlas: Atlas) -> tuple[Border, ...]:
+def class_boundaries(study: Study, atlas: Atlas) -> tuple[ClassBoundary, ...]:
     """Nearest boundaries of every transition graph of an atlas, along each varied parameter.
 
     Each parameter of the most robust design is changed alone, down and up to the ends of the space,
@@ -52,18 +52,20 @@ def borders(study: Study, atlas: Atlas) -> tuple[Border, ...]:
         raise InputError(f"{study.folder}: must contain an atlas, but contains {study!r}.")
     drive = DRIVES[atlas.drive]
     numbers = packed(atlas.chain, [axis.name for axis in atlas.axes])
-    starts = np.array([designs.space.points(m.design, m.design + 1)[0] for m in atlas.machines])
+    starts = np.array(
+        [designs.space.points(m.design, m.design + 1)[0] for m in atlas.graph_classes]
+    )
     # A line for every graph, parameter and end of the space.
-    machines, axes, ends = (
+    graph_classes, axes, ends = (
         each.ravel()
-        for each in np.indices((len(atlas.machines), len(atlas.axes), 2), dtype=np.int64)
+        for each in np.indices((len(atlas.graph_classes), len(atlas.axes), 2), dtype=np.int64)
     )
     reach = np.array([(axis.low, axis.high) for axis in atlas.axes])
-    far = reach[axes, ends] - starts[machines, axes]
+    far = reach[axes, ends] - starts[graph_classes, axes]
 
     def graphs(ways: Ints, shares: Floats) -> tuple[Ints, np.ndarray]:
         """Key of the graph at a fraction of each line, and whether it is in closed form."""
-        points = starts[machines[ways]]
+        points = starts[graph_classes[ways]]
         points[np.arange(len(ways)), axes[ways]] += shares * far[ways]
         key, _, _, decided = classed(numbers.at(points), drive)
         return key, decided == DECIDED
@@ -72,7 +74,7 @@ def borders(study: Study, atlas: Atlas) -> tuple[Border, ...]:
     all_ways, shares = np.arange(len(far)), np.arange(1, _STEPS + 1) / _STEPS
     key, decided = graphs(np.repeat(all_ways, _STEPS), np.tile(shares, len(far)))
     key, decided = (one.reshape(len(far), _STEPS) for one in (key, decided))
-    other = (key != own[machines][:, None]) | ~decided
+    other = (key != own[graph_classes][:, None]) | ~decided
     first = np.argmax(other, axis=1)
     # Past a point without a closed form, the graph is unknown.
     ways = np.flatnonzero(other.any(axis=1) & decided[all_ways, first] & (far != 0.0))
@@ -83,9 +85,9 @@ def borders(study: Study, atlas: Atlas) -> tuple[Border, ...]:
         key, decided = graphs(ways, half)
         ways, key = ways[decided], key[decided]
         low, high, half = low[decided], high[decided], half[decided]
-        same = key == own[machines[ways]]
+        same = key == own[graph_classes[ways]]
         low, high = np.where(same, half, low), np.where(same, high, half)
-    past = starts[machines[ways]]
+    past = starts[graph_classes[ways]]
     past[np.arange(len(ways)), axes[ways]] += high * far[ways]
     key, _ = graphs(ways, high)
     names: dict[int, str] = {}
@@ -93,10 +95,10 @@ def borders(study: Study, atlas: Atlas) -> tuple[Border, ...]:
         if one not in names:
             names[one] = name_of(canonical(closed_graph(cells, drive), len(atlas.chain)))
     return tuple(
-        Border(
-            atlas.machines[machines[way]].name,
+        ClassBoundary(
+            atlas.graph_classes[graph_classes[way]].name,
             atlas.axes[axes[way]].name,
-            float(starts[machines[way], axes[way]] + share * far[way]),
+            float(starts[graph_classes[way], axes[way]] + share * far[way]),
             float(share * far[way]),
             names[one],
         )
@@ -111,7 +113,7 @@ THREE = Path(__file__).with_name("three.zarr")
 _WORDS = {"one": 1, "two": 2, "three": 3, "four": 4, "five": 5}
 
 # Phrases of a query.
-QUERIES: dict[str, Callable[[Machine], bool]] = {
+QUERIES: dict[str, Callable[[GraphClass], bool]] = {
     "counts": lambda m: m.counts > 0,
     "counts by hand": lambda m: m.counts_by_hand > 0,
     "remembers": lambda m: m.remembers,
@@ -127,7 +129,7 @@ QUERIES: dict[str, Callable[[Machine], bool]] = {
 _COUNTS = re.compile(r"counts to (\w+)( by hand)?")
 
 
-def find(atlas: Atlas, query: str, least: float = 0.0) -> tuple[Machine, ...]:
+def find(atlas: Atlas, query: str, least: float = 0.0) -> tuple[GraphClass, ...]:
     """Transition graphs that satisfy a query, the highest yield first.
 
     Args:
@@ -139,33 +141,33 @@ def find(atlas: Atlas, query: str, least: float = 0.0) -> tuple[Machine, ...]:
     Raises:
         ValueError: an unknown phrase; the error suggests the nearest known one.
     """
-    matches = [one for one in atlas.machines if one.kept.low >= least]
+    matches = [one for one in atlas.graph_classes if one.kept.low >= least]
     for holds in understood(query):
         matches = list(filter(holds, matches))
     return tuple(sorted(matches, key=lambda one: (-one.kept.share, -one.share.share, one.name)))
 
 
-def understood(query: str) -> list[Callable[[Machine], bool]]:
+def understood(query: str) -> list[Callable[[GraphClass], bool]]:
     """Conditions of a query on a graph; arguments and errors are those of `find`."""
     return [_asked(one) for one in re.split(r"\s+and\s+|\s*,\s*", query.strip())]
 
 
-def _asked(phrase: str) -> Callable[[Machine], bool]:
+def _asked(phrase: str) -> Callable[[GraphClass], bool]:
     phrase = " ".join(phrase.lower().split())
     if phrase.startswith("not "):
         holds = _asked(phrase[4:])
-        return lambda machine: not holds(machine)
+        return lambda graph_class: not holds(graph_class)
     if phrase in QUERIES:
         return QUERIES[phrase]
     if re.fullmatch(r"[01]+(>[01]+)+", phrase):
-        return lambda machine: machine.cycle == phrase
+        return lambda graph_class: graph_class.cycle == phrase
     if re.fullmatch(r"[0-9a-f]{8}", phrase):
-        return lambda machine: machine.name == phrase
+        return lambda graph_class: graph_class.name == phrase
     if counts := _COUNTS.fullmatch(phrase):
         word, by_hand = counts.groups()
         counter = attrgetter("counts_by_hand" if by_hand else "counts")
         if number := _WORDS.get(word) or (int(word) if word.isdecimal() else 0):
-            return lambda machine: counter(machine) >= number
+            return lambda graph_class: counter(graph_class) >= number
     near = nearest_word(phrase, QUERIES)
     guess = f" Did you mean {near!r}?" if near else ""
     raise InputError(

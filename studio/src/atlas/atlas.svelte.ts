@@ -1,4 +1,4 @@
-// The atlas that is open: its machines, where one stands on the map, and the matches of a search.
+// The atlas that is open: its graph classes, the selected class on the map, and the matches of a search.
 
 import type { Design, Point } from "../design";
 import { refusal, studio } from "../state.svelte";
@@ -11,8 +11,8 @@ export interface Way {
   snaps: boolean;
 }
 
-/** A machine as the record has it, with its place on the map. */
-export interface Machine {
+/** A graph class of the record, with its position on the map. */
+export interface GraphClass {
   name: string;
   cycle: string;
   designs: number;
@@ -41,9 +41,9 @@ export interface Machine {
   ways: Way[];
 }
 
-/** What one change of one number of a machine's most robust design makes of it. */
-export interface Border {
-  machine: string;
+/** Boundary of a graph class along one parameter of its most robust design. */
+export interface ClassBoundary {
+  graph_class: string;
   parameter: string;
   unit: string;
   at: number;
@@ -66,29 +66,29 @@ class Charted {
   matches = $state.raw<string[] | null>(null);
   refused = $state("");
 
-  machines = $derived<Machine[]>(this.view?.machines ?? []);
-  borders = $derived<Border[]>(this.view?.borders ?? []);
-  here = $derived(this.machines.find((one) => one.name === this.at));
-  /** Of each machine those that one change leads to, by the smallest such change. */
+  graphClasses = $derived<GraphClass[]>(this.view?.graph_classes ?? []);
+  classBoundaries = $derived<ClassBoundary[]>(this.view?.class_boundaries ?? []);
+  here = $derived(this.graphClasses.find((one) => one.name === this.at));
+  /** Neighbours of each graph class, by the smallest change of a parameter. */
   near = $derived.by(() => {
-    const all = new Map<string, Map<string, Border>>();
-    for (const one of this.borders) {
-      const own = all.get(one.machine) ?? new Map<string, Border>();
+    const all = new Map<string, Map<string, ClassBoundary>>();
+    for (const one of this.classBoundaries) {
+      const own = all.get(one.graph_class) ?? new Map<string, ClassBoundary>();
       const known = own.get(one.beyond);
       if (!known || this.part(one) < this.part(known)) own.set(one.beyond, one);
-      all.set(one.machine, own);
+      all.set(one.graph_class, own);
     }
     return all;
   });
   /** Pairs between which a change leads, either way. */
   pairs = $derived(
-    [...new Set(this.borders.map((one) => [one.machine, one.beyond].sort().join(" ")))].map((one) => one.split(" ")),
+    [...new Set(this.classBoundaries.map((one) => [one.graph_class, one.beyond].sort().join(" ")))].map((one) => one.split(" ")),
   );
 
   private asked = 0;
 
   /** A change as a part of what its number has in the space. */
-  part({ parameter, step }: Border): number {
+  part({ parameter, step }: ClassBoundary): number {
     const span = this.view?.space.find((one: { parameter: string }) => one.parameter === parameter);
     return Math.abs(step) / (span.to - span.from);
   }
@@ -113,7 +113,7 @@ class Charted {
           return;
         }
         this.view = view;
-        this.at = this.machines[0]?.name ?? "";
+        this.at = this.graphClasses[0]?.name ?? "";
       },
       (view) => {
         if (asked === this.asked && view.progress) this.done = view.progress[0] / view.progress[1];
@@ -131,7 +131,7 @@ class Charted {
     const ask = { name: this.name, query: this.query, yield_percent: this.least ?? 0 };
     if (!this.query.trim()) {
       const least = this.least ?? 0;
-      this.matches = this.machines.filter((one) => one.yield_low_percent >= least).map((one) => one.name);
+      this.matches = this.graphClasses.filter((one) => one.yield_low_percent >= least).map((one) => one.name);
       return;
     }
     studio.once("atlas", ask, (view) => {
@@ -150,7 +150,7 @@ class Charted {
     const { here } = this;
     if (!here) return this.at;
     let [best, least] = [this.at, Infinity];
-    for (const one of this.machines) {
+    for (const one of this.graphClasses) {
       if (one === here || !this.joined(here.name, one.name)) continue;
       const [x, y] = [one.x - here.x, one.y - here.y];
       const [along, beside] = [x * dx + y * dy, Math.abs(x * dy - y * dx)];
@@ -178,8 +178,8 @@ export function backOf(cycle: string): string {
     .join(" ");
 }
 
-/** What a machine remembers, in the words of `stepwell atlas show`. */
-export function memoryOf(one: Machine): string {
+/** Memory of a graph class, in the words of `stepwell atlas show`. */
+export function memoryOf(one: GraphClass): string {
   const counts = Math.max(one.counts, one.counts_by_hand);
   return [
     one.remembers ? "remembers" : "forgets",

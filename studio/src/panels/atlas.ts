@@ -1,4 +1,4 @@
-// The machines that a space of designs holds, as a map on which one walks from one to the next.
+// The graph classes of a space of designs, as a map with keyboard navigation.
 import Atlas from "./Atlas.svelte";
 
 export default { name: "atlas", title: "Atlas", place: "tab" as const, view: Atlas };

@@ -11,29 +11,29 @@ from stepwell import accounts, base, files, studies
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.stores import store_named
 
-# As fractions of the picture's width: radii of the rarest and the most frequent machine, the gap
-# between two, and the picture's height.
+# As fractions of the picture's width: radii of the rarest and of the most frequent graph class,
+# the gap between two, and the picture's height.
 _LEAST, _LARGEST, _ROOM, _TALL = 0.019, 0.05, 0.012, 0.64
 # Larger graphs use a spring layout, which is faster.
 _MANY, _PUSHES = 120, 400
 
 
 def placed(
-    chart: studies.Atlas, near: Sequence[studies.Border], shown: Sequence[studies.Machine]
+    chart: studies.Atlas, near: Sequence[studies.ClassBoundary], shown: Sequence[studies.GraphClass]
 ) -> dict[str, tuple[float, float, float]]:
-    """Centre and radius of each machine in a picture of width 1 and height 0.64.
+    """Centre and radius of each graph class in a picture of width 1 and height 0.64.
 
-    Distances grow with the change of a parameter between two machines, radii with their frequency.
+    Distances grow with the change of a parameter between two classes, radii with their frequency.
     """
     span = {axis.name: axis.high - axis.low for axis in chart.axes}
     names = [one.name for one in shown]
     graph = nx.Graph()
     graph.add_nodes_from(names)
     for one in near:
-        if one.machine in graph and one.beyond in graph:
+        if one.graph_class in graph and one.beyond in graph:
             far = 0.15 + abs(one.step) / span[one.parameter]
-            known = graph.get_edge_data(one.machine, one.beyond, {"far": far})["far"]
-            graph.add_edge(one.machine, one.beyond, far=min(far, known))
+            known = graph.get_edge_data(one.graph_class, one.beyond, {"far": far})["far"]
+            graph.add_edge(one.graph_class, one.beyond, far=min(far, known))
     # Parts without known neighbours are placed next to each other.
     parts = [min(part, key=names.index) for part in nx.connected_components(graph)]
     for other in parts[1:]:
@@ -98,35 +98,35 @@ def answer_atlas(_design: PageDesign, ask: Ask) -> View:
         studies.understood(query)  # or refused at once
     chart, near = _charted(store, ask)
     if query:
-        machines = studies.find(chart, query, least / 100)
-        return View({"query": query, "matches": [one.name for one in machines]})
-    shown = chart.machines[:_MOST]
+        graph_classes = studies.find(chart, query, least / 100)
+        return View({"query": query, "matches": [one.name for one in graph_classes]})
+    shown = chart.graph_classes[:_MOST]
     names = {one.name for one in shown}
-    among = [one for one in near if {one.machine, one.beyond} <= names]
-    record = accounts.account(chart, machines=shown, borders=among).record
+    among = [one for one in near if {one.graph_class, one.beyond} <= names]
+    record = accounts.account(chart, graph_classes=shown, class_boundaries=among).record
     places = placed(chart, near, shown)
-    for machine_record, machine in zip(record["machines"], shown, strict=True):
-        machine_record["design_tables"] = files.tables_in(files.dumps(machine.chain))
-        machine_record["x"], machine_record["y"], machine_record["radius"] = places[machine.name]
-        machine_record["ways"] = [
+    for class_record, graph_class in zip(record["graph_classes"], shown, strict=True):
+        class_record["design_tables"] = files.tables_in(files.dumps(graph_class.chain))
+        class_record["x"], class_record["y"], class_record["radius"] = places[graph_class.name]
+        class_record["ways"] = [
             {"from": a, "to": b, "direction": way, "snaps": snaps}
-            for a, b, way, snaps in sorted(machine.ways)
+            for a, b, way, snaps in sorted(graph_class.ways)
         ]
     del record["schema"], record["cycles"]
     return View({**record, "name": name, "phrases": [*studies.QUERIES]})
 
 
 # The last charts, by store and finished chunks, for repeated requests.
-_KNOWN: dict[Any, tuple[studies.Atlas, tuple[studies.Border, ...]]] = {}
+_KNOWN: dict[Any, tuple[studies.Atlas, tuple[studies.ClassBoundary, ...]]] = {}
 _KEPT = 3
 
 
-def _charted(store: Path, ask: Ask) -> tuple[studies.Atlas, tuple[studies.Border, ...]]:
+def _charted(store: Path, ask: Ask) -> tuple[studies.Atlas, tuple[studies.ClassBoundary, ...]]:
     study = studies.opened(store)
     key = str(store), study.identity, tuple(study.done_chunks())
     if key not in _KNOWN:
         chart = studies.charted(study, progress=ask.report)
         while len(_KNOWN) >= _KEPT:
             _KNOWN.pop(next(iter(_KNOWN)))
-        _KNOWN[key] = chart, studies.borders(study, chart)
+        _KNOWN[key] = chart, studies.class_boundaries(study, chart)
     return _KNOWN[key]

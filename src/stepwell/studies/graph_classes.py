@@ -111,7 +111,7 @@ _FEW = 10_000
 
 
 @dataclass(frozen=True, eq=False)
-class Machine(ByValue):
+class GraphClass(ByValue):
     """A transition graph that occurs in a design space, up to the numbers of the cells.
 
     Attributes:
@@ -172,13 +172,13 @@ class Machine(ByValue):
 
     def __repr__(self):
         return (
-            f"Machine({self.name}: {self.cycle}, {number(self.share.share * 100)} % of designs, "
+            f"GraphClass({self.name}: {self.cycle}, {number(self.share.share * 100)} % of designs, "
             f"yield {number(self.kept.share * 100)} %)"
         )
 
 
 @dataclass(frozen=True, eq=False)
-class Cycling(ByValue):
+class FullCycle(ByValue):
     """A full cycle that occurs in a design space, inner cell first.
 
     Attributes:
@@ -197,21 +197,21 @@ class Cycling(ByValue):
     gap: float
 
     def __repr__(self):
-        return f"Cycling({self.sequence}, {number(self.share.share * 100)} % of designs)"
+        return f"FullCycle({self.sequence}, {number(self.share.share * 100)} % of designs)"
 
 
 @dataclass(frozen=True, eq=False)
-class Sampled(ByValue):
+class SampledGraphs(ByValue):
     """Result of the general engine for a sample of the designs without a closed form.
 
     Attributes:
         asked, failed: number of simulated designs, and of failed simulations.
-        machines: number of designs by name of the graph, in `Atlas.machines` or not.
+        graph_classes: number of designs by name of the graph, in `Atlas.graph_classes` or not.
     """
 
     asked: int
     failed: int
-    machines: dict[str, int]
+    graph_classes: dict[str, int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,7 +227,7 @@ class Atlas(ByValue, Shown, Drawn):
         ties: number of designs with two equal critical forces.
         wakes: number of designs with a landing that two step sizes do not agree on.
         tolerances: tolerances of the yields.
-        machines, cycles: every graph and every full cycle that occurs, most frequent first.
+        graph_classes, cycles: every graph and every full cycle that occurs, most frequent first.
         unseen: fraction of designs in the second half of the blocks with a graph that does not
             occur in the first half. Its upper end bounds the fraction of all designs with an unseen
             graph, at 95 % confidence. None with fewer than two blocks.
@@ -249,10 +249,10 @@ class Atlas(ByValue, Shown, Drawn):
     ties: int
     wakes: int
     tolerances: Tolerances
-    machines: tuple[Machine, ...] = field(repr=False)
-    cycles: tuple[Cycling, ...] = field(repr=False)
+    graph_classes: tuple[GraphClass, ...] = field(repr=False)
+    cycles: tuple[FullCycle, ...] = field(repr=False)
     unseen: Share | None
-    sampled: Sampled
+    sampled: SampledGraphs
     checked: int
     agreed: int
     possible: int | None
@@ -261,11 +261,11 @@ class Atlas(ByValue, Shown, Drawn):
     @property
     def whole(self) -> bool:
         """Whether no other graph can occur in the space, ties excluded; proved."""
-        return self.space_proved and self.possible == len(self.machines)
+        return self.space_proved and self.possible == len(self.graph_classes)
 
     def __repr__(self):
         return (
-            f"Atlas({len(self.chain)} cells by {self.drive}: {len(self.machines)} graphs and "
+            f"Atlas({len(self.chain)} cells by {self.drive}: {len(self.graph_classes)} graphs and "
             f"{len(self.cycles)} cycles of {self.designs} designs)"
         )
 
