@@ -14,7 +14,7 @@ from lab.values import of_recordings
 from stepwell import simulation
 from stepwell.accounts import account
 from stepwell.base import Installation, StepwellError, installation
-from stepwell.design import USUAL, Run, share_of
+from stepwell.design import DEFAULT_TOLERANCES, Run, share_of
 from stepwell.studies import Atlas, Axis, GraphClass, SampledGraphs, Space, Status, sweep
 
 _AXES = (Axis("outer.q.x", 0.0, 0.02),)
@@ -36,7 +36,7 @@ def _atlas(chain: sw.Chain) -> Atlas:
     )  # fmt: skip
     counts = (100, 60, 0, 40, 0)
     return Atlas(
-        chain, _AXES, "stroke", 0, *counts, USUAL, (one,), (),
+        chain, _AXES, "stroke", 0, *counts, DEFAULT_TOLERANCES, (one,), (),
         share_of(1, 50), SampledGraphs(0, 0, {}), 0, 0, None, False,
     )  # fmt: skip
 

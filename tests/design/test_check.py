@@ -12,7 +12,7 @@ from sizes import cases, examples
 from stepwell import reports
 from stepwell.base import StepwellError
 from stepwell.design import Check, Tolerances, Verdict, check, yields
-from stepwell.design.checks import _left_of, judged
+from stepwell.design.checks import _left_of, verdict_of
 from stepwell.design.tolerances.yields import parts_of, with_tightened_tolerance
 from stepwell.files import presets
 from stepwell.mechanism import Band, Cell, Chain
@@ -37,9 +37,9 @@ CHAINS = [name for name in presets() if not name.startswith("robot-")]
     ],
 )
 def test_the_rule_holds_at_its_bounds(low, high, verdict):
-    assert judged(meets_target=True, tied=False, interval=(low, high)) is verdict
-    assert judged(meets_target=False, tied=False, interval=(low, high)) is Verdict.FAILS
-    tied = judged(meets_target=True, tied=True, interval=(low, high))
+    assert verdict_of(meets_target=True, tied=False, interval=(low, high)) is verdict
+    assert verdict_of(meets_target=False, tied=False, interval=(low, high)) is Verdict.FAILS
+    tied = verdict_of(meets_target=True, tied=True, interval=(low, high))
     assert tied is not Verdict.ROBUST
 
 

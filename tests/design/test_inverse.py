@@ -18,7 +18,7 @@ from stepwell.design.margins.robustness import robustness
 from stepwell.design.orders import Orders, checked_cycle, of_states
 from stepwell.design.synthesis import attempt, candidates, holes, placement
 from stepwell.design.synthesis.designed import Design, Impossible
-from stepwell.design.synthesis.inverse import USUAL, design
+from stepwell.design.synthesis.inverse import DEFAULT_TOLERANCES, design
 from stepwell.design.synthesis.region import (
     PAPER_BAND,
     PAPER_BOX,
@@ -141,7 +141,7 @@ def test_no_anchor_a_millimetre_elsewhere_yields_more(loading, unloading):
 @pytest.mark.parametrize(
     ("cells", "tolerances", "more"),
     # So many cells take a search that is worth the compiler.
-    [(4, ROUGH, 0.02), pytest.param(8, USUAL, 0.05, marks=pytest.mark.slow)],
+    [(4, ROUGH, 0.02), pytest.param(8, DEFAULT_TOLERANCES, 0.05, marks=pytest.mark.slow)],
 )
 def test_a_designed_yield_is_above_those_of_obvious_designs(cells, tolerances, more):
     equal = [(x, 0.0) for x in np.linspace(0, 0.020, cells).tolist()]
@@ -178,7 +178,7 @@ def test_programmable_chains_are_as_robust_as_the_ones_known_or_more_so(x):
 def test_a_search_from_anywhere_finds_nothing_more_robust():
     rng = np.random.default_rng(7)
     kind = candidates.Kind(PAPER_BAND, PAPER_LEVER, math.pi / 4)
-    rule = candidates.Rule((-0.010, 0.0), (kind,), USUAL, math.inf, True, PAPER_BOX)
+    rule = candidates.Rule((-0.010, 0.0), (kind,), DEFAULT_TOLERANCES, math.inf, True, PAPER_BOX)
     both = ((0, 1, 2), (1, 0, 2)), ((0, 1, 2), (2, 1, 0))
     for loading, unloading in both[: examples(1, full=2)]:
         orders = Orders(loading, unloading)

@@ -8,7 +8,7 @@ import pytest
 import stepwell as sw
 from facts import refuses
 from stepwell.design import (
-    USUAL,
+    DEFAULT_TOLERANCES,
     AnchorBox,
     BandType,
     design,
@@ -27,11 +27,17 @@ ODD = sw.Chain([sw.Cell(cell.band, unusual=True) for cell in LEG.cells])
 
 
 def test_a_yield_without_tolerances_takes_the_usual_ones_everywhere():
-    results = [LEG.yields(samples=300), yields(LEG, samples=300), yields(LEG, USUAL, samples=300)]
+    results = [
+        LEG.yields(samples=300),
+        yields(LEG, samples=300),
+        yields(LEG, DEFAULT_TOLERANCES, samples=300),
+    ]
     assert {one.tolerances for one in results} == {sw.Tolerances(anchor=0.0003, stiffness=0.05)}
     assert len({one.share for one in results}) == 1
-    assert survival(LEG, (0.0, 0.04), "11", samples=3).tolerances == USUAL
-    assert design("00>10>11>01>00", samples=10).yield_.tolerances.anchor == USUAL.anchor
+    assert survival(LEG, (0.0, 0.04), "11", samples=3).tolerances == DEFAULT_TOLERANCES
+    assert (
+        design("00>10>11>01>00", samples=10).yield_.tolerances.anchor == DEFAULT_TOLERANCES.anchor
+    )
 
 
 def test_what_a_tolerance_does_not_name_is_exact():

@@ -19,7 +19,7 @@ from stepwell.paper import (
     pathways as _wells,
     pathways as map,
 )
-from stepwell.paper.claims import judged
+from stepwell.paper.claims import finding_of
 from stepwell.sequences import Pathway
 
 
@@ -57,7 +57,7 @@ def test_a_verdict_reads_as_one_line(verdicts):
 def test_a_difference_without_a_reason_is_refused():
     with refuses(ValueError, "verdict = ", "a reason"):
         paper.Finding("2", Judgement.DIFFERS)
-    assert judged(False, "2").reason
+    assert finding_of(False, "2").reason
 
 
 def test_a_force_away_from_the_papers_differs(monkeypatch):

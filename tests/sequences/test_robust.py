@@ -59,10 +59,12 @@ def arrivals(program: sw.Program, tries: int, seed: int = 0) -> set[str]:
 @pytest.mark.slow
 def test_a_robust_program_turns_back_early_where_a_snap_on_the_way_hangs_on_the_mobilities():
     plain = BEHIND.program("0001")
-    hangs = replace(plain, robust=RATIO).hangs
-    assert hangs is not None and hangs.elsewhere
+    landing = replace(plain, robust=RATIO).mobility_dependent_landing
+    assert landing is not None and landing.elsewhere
     program = BEHIND.program("0001", robust=RATIO)
-    assert program.robust == RATIO and program.hangs is None and program.landings
+    assert (
+        program.robust == RATIO and program.mobility_dependent_landing is None and program.landings
+    )
     assert program.turns[0].drive < plain.turns[0].low
     assert arrivals(program, 10) == {"0001"}
     says(program.reason, "mobility ratios", "10")
@@ -70,14 +72,14 @@ def test_a_robust_program_turns_back_early_where_a_snap_on_the_way_hangs_on_the_
 
 def test_where_a_landing_stands_in_the_way_of_every_program_it_is_named():
     plain = RACE.program("111")
-    hangs = replace(plain, robust=RATIO).hangs
-    assert hangs is not None
+    landing = replace(plain, robust=RATIO).mobility_dependent_landing
+    assert landing is not None
     with pytest.raises(Unreachable) as refused:
         RACE.program("111", robust=RATIO)
     text = str(refused.value)
     assert refused.value.proved
-    says(text, "snap", f"{hangs.event.drive * 1e3:.4g} mm", "loading")
-    assert "first, second, third" in text and f"lands in {hangs.elsewhere[0].state}" in text
+    says(text, "snap", f"{landing.event.drive * 1e3:.4g} mm", "loading")
+    assert "first, second, third" in text and f"lands in {landing.elsewhere[0].state}" in text
     says(text, "mobility ratios", "10")
     # Nearer to each other, they land where they should.
     assert RACE.program("111", robust=1.5).turning_points == plain.turning_points

@@ -10,7 +10,7 @@ import pytest
 
 import stepwell as sw
 from stepwell.accounts import account
-from stepwell.design import USUAL, Yield, check, parameter, parameters
+from stepwell.design import DEFAULT_TOLERANCES, Yield, check, parameter, parameters
 from stepwell.files import loads_tables, preset_text, presets, tables_in
 from stepwell.studio.answering import answered
 from stepwell.studio.ask import Ask, PageDesign, View
@@ -220,7 +220,7 @@ def test_a_yield_shows_few_first_and_is_pythons():
 
     shown: list[View] = []
     last = answer("yield", PageDesign(FORWARD), Ask({"anchor_mm": 3}, show=shown.append))
-    tolerances = sw.Tolerances(anchor=3e-3, stiffness=USUAL.stiffness)
+    tolerances = sw.Tolerances(anchor=3e-3, stiffness=DEFAULT_TOLERANCES.stiffness)
     chain = sw.preset("paper-forward")
     assert last.header == _judged(chain, chain.yields(tolerances))
     assert [one.header for one in shown] == [_judged(chain, chain.yields(tolerances, samples=1000))]

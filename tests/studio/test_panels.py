@@ -9,7 +9,7 @@ import pytest
 
 import stepwell as sw
 from stepwell.accounts import account
-from stepwell.design import USUAL
+from stepwell.design import DEFAULT_TOLERANCES
 from stepwell.files import DesignError, loads, loads_tables, preset_text, presets, tables_in
 from stepwell.sequences import to_dot
 from stepwell.statics import EventKind
@@ -321,7 +321,9 @@ def test_a_yield_is_asked_within_bounds(keys: Any, at: str):
 @pytest.mark.slow
 def test_a_wish_is_granted_as_by_python():
     header = ask("wish", sequence="00>01>11>10>00", anchor_mm=0.2, holes_mm=5).header
-    result = sw.design("00>01>11>10>00", holes=0.005, tolerances=replace(USUAL, anchor=0.2e-3))
+    result = sw.design(
+        "00>01>11>10>00", holes=0.005, tolerances=replace(DEFAULT_TOLERANCES, anchor=0.2e-3)
+    )
     record = json.loads(json.dumps(account(result).record))
     assert {key: header[key] for key in record} == record
     assert loads_tables(header["design"]).subject == result.chain

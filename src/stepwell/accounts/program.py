@@ -23,7 +23,7 @@ def program_schema(shape: Shape) -> Schema:
         *keys(title=(str, "chain.title"), actuator=(actuator_schema(shape), "chain")),
         *keys(cells=([str], "chain.names")),
         Quantity("from", read="start"),
-        *keys(target=str, meets_target=(bool, meets_target)),
+        *keys(target=str, meets_target=(bool, _meets_target)),
         *keys(proved=(bool, lambda one: one.shortest if isinstance(one, Program) else one.proved)),
         *keys(robust=float),
         *keys(reason=(str, lambda one: one.reason if isinstance(one, Program) else str(one))),
@@ -31,13 +31,12 @@ def program_schema(shape: Shape) -> Schema:
     )
 
 
+def _meets_target(value: Program | Unreachable) -> bool:
+    return isinstance(value, Program) and value.meets_target
+
+
 def _landings(program: Program) -> list[Row] | None:
     return events.landed(program.path.checked_landings, program.path.events)
-
-
-def meets_target(value: Program | Unreachable) -> bool:
-    """Whether a program ends in its target."""
-    return isinstance(value, Program) and value.arrives == value.target and value.hangs is None
 
 
 def unreachable_account(value: Unreachable, about: About) -> Account:
@@ -52,7 +51,7 @@ def unreachable_account(value: Unreachable, about: About) -> Account:
 def program_account(program: Program, about: About) -> Account:
     """What is reported of a program."""
     chain, path = program.chain, program.path
-    works, strokes = meets_target(program), counted(program.strokes, "stroke")
+    works, strokes = program.meets_target, counted(program.strokes, "stroke")
     ends = strokes if works else f"ends in {program.arrives} after {strokes}"
     slack = f"every turning point may deviate by {amount(program.slack, chain.drive_unit, 3)}"
     spelled = len(chain) <= words.LONGEST_IN_A_LINE

@@ -121,12 +121,12 @@ def cycle_facts(cycle: Cycle) -> list[Fact]:
 
 
 def _samples(run: Run, tied: bool) -> str:
-    from stepwell.design import judged
+    from stepwell.design import verdict_of
 
     built = run.built
     if built is None:
         return "Not computed here: the command stepwell yield counts samples."
-    verdict = judged(meets_target=True, tied=tied, interval=built.interval)
+    verdict = verdict_of(meets_target=True, tied=tied, interval=built.interval)
     return f"{verdict}: {yield_words(built)}, of {sample_words(built)}"
 
 

@@ -45,7 +45,7 @@ from stepwell.concave.samples import (
     OTHER,
     TIE,
     DrawJudge,
-    Judged,
+    SampleVerdicts,
     as_made,
     in_disc,
     in_discs,

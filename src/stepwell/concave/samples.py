@@ -134,8 +134,8 @@ def _gaps(key: Floats, target: Ints, order: Ints, least: float) -> tuple[float, 
 
 
 @record
-class Judged(NamedTuple):
-    """Results of `judged` for m samples of N cells.
+class SampleVerdicts(NamedTuple):
+    """Results of `judge_samples` for m samples of N cells.
 
     Attributes:
         verdict: (m,) ASK where the closed form is not proved.
@@ -154,8 +154,8 @@ class Judged(NamedTuple):
 
 
 @entry(6e-6, "draws")
-def judged(
-    draws: Floats, cells: Floats, spread: Floats, target: Ints, drive: int, out: Judged
+def judge_samples(
+    draws: Floats, cells: Floats, spread: Floats, target: Ints, drive: int, out: SampleVerdicts
 ) -> None:
     """Verdict on every sample by the order of the critical forces of its cells.
 
@@ -208,7 +208,7 @@ def judged(
 class DrawJudge:
     """Evaluation of many samples of one chain against a target cycle."""
 
-    cells: Floats  # (N, 7) as `judged` takes them
+    cells: Floats  # (N, 7) as `judge_samples` takes them
     spread: Floats  # (5,)
     target: Ints  # (2, N)
     drive: int
@@ -225,7 +225,7 @@ class DrawJudge:
         drive = {0.0: FORCE, math.inf: RIGID}.get(chain.actuator_stiffness, COMPLIANT)
         return cls(np.array(cells), spread, target, drive)
 
-    def __call__(self, draws: Floats) -> Judged:
+    def __call__(self, draws: Floats) -> SampleVerdicts:
         """The verdicts on samples (m, 8 N)."""
         m, n = len(draws), len(self.cells)
         verdict, does, gap = np.empty(m, np.int8), np.empty(m, np.int64), np.empty(m)
@@ -234,10 +234,10 @@ class DrawJudge:
         def judge(begin: int, end: int) -> None:
             counts_here = np.zeros((2, 2, n - 1), np.int64)
             here = slice(begin, end)
-            out = Judged(verdict[here], does[here], gap[here], *counts_here)
-            judged(draws[here], self.cells, self.spread, self.target, self.drive, out)
+            out = SampleVerdicts(verdict[here], does[here], gap[here], *counts_here)
+            judge_samples(draws[here], self.cells, self.spread, self.target, self.drive, out)
             counts.append(counts_here)
 
-        in_blocks(judge, m, judged.block(max(1, _BLOCK // n), draws))
+        in_blocks(judge, m, judge_samples.block(max(1, _BLOCK // n), draws))
         wrong, narrowest = sum(counts, np.zeros((2, 2, n - 1), np.int64))
-        return Judged(verdict, does, gap, wrong, narrowest)
+        return SampleVerdicts(verdict, does, gap, wrong, narrowest)

@@ -14,10 +14,10 @@ from stepwell.design.margins.robustness import Robustness, RobustnessLimit, robu
 from stepwell.design.orders import checked_cycle
 from stepwell.design.parameters import Parameter, parameter, parameters
 from stepwell.design.plane import Boundary, BoundaryKind, Method
-from stepwell.design.tolerances.draws import USUAL, Draws, Tolerances
+from stepwell.design.tolerances.draws import DEFAULT_TOLERANCES, Draws, Tolerances
 
 if TYPE_CHECKING:
-    from stepwell.design.checks import Check, Measurement, Verdict, check, judged
+    from stepwell.design.checks import Check, Measurement, Verdict, check, verdict_of
     from stepwell.design.map_boundaries import boundaries, parameter_boundaries
     from stepwell.design.maps import MapView, parameter_map, transition_map
     from stepwell.design.run import Run
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 __all__ = [
     "PAPER_BAND",
     "PAPER_BOX",
-    "USUAL",
+    "DEFAULT_TOLERANCES",
     "AnchorBox",
     "AnchorPolygon",
     "Boundary",
@@ -73,7 +73,7 @@ __all__ = [
     "check",
     "checked_cycle",
     "design",
-    "judged",
+    "verdict_of",
     "margin",
     "parameter",
     "parameter_boundaries",
@@ -100,7 +100,7 @@ sys.modules[__name__].__class__ = _CallablePackage
 
 # The first cycle needs a margin; other modules are imported at first use.
 _LATE = {
-    "checks": ("Check", "Measurement", "Verdict", "check", "judged"),
+    "checks": ("Check", "Measurement", "Verdict", "check", "verdict_of"),
     "map_boundaries": ("boundaries", "parameter_boundaries"),
     "maps": ("MapView", "parameter_map", "transition_map"),
     "run": ("Run",),

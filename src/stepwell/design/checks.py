@@ -15,7 +15,7 @@ from stepwell.design.margins.margin import LONGEST_FOLLOWED, Change, margin
 from stepwell.design.orders import checked_cycle, short
 from stepwell.design.plane import Method
 from stepwell.design.synthesis.region import usual_box
-from stepwell.design.tolerances.draws import USUAL, Tolerances
+from stepwell.design.tolerances.draws import DEFAULT_TOLERANCES, Tolerances
 from stepwell.design.tolerances.survival import Survival, ends_right, survival
 from stepwell.design.tolerances.yields import Yield, parts_of, with_tightened_tolerance, yields
 from stepwell.mechanism import Band, Cell, Chain, Element, sizes
@@ -34,7 +34,7 @@ class Verdict(StrEnum):
     FAILS = "fails"
 
 
-def judged(*, meets_target: bool, tied: bool, interval: tuple[float, float]) -> Verdict:
+def verdict_of(*, meets_target: bool, tied: bool, interval: tuple[float, float]) -> Verdict:
     """The verdict, as decided in docs/decisions/verdict.md.
 
     `FAILS` if the nominal design, which may be a tie, misses the target, or the 95 % confidence
@@ -219,9 +219,9 @@ def _changes(chain: Chain) -> Iterator[_Direction]:
 def _tolerance_of(part: str, tolerances: Tolerances) -> float:
     """The tolerance of a part [m] or [1], or the default one if it is zero."""
     if part == "anchor":
-        return tolerances.anchor or USUAL.anchor
+        return tolerances.anchor or DEFAULT_TOLERANCES.anchor
     own = tolerances.travel if part == "travel_scale" else tolerances.stiffness
-    return own or USUAL.stiffness
+    return own or DEFAULT_TOLERANCES.stiffness
 
 
 @dataclass(frozen=True, eq=False)
@@ -271,7 +271,7 @@ class Check(base.ByValue):
 def check(
     chain: Chain,
     target: str | Program | None = None,
-    tolerances: Tolerances = USUAL,
+    tolerances: Tolerances = DEFAULT_TOLERANCES,
     *,
     samples: int | None = None,
     seed: int = 0,
@@ -328,7 +328,7 @@ def _checked(
     critical_change: Change | None,
 ) -> Check:
     tied = bool(path.degenerate)
-    verdict = judged(meets_target=meets_target, tied=tied, interval=counted.interval)
+    verdict = verdict_of(meets_target=meets_target, tied=tied, interval=counted.interval)
     low, high = map(base.percent, counted.interval)
     if not meets_target:
         reason = f"the nominal design does not reach the target: it gives {short(does)}"

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stepwell.base import InputError, number, percent, signed
-from stepwell.design import USUAL, Change, Margin, Sensitivities, Tolerances, Yield
+from stepwell.design import DEFAULT_TOLERANCES, Change, Margin, Sensitivities, Tolerances, Yield
 from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.words import literal, minus, sequence_words, shortened
 
@@ -61,7 +61,7 @@ def margins(margin: Margin, tolerances: Tolerances | None = None) -> Figure:
         margin: result of `design.margin`.
         tolerances: tolerances to draw in the bars; by default the usual ones.
     """
-    off = tolerances or USUAL
+    off = tolerances or DEFAULT_TOLERANCES
     panels = (
         ("Anchor displacement [mm]", _rows(margin, True, off)),
         ("Relative change of the parameter [%]", _rows(margin, False, off)),

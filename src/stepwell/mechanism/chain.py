@@ -343,11 +343,11 @@ class Chain(ByValue, Drawn):
 
         Source: sorting theorem, theory page; Sobol' 2001, Saltelli et al. 2010.
         """
-        from stepwell.design import USUAL, yields
+        from stepwell.design import DEFAULT_TOLERANCES, yields
 
         return yields(
             self,
-            tolerances or USUAL,
+            tolerances or DEFAULT_TOLERANCES,
             samples=samples,
             seed=seed,
             target=target,
@@ -446,13 +446,13 @@ class Chain(ByValue, Drawn):
             ValueError: a state that this chain cannot have, `samples` below 1, or turning points or
                 tolerances that are probably in another unit.
         """
-        from stepwell.design import USUAL, survival
+        from stepwell.design import DEFAULT_TOLERANCES, survival
 
         return survival(
             self,
             turning_points,
             target,
-            tolerances or USUAL,
+            tolerances or DEFAULT_TOLERANCES,
             start=start,
             samples=samples,
             seed=seed,

@@ -9,7 +9,7 @@ from stepwell.base import Floats, bisected, to_unit
 from stepwell.concave import certify, simple
 from stepwell.files import preset
 from stepwell.mechanism import Cell, Chain
-from stepwell.paper.claims import Claim, Finding, claim, judged
+from stepwell.paper.claims import Claim, Finding, claim, finding_of
 from stepwell.sequences import Cycle, Pathway
 
 # Names of the presets, by their anchor q [mm].
@@ -76,7 +76,7 @@ def _ends(q: str) -> Finding:
     cell = six_cells()[q]
     ours = (cell.force_0 / _scale(cell), cell.force_1 / _scale(cell))
     off = max(abs(a - b) for a, b in zip(ours, _FORCES[q], strict=True))
-    return judged(off <= _FORCE_TOLERANCE, _two(ours))
+    return finding_of(off <= _FORCE_TOLERANCE, _two(ours))
 
 
 def _two(forces: tuple[float, float]) -> str:
@@ -89,7 +89,7 @@ def curves() -> Finding:
     off = max(_distance_from_equations(cell) for cell in six_cells().values())
     agrees = off <= _CURVE_TOLERANCE
     same, other = f"the same for all {len(six_cells())}", f"off by {off:.1g} k r² or k r"
-    return judged(agrees, same if agrees else other)
+    return finding_of(agrees, same if agrees else other)
 
 
 def _distance_from_equations(cell: Cell) -> float:
@@ -116,7 +116,7 @@ def force_falls() -> Finding:
     """F falls all the way from state 0 to state 1 in all six designs."""
     proved = [q for q, cell in six_cells().items() if falls(cell)]
     missing = [q for q in six_cells() if q not in proved]
-    return judged(
+    return finding_of(
         not missing,
         f"proved for {len(proved)} of {len(six_cells())}",
         note="Proved by bounds over whole stretches of θ, not sampled. It holds for these six, "
@@ -137,7 +137,7 @@ def theta_max() -> Finding:
     off = max(abs(_highest(cell) - _eq_3(cell)) for cell in six_cells().values())
     degrees = math.degrees(off)
     ok = degrees <= _PEAK_TOLERANCE
-    return judged(ok, f"{'below 0.001' if ok else f'{degrees:.2g}'}° off in all six")
+    return finding_of(ok, f"{'below 0.001' if ok else f'{degrees:.2g}'}° off in all six")
 
 
 def _eq_3(cell: Cell) -> float:
@@ -161,7 +161,7 @@ def bistable() -> Finding:
     cells = six_cells()
     by_force = [q for q, cell in cells.items() if not (cell.force_0 > 0 > cell.force_1)]
     by_rule = [q for q, c in cells.items() if not abs(math.atan2(*c.bands[0].d[::-1])) < c.limit]
-    return judged(
+    return finding_of(
         tuple(by_force) == tuple(by_rule) == _MONOSTABLE,
         f"all but {', '.join(by_force)} mm",
         note="By the forces that hold each state, and by Eq. 3.",
@@ -195,7 +195,7 @@ def eq_5_sign() -> Finding:
     r, limit = cells[0].lever, cells[0].limit
     moved = r * 2 * math.sin(-limit)
     printed, ours = (moved + sign * 2 * r * math.sin(limit) for sign in (-1, 1))
-    return judged(
+    return finding_of(
         abs(printed) < 1e-12 * r,
         f"+2 sin θc: u = {to_unit(abs(ours), 'mm'):.0f} mm there",
         otherwise=f"The paper starts at θ = -θc with u = 0. There the printed sign gives "
@@ -211,7 +211,7 @@ def anchor_unit() -> Finding:
     (px, py), (qx, qy) = band.p, band.q
     in_cm = cell.with_anchors(p=(10 * px, 10 * py), q=(10 * qx, 10 * qy))
     as_mm, as_cm = cell.force_0 / scale, in_cm.force_0 / scale
-    return judged(
+    return finding_of(
         abs(as_cm - _FORCES["(10, 0)"][0]) <= _FORCE_TOLERANCE,
         "mm",
         otherwise=f"Read as mm the numbers give F0/(kr) = {as_mm:.3f} for q = (10, 0), as in "

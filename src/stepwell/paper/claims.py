@@ -114,7 +114,7 @@ def claim(
     return made
 
 
-def judged(agrees: bool, ours: str, *, note: str = "", otherwise: str = "") -> Finding:
+def finding_of(agrees: bool, ours: str, *, note: str = "", otherwise: str = "") -> Finding:
     """Agreement with a note on its limits, or a difference with its reason or the note."""
     if agrees:
         return Finding(ours, Judgement.AGREES, note)

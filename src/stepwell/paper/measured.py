@@ -8,7 +8,7 @@ from pathlib import Path
 
 from stepwell import lab
 from stepwell.base import to_unit
-from stepwell.paper.claims import Claim, Finding, Judgement, claim, judged
+from stepwell.paper.claims import Claim, Finding, Judgement, claim, finding_of
 
 MISSING = (
     "Decided by the authors' recordings, which are not part of Stepwell: "
@@ -55,7 +55,7 @@ def measured_stiffness(data: Recorded) -> Finding:
         f"linear, so k is that of this window; ± is a 95 % interval with the scatter between bands."
     )
     ours = f"{k.value:.3f} ± {k.value - k.low:.2f} N/m"
-    return judged(abs(k.value - _K) <= _ROUNDING, ours, note=note)
+    return finding_of(abs(k.value - _K) <= _ROUNDING, ours, note=note)
 
 
 @claim("robot band tests published with the paper", "47 N/m", "0.5 N/m")
@@ -72,7 +72,7 @@ def measured_robot_stiffness(data: Recorded) -> Finding:
     )
     if abs(four.value - _K_ROBOT) > _ROUNDING_ROBOT:
         note += " With it the mean is outside the tolerance."
-    return judged(abs(three.value - _K_ROBOT) <= _ROUNDING_ROBOT, ours, note=note)
+    return finding_of(abs(three.value - _K_ROBOT) <= _ROUNDING_ROBOT, ours, note=note)
 
 
 @claim("unit-cell tests published with the paper", "all", "every series")
@@ -81,7 +81,7 @@ def measured_class(data: Recorded) -> Finding:
     tests = data.comparison.cells
     wrong = [test.series.name for test in tests if not test.right_class]
     ours = f"{len(tests) - len(wrong)} of {len(tests)} series"
-    return judged(not wrong and bool(tests), ours, otherwise=f"Not so: {'; '.join(wrong)}.")
+    return finding_of(not wrong and bool(tests), ours, otherwise=f"Not so: {'; '.join(wrong)}.")
 
 
 @claim("Fig. 1D, unit-cell tests", "all", "0.005 k r")
@@ -97,7 +97,7 @@ def measured_falling(data: Recorded) -> Finding:
     ours = f"{sum(not test.rises for test in tests)} of {len(tests)} series"
     note = "Means of repeats over half a millimetre, without the first half millimetre of stroke."
     otherwise = f"It rises in {'; '.join(rising)}. {note}"
-    return judged(not rising and bool(tests), ours, note=note, otherwise=otherwise)
+    return finding_of(not rising and bool(tests), ours, note=note, otherwise=otherwise)
 
 
 @claim("Fig. 1D, unit-cell tests", "they agree", "0.15 k r, mean over geometries")
@@ -116,7 +116,7 @@ def measured_unit_cell(data: Recorded) -> Finding:
         f"{fitted.mean_error(2):.3f} with two (`stepwell lab calibrate`)."
     )
     ours = f"{one:.3f} k r with one band, {two:.3f} with two"
-    return judged(bool(known) and max(known) <= _CLOSE, ours, note=note)
+    return finding_of(bool(known) and max(known) <= _CLOSE, ours, note=note)
 
 
 @claim("Fig. 2, two-cell tests", "they do", "every series that is no tie")
@@ -132,7 +132,7 @@ def measured_order(data: Recorded) -> Finding:
         ours += f", error ratio {min(ratios):.1f} to {max(ratios):.1f}"
     note = f"Ties, which no model decides: {'; '.join(ties)}." if ties else ""
     wrong = "; ".join(test.series.name for test in clear if not test.right_order)
-    return judged(len(right) == len(clear) > 0, ours, note=note, otherwise=f"Not so: {wrong}.")
+    return finding_of(len(right) == len(clear) > 0, ours, note=note, otherwise=f"Not so: {wrong}.")
 
 
 @claim("Fig. 2D and 2E, two-cell tests", "they snap", "every run of every series")
@@ -141,7 +141,7 @@ def measured_snaps(data: Recorded) -> Finding:
     pairs = [test for test in data.comparison.pairs if test.snaps_predicted and not test.tie]
     right = sum(bool(test.right_snaps) for test in pairs)
     text = "; ".join(f"{test.series.name}: {test.snaps_told}" for test in pairs)
-    return judged(right == len(pairs) > 0, f"{right} of {len(pairs)} series", note=f"{text}.")
+    return finding_of(right == len(pairs) > 0, f"{right} of {len(pairs)} series", note=f"{text}.")
 
 
 @claim("Fig. 2F and 2G, two-cell tests", "no snap", "every run of every series")
@@ -150,7 +150,7 @@ def measured_undirected(data: Recorded) -> Finding:
     pairs = [test for test in data.comparison.pairs if not test.snaps_predicted]
     wrong = [test.series.name for test in pairs if not test.right_snaps]
     ours = f"no snap in {len(pairs) - len(wrong)} of {len(pairs)} series"
-    return judged(not wrong and bool(pairs), ours, otherwise=f"Snaps in {'; '.join(wrong)}.")
+    return finding_of(not wrong and bool(pairs), ours, otherwise=f"Snaps in {'; '.join(wrong)}.")
 
 
 CLAIMS = (

@@ -9,7 +9,7 @@ from stepwell.base import to_unit
 from stepwell.design import Design, Tolerances, design
 from stepwell.mechanism import Band, Cell, Chain
 from stepwell.paper.cells import falls
-from stepwell.paper.claims import Finding, claim, judged
+from stepwell.paper.claims import Finding, claim, finding_of
 from stepwell.sequences import Cycle, Sequence
 from stepwell.statics import Event
 
@@ -25,7 +25,7 @@ def order_two_cells() -> Finding:
     cycles = [chain.cycle() for chain in _chains(_COUNT, 2, 2, _SEED)]
     right = sum(map(_sorted, cycles))
     snapping = sum(bool(cycle.snaps) == _is_directed(cycle) for cycle in cycles)
-    return judged(
+    return finding_of(
         right == snapping == len(cycles),
         f"{right} of {len(cycles)} pairs",
         note="Random pairs of concave cells, followed by the general engine, which knows nothing "
@@ -48,7 +48,7 @@ def order_many_cells() -> Finding:
     released = [(cycle, snap, _weakest_held(snap, cycle)) for cycle, snap in snaps]
     at_its_force = sum(_is_released(snap, cycle, cell) for cycle, snap, cell in released)
     others = sum(_cell_between(snap, cycle) not in (cell, None) for cycle, snap, cell in released)
-    return judged(
+    return finding_of(
         right == len(cycles) and at_its_force == len(snaps),
         f"{right} of {len(cycles)} chains of 3 to 8",
         note=f"The paper is silent on which cell a snap leaves between its stops. Each of "
@@ -183,7 +183,7 @@ def _extends(make: Callable[[int, Tolerances, int], Design]) -> Finding:
         f"{count} cells (anchors ±{to_unit(anchor, 'mm'):g} mm, {100 * one.yield_.share:.2f} %)"
         for count, anchor, one in zip(counts, ANCHORS, designs, strict=True)
     )
-    return judged(
+    return finding_of(
         min(counts) > BUILT,
         each,
         note=f"The paper's cell and band, q in the paper's box, band stiffness spread "

@@ -13,7 +13,7 @@ from stepwell.design import transition_map
 from stepwell.files import preset
 from stepwell.mechanism import Cell, Chain
 from stepwell.paper.cells import PAIRS, falls, monostable_pair, outer_anchor, pair_cycle
-from stepwell.paper.claims import Claim, Finding, claim, judged
+from stepwell.paper.claims import Claim, Finding, claim, finding_of
 from stepwell.sequences import Cycle, Pathway
 
 # Fractions of area from the paper's equations and parameters, with q_out over x 0 to 20 and
@@ -69,7 +69,7 @@ def paper_map() -> PaperMap:
 
 def _share(pathway: Pathway) -> Finding:
     share = float(np.mean(paper_map().takes(pathway)))
-    return judged(abs(share - _SHARES[pathway]) <= _SHARE_TOLERANCE, f"{share:.3f}")
+    return finding_of(abs(share - _SHARES[pathway]) <= _SHARE_TOLERANCE, f"{share:.3f}")
 
 
 @claim("Fig. 2C", "rises with |q_y|", "rises from band to band")
@@ -78,7 +78,7 @@ def large_qy_undirected() -> Finding:
     shown = paper_map()
     shares = _by_band(np.abs(shown.y), np.mean(shown.undirected, axis=1))
     edge = shown.undirected[np.abs(shown.y) > 0.0145]
-    return judged(
+    return finding_of(
         bool(np.all(np.diff(shares) > 0)) and shares[-1] > 0.5 > shares[0],
         _listed(shares),
         note=f"Shares of undirected designs in bands of |q_y| 0 to 5, 5 to 10 and 10 to 15 mm. "
@@ -99,7 +99,7 @@ def large_qx_directed() -> Finding:
     turning = shown.takes(Pathway.CLOCKWISE), shown.takes(Pathway.COUNTERCLOCKWISE)
     left = [np.mean(way[:, shown.x < 0.01]) for way in turning]
     right = [np.mean(way[:, shown.x > 0.01]) for way in turning]
-    return judged(
+    return finding_of(
         bool(np.all(np.diff(shares) > 0)),
         _listed(shares),
         note="Shares of directed designs in bands of q_x of 5 mm.",
@@ -146,7 +146,7 @@ _NEAR = 0.005  # m: an eighth of the full stroke
 
 def _taken(pathway: Pathway) -> Finding:
     cycle = pair_cycle(pathway)
-    return judged(cycle.pathway is pathway, str(cycle.sequence))
+    return finding_of(cycle.pathway is pathway, str(cycle.sequence))
 
 
 @claim("Figs. 2D to 2G", "1 cell at a time", "exact, outside of snaps")
@@ -156,7 +156,7 @@ def sequential() -> Finding:
     together = max(int(np.max(_in_transit(cycle))) for cycle in cycles)
     snaps = sum(len(cycle.snaps) for cycle in cycles)
     both = sum(len(snap.cells) > 1 for cycle in cycles for snap in cycle.snaps)
-    return judged(
+    return finding_of(
         together == 1,
         f"{together} cell between stops at most",
         note=f"Looked at on every sample of the four cycles. In a snap the cells do move at once: "
@@ -181,7 +181,7 @@ def undirected_boundary() -> Finding:
     shown = paper_map()
     jumps = np.isfinite(shown.snap_loading) | np.isfinite(shown.snap_unloading)
     elsewhere = int(np.sum(jumps & shown.undirected))
-    return judged(
+    return finding_of(
         inside == snaps == elsewhere == 0,
         f"{snaps} snaps, {inside} samples inside the square",
         note=f"Nor does any of the {int(np.sum(shown.undirected))} undirected designs of the map "
@@ -202,7 +202,7 @@ def directed_snaps() -> Finding:
         cycle = pair_cycle(pathway)
         loading, unloading = (_distances(cycle, way) for way in (1, -1))
         if len(loading) != 1 or len(unloading) != 1:
-            return judged(
+            return finding_of(
                 False,
                 f"{len(cycle.snaps)} snaps {pathway.label}",
                 otherwise="One snap while loading and one while unloading were expected.",
@@ -213,7 +213,7 @@ def directed_snaps() -> Finding:
     shown = paper_map()
     far = np.maximum(shown.full_stroke - shown.snap_loading, shown.snap_unloading)[shown.directed]
     lone = max(*_distances(monostable_pair(), 1), *_distances(monostable_pair(), -1))
-    return judged(
+    return finding_of(
         worst <= _NEAR,
         "; ".join(parts),
         note=f"Stroke left to 11 while loading, to 00 while unloading. Over the whole map the "
@@ -256,7 +256,7 @@ def wells() -> Finding:
     states, seen = stable_states(chain), count_minima(landscape(chain))
     others = [pair_cycle(pathway).chain for pathway in PAIRS]
     four = {len(stable_states(other)) for other in others}
-    return judged(
+    return finding_of(
         not chain.cells[1].is_bistable and len(states) == seen >= 2,
         f"{seen} wells: {' and '.join(states)}",
         note=f"Counted on a grid of {_NODES} × {_NODES} with its edges, and by the forces that "

@@ -11,7 +11,7 @@ import numpy as np
 from stepwell import files, mechanism, sequences
 from stepwell.base import from_unit, to_unit
 from stepwell.design import Reprogramming, reprogram
-from stepwell.paper.claims import Claim, Finding, Judgement, claim, judged
+from stepwell.paper.claims import Claim, Finding, Judgement, claim, finding_of
 from stepwell.paper.walking import robot
 from stepwell.robot import Arena, Cylinder, Robot, Wall, other_layout, other_start
 
@@ -64,7 +64,7 @@ def decided(holds: list[bool], ours: str, reason: str) -> Finding:
     """Agreement or difference if all numbers of bands give the same, else undetermined."""
     if any(holds) and not all(holds):
         return Finding(ours, Judgement.UNDETERMINED, reason)
-    return judged(all(holds), ours, otherwise=reason)
+    return finding_of(all(holds), ours, otherwise=reason)
 
 
 def _turned_round(q_out: float) -> Finding:
@@ -204,7 +204,7 @@ def antennas_turn_away() -> Finding:
     pressed, touched = (max(way.contacts, key=lambda one: one.swing) for way in (curved, flat))
     idle = set(flat.walk.gaits["right"]) - {FORWARD}
     full = design.antennas[0]
-    return judged(
+    return finding_of(
         agrees,
         f"right leg: free {turned[-1]}, left antenna pressed {BACKWARD}",
         note=f"With our design `robot-explorer`: q_out = 14 mm and 5/4. A cylinder 40 mm off the "
@@ -230,7 +230,7 @@ def _obstacles(sets: Iterable[Iterable[Arena]], limit: float) -> Finding:
     ways = [_ways(robot("explorer"), arenas, limit) for arenas in sets]
     avoided = [[way.walks_on for way in each] for each in ways]
     missed = "; ".join(way.arena.title for each in ways for way in each if not way.walks_on)
-    return judged(
+    return finding_of(
         all(sum(each) >= len(each) - 1 for each in avoided),
         ", ".join(f"{sum(each)} of {len(each)}" for each in avoided),
         note="Two sets, the second chosen before it was run. "
@@ -260,7 +260,7 @@ def antennas_head_on() -> Finding:
     even = design.with_anchors("right", "inner", p=(-0.007, 0.0))
     arenas = [wall_ahead(math.radians(angle)) for angle in HEAD_ON_DEG]
     ours, equal = (sum(way.walks_on for way in _ways(d, arenas, 200.0)) for d in (design, even))
-    return judged(
+    return finding_of(
         ours >= len(arenas) - 1,
         f"{ours} of {len(arenas)}; {equal} with equal antennas",
         note="The paper is silent. Met exactly head-on, both antennas are pressed alike, both legs "
@@ -289,7 +289,7 @@ def _three_walls(name: str) -> Finding:
     levers_off = [replace(antenna, connected=False) for antenna in design.antennas]
     robots = design, replace(design, antennas=()), replace(design, antennas=levers_off)
     ours, without, off = (_from_starts(one, name) for one in robots)
-    return judged(
+    return finding_of(
         ours >= 9 and max(without, off) <= 1,
         f"{ours} of {len(STARTS)}; {without} without antennas, {off} with their levers off",
         note=f"{_STARTED}; all three walls touched. It turns in steps of about 15° until it glides "
@@ -315,7 +315,7 @@ def three_walls_corridor() -> Finding:
 def three_walls_two_bands() -> Finding:
     """With the paper's anchors and two inner bands it finds its way past three walls too."""
     count = _from_starts(robot("antennas"), "three-walls")
-    return judged(
+    return finding_of(
         count >= 9,
         f"{count} of {len(STARTS)}",
         note=f"`robot-antennas`: the paper's anchors, two inner bands and 4 mm of anchor "
@@ -329,7 +329,7 @@ def three_walls_layouts() -> Finding:
     """It does so when the walls stand differently."""
     arena = files.load_arena("three-walls")
     count = _crossed(robot("explorer"), (other_layout(arena, seed) for seed in LAYOUTS))
-    return judged(
+    return finding_of(
         count >= 8,
         f"{count} of {len(LAYOUTS)}",
         note=f"Walls moved by ± 40 mm and turned by ± 8°, seeds {_through(LAYOUTS)}.",
@@ -363,7 +363,7 @@ def antennas_fields() -> Finding:
     left = [way.walks_on and math.hypot(way.walk.x[-1] - 1.2, way.walk.y[-1]) > 1.8 for way in ways]
     touched = sum(any(time is not None for time in way.touched.values()) for way in ways)
     remaining = ", ".join(str(seed) for seed, out in zip(FIELDS, left, strict=True) if not out)
-    return judged(
+    return finding_of(
         sum(left) >= len(left) - 1,
         f"{sum(left)} of {len(left)} left behind",
         note=f"Five walls each, gaps of {GAP} m or more, seeds {_through(FIELDS)}, drawn "
@@ -387,7 +387,7 @@ def robot_linkage() -> Finding:
         moved += np.abs(rods.advance[1:] - hinges.advance[1:]).tolist()
         turns += np.degrees(np.abs(rods.turn[1:] - hinges.turn[1:])).tolist()
     worst, turned = max(moved), max(turns)
-    return judged(
+    return finding_of(
         worst <= 0.05 and turned <= 2.0,
         f"{worst:.3f} in d/u_max, {turned:.1f}° in turn",
         note="Six robots; every lever and link a hinged body against rods of fixed length.",

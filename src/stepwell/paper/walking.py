@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stepwell import base, files, sequences
-from stepwell.paper.claims import Finding, claim, judged
+from stepwell.paper.claims import Finding, claim, finding_of
 from stepwell.robot import TOLERANCE, Robot
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def _late(values: np.ndarray) -> float:
 def _straight(name: str, sign: int, target: tuple[float, float]) -> Finding:
     walk = walk_of(name)
     advance = sign * _late(walk.advance)
-    return judged(
+    return finding_of(
         abs(advance - target[0]) <= target[1],
         f"{advance:.2f}",
         note=f"Gait of both legs: {walk.gaits['left'][-1]}. {ASSUMED}",
@@ -78,7 +78,7 @@ def robot_turn() -> Finding:
     left, right = (float(np.degrees(_late(walk.turn))) for walk in walks)
     moved = max(float(np.hypot(_late(walk.advance), _late(walk.sideways))) for walk in walks)
     off = max(abs(turn - TURN_DEG[0]) for turn in (left, -right))
-    return judged(
+    return finding_of(
         off <= TURN_DEG[1] and moved < STANDS_STILL,
         f"{left:.1f}° to the left, {-right:.1f}° to the right; |d|/u_max {moved:.2f}",
         note=ASSUMED,
@@ -95,7 +95,7 @@ def robot_15_in_the_air() -> Finding:
     hung = walk(replace(design, floor=replace(design.floor, gravity=0.0)), 3)
     pathways = {leg.chain.cycle().pathway for leg in design.legs}
     gaits = {gaits[-1] for gaits in hung.gaits.values()}
-    return judged(
+    return finding_of(
         pathways == {sequences.Pathway.CLOCKWISE} and gaits == {"00>10>11>01>00"},
         " and ".join(sorted(gaits)),
         note="Statics and simulation without gravity agree.",
@@ -108,7 +108,7 @@ def robot_15_on_the_floor() -> Finding:
     """With q_out = (15, 0) mm the robot does not walk forward."""
     walk = walk_of("15")
     advance = _late(walk.advance)
-    return judged(
+    return finding_of(
         advance < STANDS_STILL,
         f"d/u_max {advance:z.2f}, {walk.gaits['left'][-1]}",
         note="The weight on the feet opens the outer cells, until the T-foot carries it; at "
@@ -121,7 +121,7 @@ def robot_15_on_the_floor() -> Finding:
 def robot_states() -> Finding:
     """After 7¾ cycles a forward leg is in 01 and a backward leg in 10."""
     states = {name: walk_of(name).state("left", 7.75 * 2.0) for name in ("forward", "backward")}
-    return judged(
+    return finding_of(
         states == {"forward": "01", "backward": "10"},
         f"{states['forward']} and {states['backward']}",
         otherwise=f"Another state. {ASSUMED}",
@@ -185,7 +185,7 @@ def forward_loss() -> Loss:
 def robot_forward_loss() -> Finding:
     """A forward step is shorter than the largest one because of the snap near 11."""
     loss = forward_loss()
-    return judged(
+    return finding_of(
         loss.snap > loss.whole / 2,
         f"{loss.start:.2f} u_max at the start, {loss.snap:.3f} in the snap near 11",
         otherwise=f"A cycle falls {loss.whole:.2f} u_max short. In the last "

@@ -153,7 +153,8 @@ def _planned(
     search = _search_with_friction if rubbed else _search_branches
     program = _plan_by_relays(task) if not rubbed and len(chain) > _LOOKED_AT else None
     program = replace(program or search(task), robust=robust)
-    if program.hangs is None:
+    landing = program.mobility_dependent_landing
+    if landing is None:
         return program
     task = replace(task, robust=robust)
     turned = None if rubbed else _plan_by_relays(task)
@@ -162,7 +163,7 @@ def _planned(
     try:
         return search(task)
     except Unreachable as why:
-        text = _mobility_failure(program, program.hangs) + ("" if why.proved else f" {_NO_PROOF}")
+        text = _mobility_failure(program, landing) + ("" if why.proved else f" {_NO_PROOF}")
         raise Unreachable(text, proved=why.proved) from None
 
 
@@ -179,18 +180,18 @@ def _task(chain: Chain, start: str, target: str, progress: Progress = None) -> _
 _NO_PROOF = "That is no proof: not all ways could be looked at, or a tie stands in one."
 
 
-def _mobility_failure(program: Program, hangs: Landing) -> str:
+def _mobility_failure(program: Program, landing: Landing) -> str:
     """Reason why no program holds for all mobilities within a ratio."""
-    event, place = hangs.event, hangs.elsewhere[0]
+    event, place = landing.event, landing.elsewhere[0]
     at = amount(event.drive, program.chain.drive_unit, 4)
     way = "loading" if event.direction > 0 else "unloading"
     cells = ", ".join(program.chain.names[cell] for cell in event.cells)
     factors = ", ".join(f"{one:.3g}" for one in place.mobility)
     return (
         f"no program from {program.start} to {program.target} has snaps that all land in one place "
-        f"for mobility ratios up to {hangs.ratio:g}. On the shortest program, {program}, the snap "
-        f"at {at} while {way} ({cells}) fails: with {factors} times the given mobilities it lands "
-        f"in {place.state}. Set a smaller ratio, choose another target state or change a cell."
+        f"for mobility ratios up to {landing.ratio:g}. On the shortest program, {program}, the "
+        f"snap at {at} while {way} ({cells}) fails: with {factors} times the given mobilities it "
+        f"lands in {place.state}. Set a smaller ratio, choose another target state or change a cell."
     )
 
 

@@ -174,9 +174,9 @@ class Program(base.ByValue, base.Drawn):
         """Method that computed it, and the robustness of its landings if requested."""
         if not self.landings:
             return self.method
-        if self.hangs is not None:
-            at = base.amount(self.hangs.event.drive, self.chain.drive_unit, 4)
-            return f"{self.method}; the snap at {at} {str(self.hangs).rstrip('.')}"
+        if landing := self.mobility_dependent_landing:
+            at = base.amount(landing.event.drive, self.chain.drive_unit, 4)
+            return f"{self.method}; the snap at {at} {str(landing).rstrip('.')}"
         sampled = [one for one in self.landings if one.proof is None]
         proved = len(self.landings) - len(sampled)
         ways = [f"{proved} proved"] if proved else []
@@ -188,9 +188,14 @@ class Program(base.ByValue, base.Drawn):
         return f"{self.method}; {hold}: {', '.join(ways)}"
 
     @property
-    def hangs(self) -> Landing | None:
+    def mobility_dependent_landing(self) -> Landing | None:
         """The first of its landings that depends on the mobilities; None where all hold."""
         return next((one for one in self.landings if not one.holds), None)
+
+    @property
+    def meets_target(self) -> bool:
+        """Whether it ends in its target for all mobilities."""
+        return self.arrives == self.target and self.mobility_dependent_landing is None
 
     @property
     def arrives(self) -> str:

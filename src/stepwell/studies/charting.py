@@ -11,7 +11,7 @@ import numpy as np
 
 from stepwell.base import InputError, Progress, StepwellError, tracked
 from stepwell.concave import DECIDED, as_made, classed, closed_graph, motion_orders, proved_ends
-from stepwell.design import USUAL, Draws, Share, Tolerances, share_of
+from stepwell.design import DEFAULT_TOLERANCES, Draws, Share, Tolerances, share_of
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, TransitionGraph
 from stepwell.studies import graph_classes as classes
@@ -31,7 +31,7 @@ _Best = list[tuple[float, int]]
 def charted(
     study: Study,
     *,
-    tolerances: Tolerances = USUAL,
+    tolerances: Tolerances = DEFAULT_TOLERANCES,
     samples: int = 1000,
     checks: int = 100,
     progress: Progress = None,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from stepwell.base import InputError, from_unit, nearest_word, to_unit
-from stepwell.design import USUAL, Tolerances
+from stepwell.design import DEFAULT_TOLERANCES, Tolerances
 from stepwell.files import DesignError, DesignFile, WrittenProgram, loads_tables
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
@@ -76,8 +76,8 @@ class Ask:
 
     def tolerances(self) -> Tolerances:
         """Tolerances with the keys anchor_mm and stiffness_percent, both with usual defaults."""
-        anchor = self.number("anchor_mm", 0.0, 1000.0, to_unit(USUAL.anchor, "mm"))
-        usual = to_unit(USUAL.stiffness, "percent")
+        anchor = self.number("anchor_mm", 0.0, 1000.0, to_unit(DEFAULT_TOLERANCES.anchor, "mm"))
+        usual = to_unit(DEFAULT_TOLERANCES.stiffness, "percent")
         stiffness = self.number("stiffness_percent", 0.0, 24.9, usual)
         return Tolerances(anchor=from_unit(anchor, "mm"), stiffness=from_unit(stiffness, "percent"))
 

@@ -201,7 +201,7 @@ def program_header(program: Program) -> dict[str, Any]:
         "start": program.start,
         "target": program.target,
         "arrives": program.arrives,
-        "meets_target": program.arrives == program.target and program.hangs is None,
+        "meets_target": program.meets_target,
         "proved": program.shortest,
         "reason": program.reason,
         "turning_points_mm": [point * drive for point in program.turning_points],

@@ -18,7 +18,7 @@ from stepwell.design.synthesis.elements import Allowed, ElementTarget, Range, Sc
 from stepwell.design.synthesis.region import AnchorBox, AnchorPolygon, BandType, Region
 from stepwell.design.synthesis.tries import Placed, TargetSearch
 from stepwell.design.targets import Target, unsearchable
-from stepwell.design.tolerances.draws import USUAL, Tolerances, levers_of, refuse_slips
+from stepwell.design.tolerances.draws import DEFAULT_TOLERANCES, Tolerances, levers_of, refuse_slips
 from stepwell.design.tolerances.yields import Yield, yields
 from stepwell.mechanism import Chain, Element, Linear, SlipError, sizes
 from stepwell.sequences import Cycle, cycle
@@ -46,7 +46,7 @@ def design(
     lever: Levers = areas.PAPER_LEVER,
     limit: float = math.pi / 4,
     equal_levers: bool = True,
-    tolerances: Tolerances = USUAL,
+    tolerances: Tolerances = DEFAULT_TOLERANCES,
     objective: str = "yield",
     most_force: float = math.inf,
     actuator_stiffness: float = math.inf,

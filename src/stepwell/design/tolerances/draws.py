@@ -77,7 +77,7 @@ class Tolerances(base.ByValue):
         )
 
 
-USUAL = Tolerances(anchor=base.USUAL_ANCHOR, stiffness=base.USUAL_STIFFNESS)
+DEFAULT_TOLERANCES = Tolerances(anchor=base.USUAL_ANCHOR, stiffness=base.USUAL_STIFFNESS)
 """Tolerances of careful workshop practice with rubber bands."""
 
 

@@ -6,7 +6,13 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from stepwell.base import ONE_BY_ONE, InputError, Progress, require, tracked
-from stepwell.design.tolerances.draws import USUAL, Draws, Tolerances, frictionless, validate
+from stepwell.design.tolerances.draws import (
+    DEFAULT_TOLERANCES,
+    Draws,
+    Tolerances,
+    frictionless,
+    validate,
+)
 from stepwell.design.tolerances.tally import Counted, sampling_text
 from stepwell.mechanism import Chain, SlipError, Stretch, sizes
 from stepwell.sequences import checked_state
@@ -53,7 +59,7 @@ def survival(
     chain: Chain,
     turning_points: Sequence[float],
     target: str,
-    tolerances: Tolerances = USUAL,
+    tolerances: Tolerances = DEFAULT_TOLERANCES,
     *,
     start: str | None = None,
     samples: int | None = None,

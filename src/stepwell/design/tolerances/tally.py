@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Bools, ByValue, Floats, Ints, Progress, notify, tracked
-from stepwell.concave import ASK, DOES, OTHER, TIE, DrawJudge, Judged, one_travel
+from stepwell.concave import ASK, DOES, OTHER, TIE, DrawJudge, SampleVerdicts, one_travel
 from stepwell.design.orders import numbered_cycle, orders_of, short
 from stepwell.design.switches import Switches, are_relays, relay_cycle
 from stepwell.design.targets import landings_of_reachable, reachable_states, state_differences
@@ -93,10 +93,10 @@ class RelayJudge:
     draws: Draws
     target: str
     orders: Ints | None  # (2, T) of the target; None if two switch at once
-    # Cycles with their numbers in `Judged.does`.
+    # Cycles with their numbers in `SampleVerdicts.does`.
     texts: dict[str, int] = field(default_factory=dict[str, int])
 
-    def __call__(self, drawn: Floats) -> Judged:
+    def __call__(self, drawn: Floats) -> SampleVerdicts:
         """Outcomes of draws (m, columns)."""
         forces = self.draws.switching_forces(drawn)
         motion = Switches.of(self.draws.chain.last_state).motion(forces)
@@ -112,7 +112,7 @@ class RelayJudge:
             wrong = np.sum((gaps < 0) & (verdict == OTHER)[:, None, None], axis=0)
             nearest = np.argmin(gaps.reshape(len(gaps), -1), axis=1)
             narrowest = np.bincount(nearest, minlength=wrong.size).reshape(wrong.shape)
-        return Judged(verdict, does, gap, wrong, narrowest)
+        return SampleVerdicts(verdict, does, gap, wrong, narrowest)
 
 
 def gaps_between(forces: Floats, orders: Ints) -> Floats:

@@ -178,7 +178,7 @@ class Yield(Counted, base.Drawn):
 
 def yields(
     chain: Chain,
-    tolerances: draws.Tolerances = draws.USUAL,
+    tolerances: draws.Tolerances = draws.DEFAULT_TOLERANCES,
     *,
     samples: int | None = None,
     seed: int = 0,

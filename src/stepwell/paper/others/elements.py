@@ -8,7 +8,7 @@ import numpy as np
 
 from stepwell.base import to_unit
 from stepwell.mechanism import Chain, Element, balloon, kresling
-from stepwell.paper.claims import Finding, claim, judged
+from stepwell.paper.claims import Finding, claim, finding_of
 from stepwell.paper.others.pairs import next_state, straight
 from stepwell.sequences import TransitionGraph
 from stepwell.statics import Event, EventKind, drive_range
@@ -54,7 +54,7 @@ def balloons_under_pressure() -> Finding:
         memory = graph.reading.return_point_memory.holds
         right &= arrows(graph) == expected and memory
         counts.append(f"{len(expected)} arrows of {len(balloons)} balloons")
-    return judged(
+    return finding_of(
         right,
         f"{' and '.join(counts)}, one balloon each; return points are remembered",
         note=f"Each balloon goes at its own two pressures. {LAW}",
@@ -73,7 +73,7 @@ def balloons_under_volume() -> Finding:
         avalanches += len(changed)
         memory &= volume.reading.return_point_memory.holds
         changes += [f"{_arrow(way)}{after}, not {before}" for way, before, after in changed]
-    return judged(
+    return finding_of(
         avalanches > 0 and not memory,
         "; ".join(changes),
         note="Each is an avalanche: as one balloon takes the air, another gives its own back. "
@@ -94,7 +94,7 @@ def balloons_with_air() -> Finding:
             if stiffness is not None:
                 size = f"{stiffness * 1e-6:.2g} kPa/L ({_ATMOSPHERE / stiffness:.2g} m³)"
                 thresholds.append(f"{_arrow(way)}{after} above {size}")
-    return judged(
+    return finding_of(
         single and bool(thresholds),
         "; ".join(thresholds),
         note=f"In brackets the air at one atmosphere that is as stiff, K = p/V. {LAW}",
@@ -155,7 +155,7 @@ def countersnap() -> Finding:
     snap = _snaps(chain, (0.0, 1.5))[0]
     counter = Chain((straight(_CROSSING),))
     pulled = _snaps(counter, (0.0, 0.0105))[0]
-    return judged(
+    return finding_of(
         snap.after[0] < snap.before[0] and pulled.force_after > pulled.force_before,
         f"{to_unit(snap.before[0], 'mm'):.4g} to {to_unit(snap.after[0], 'mm'):.4g} mm at "
         f"{snap.drive:.3g} N; at a prescribed length from {pulled.force_before:.3g} to "
@@ -171,7 +171,7 @@ def countersnaps_in_series() -> Finding:
     scales = 1.0 + _SPREAD * np.arange(COUNT)
     together = _flips([straight(_CROSSING, scale) for scale in scales])
     apart = _flips([straight(_PLAIN, scale) for scale in scales])
-    return judged(
+    return finding_of(
         together == [COUNT] and apart == [1] * COUNT,
         f"snaps of {', '.join(map(str, together))}; of ordinary ones, of "
         f"{', '.join(map(str, apart))}",
@@ -186,7 +186,7 @@ def countersnaps_in_parallel() -> Finding:
     elements = [replace(straight(_CROSSING), travel_scale=1.0 + 0.02 * k) for k in range(_BESIDE)]
     snaps = _snaps(Chain((Element.side_by_side(elements),)), (0.0, 0.0110))
     places = ", ".join(f"{to_unit(snap.drive, 'mm'):.4g}" for snap in snaps)
-    return judged(
+    return finding_of(
         len(snaps) == len(elements),
         f"{len(snaps)} snaps of {len(elements)} elements, at {places} mm",
         note="A prescribed length, so that none feels the others.",
@@ -229,7 +229,7 @@ def kresling_pair() -> Finding:
             for a, b in zip(events[:half], events[half:], strict=True)
         )
     right = sequences == ["00>10>11>01>00", "00>01>11>10>00"]
-    return judged(
+    return finding_of(
         right and same and not ties,
         f"{sequences[0]}, and {sequences[1]} with the folds exchanged",
         note="The fold that takes less force goes first both ways, so that the pair goes through "

@@ -8,7 +8,7 @@ import numpy as np
 
 from stepwell.base import Floats
 from stepwell.mechanism import Chain, Element
-from stepwell.paper.claims import Finding, claim, judged
+from stepwell.paper.claims import Finding, claim, finding_of
 from stepwell.sequences import TransitionGraph
 
 # A graph as a sorted tuple of arrows, such as "01+12": from 01 a rising drive flips cell 1, then 2.
@@ -419,7 +419,7 @@ def next_state(graph: TransitionGraph, state: str, direction: int) -> str:
 def two_hysterons() -> Finding:
     """Two hysterons with fields that depend on the state have 35 transition graphs."""
     all_graphs = graphs()
-    return judged(
+    return finding_of(
         len(all_graphs) == 35,
         str(len(all_graphs)),
         note="All orders of the eight fields in which every state stands at some drive; graphs "
@@ -431,7 +431,9 @@ def two_hysterons() -> Finding:
 def two_hysterons_reached() -> Finding:
     """Without their Gardens of Eden they are 13."""
     count = _count_reached(graphs())
-    return judged(count == 13, str(count), note="States that no drive leads to from 00 left out.")
+    return finding_of(
+        count == 13, str(count), note="States that no drive leads to from 00 left out."
+    )
 
 
 @claim(OURS, "not asked", "each design followed, the others excluded")
@@ -439,7 +441,7 @@ def pairs_under_force() -> Finding:
     """Under a prescribed force, two elements in series make 2 of the 35, 2 of the 13."""
     alone = {graph for graph in graphs() if all(len(way) == 4 for way in graph)}
     made = {canonical(graph_of(chain, "force")) for chain in pairs().values()}
-    return judged(
+    return finding_of(
         made == alone,
         _share(made),
         note="No element feels another, so a drive flips one at a time: of the 35 only these have "
@@ -467,7 +469,7 @@ def pairs_that_fold() -> Finding:
     excluded = [graph for graph in graphs() if not possible(graph, plain=False)]
     undecided = len(graphs()) - len(made) - len(excluded)
     folded = [folding(pairs()[graph]) for graph in made]
-    return judged(
+    return finding_of(
         _count_reached(made) == 13,
         _share(made),
         note=f"{folded.count(0)} with no curve that folds back, {folded.count(1)} with one, "
@@ -482,7 +484,7 @@ def _whether_made(drive: float | None) -> Finding:
     plain = ((graph, chain) for graph, chain in pairs().items() if not folding(chain))
     made = {graph for graph, chain in plain if _makes(chain, graph, drive)}
     others = {graph for graph in graphs() if possible(graph, plain=True)}
-    return judged(
+    return finding_of(
         made == others,
         _share(made),
         note="Where an element goes on, the shared force falls, so that no other one follows it: "

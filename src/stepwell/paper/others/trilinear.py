@@ -4,7 +4,7 @@ import math
 
 from stepwell.base import to_unit
 from stepwell.mechanism import Chain, Element
-from stepwell.paper.claims import Finding, claim, judged
+from stepwell.paper.claims import Finding, claim, finding_of
 from stepwell.statics import Event, EventKind
 
 WHERE = "Puglisi and Truskinovsky 2000 (formula: our derivation)"
@@ -81,7 +81,7 @@ def trilinear_branches() -> Finding:
                         abs(snap.drive - length(force, n, cells)) / size,
                         abs(snap.force_before - force) / PEAK[1],
                     )
-    return judged(
+    return finding_of(
         worst <= _SAME,
         f"{branches} branches, N = {_listed(LENGTHS)}: ends and forces the same",
         note=f"N C n ways to choose the springs of a branch all have the same. Peak {PEAK[1]:g} N, "
@@ -106,7 +106,7 @@ def trilinear_hard_device() -> Finding:
     one_by_one &= len(cycle.snaps) == 2 * _CYCLED and all(map(_single, cycle.snaps))
     worst = max(worst, abs(cycle.dissipated - hysteresis(_CYCLED)) / hysteresis(_CYCLED))
     soft = to_unit(transformation() * (PEAK[1] - VALLEY[1]), "mJ")
-    return judged(
+    return finding_of(
         worst <= _SAME and one_by_one,
         ", ".join(energies),
         note=f"Towards the {soft:g} mJ of a soft device as N grows. The first, the middle and the "
@@ -131,7 +131,7 @@ def trilinear_soft_device() -> Finding:
             abs(forces[+1] - PEAK[1]),
             abs(forces[-1] - VALLEY[1]),
         )
-    return judged(
+    return finding_of(
         worst <= _SAME,
         f"{to_unit(transformation() * (PEAK[1] - VALLEY[1]), 'mJ'):g} mJ a spring, N = "
         f"{_listed(LENGTHS)}",
@@ -158,7 +158,7 @@ def trilinear_spinodal() -> Finding:
         abs(energy - hysteresis(cells, GENTLE)) <= _SAME * hysteresis(above, GENTLE)
         for cells, energy in lost.items()
     )
-    return judged(
+    return finding_of(
         right and falling == 1,
         f"1 + k/κ = {edge:g}: {below} lose {to_unit(lost[below], 'mJ'):.3g} mJ, "
         f"{above} lose {to_unit(lost[above], 'mJ'):.3g} mJ; {falling} in the fall",

@@ -5,7 +5,7 @@ from typing import Any
 
 from stepwell import accounts, files, sequences
 from stepwell.base import InputError, from_unit
-from stepwell.design import Yield, design as designed, judged, yields
+from stepwell.design import Yield, design as designed, verdict_of, yields
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.panels.motion import answer_evaluate as evaluated
 
@@ -83,5 +83,5 @@ def answer_yield(design: PageDesign, ask: Ask) -> View:
 
 
 def _yield_record(result: Yield, tied: bool) -> dict[str, Any]:
-    verdict = judged(meets_target=True, tied=tied, interval=result.interval)
+    verdict = verdict_of(meets_target=True, tied=tied, interval=result.interval)
     return {**accounts.account(result).record, "verdict": verdict}
