@@ -191,7 +191,8 @@ def _mobility_failure(program: Program, landing: Landing) -> str:
         f"no program from {program.start} to {program.target} has snaps that all land in one place "
         f"for mobility ratios up to {landing.ratio:g}. On the shortest program, {program}, the "
         f"snap at {at} while {way} ({cells}) fails: with {factors} times the given mobilities it "
-        f"lands in {place.state}. Set a smaller ratio, choose another target state or change a cell."
+        f"lands in {place.state}. Set a smaller ratio, choose another target state or change a "
+        "cell."
     )
 
 
