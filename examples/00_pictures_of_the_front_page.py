@@ -103,7 +103,7 @@ def real() -> Figure:
     leg = sw.preset("paper-forward")
     off = np.arange(0.0, 6.01, 0.5)
     found = [leg.yields(sw.Tolerances(anchor=a / MM, stiffness=0.05), samples=20_000) for a in off]
-    share = np.array([one.share for one in found]) * 100
+    share = np.array([one.fraction for one in found]) * 100
     low, high = (np.array([one.interval[k] for one in found]) * 100 for k in (0, 1))
     figure = blank(COLUMN, TALL)
     ax = place(figure, 15.0, 10.0, 67.0, 40.0)

@@ -41,7 +41,7 @@ def test_every_form_has_the_graphs_with_their_fractions_and_yields(made):
     for form in (_text(told), card(told), page(told)):
         assert f"{len(found.graph_classes)} graphs and {len(found.cycles)} cycles" in form
         for one in found.graph_classes:
-            assert one.name in form and f"{one.share.share * 100:.4g}" in form
+            assert one.name in form and f"{one.fraction.estimate * 100:.4g}" in form
 
 
 def test_the_answer_to_a_query_has_only_the_machines_that_match(made):

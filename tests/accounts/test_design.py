@@ -54,8 +54,8 @@ def test_the_record_has_cells_in_file_units_and_the_cycle(back):
         assert one["q_mm"] == pytest.approx([v * 1e3 for v in cell.bands[0].q])
         assert one["F1_N"] == cell.force_1
     assert record["robustness"]["radius_mm"] == pytest.approx(back.robustness.radius * 1e3)
-    assert record["robustness"]["share"] is None
-    assert record["yield"]["share"] == back.yield_.share
+    assert record["robustness"]["fraction"] is None
+    assert record["yield"]["fraction"] == back.yield_.fraction
     assert record["seed"] == record["yield"]["seed"] == 0
 
 
@@ -85,7 +85,7 @@ def test_elements_have_scales_and_a_share_of_their_forces(scaled):
     assert [one["force_scale"] for one in record["cells"]] == [
         cell.force_scale for cell in scaled.chain.elements
     ]
-    assert record["robustness"]["share"] == scaled.robustness.share
+    assert record["robustness"]["fraction"] == scaled.robustness.fraction
     assert record["robustness"]["radius_mm"] is None
     assert all("curved-beam" in form and "scale" in form for form in _forms(found))
     # A column with the same in every row shows nothing.

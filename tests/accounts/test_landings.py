@@ -61,7 +61,7 @@ def test_every_snap_of_a_small_chain_has_its_landing(race):
         for place, other in zip(landing.elsewhere, one["elsewhere"], strict=True):
             assert tuple(other["mobility"]) == place.mobility
             assert other["travel_mm"] == [s / 1e-3 for s in place.travel]
-            assert (other["state"], other["share"]) == (place.state, place.share)
+            assert (other["state"], other["fraction"]) == (place.state, place.fraction)
 
 
 def test_the_mobilities_of_another_landing_lead_there(race):

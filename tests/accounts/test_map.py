@@ -35,8 +35,8 @@ def test_the_record_has_axes_in_file_units_and_shares_that_add_up(forward):
         "count": 11,
         "design": pytest.approx(20.0),
     }
-    assert sum(record["shares"].values()) == pytest.approx(1.0)
-    assert sum(record["pathway_shares"].values()) == pytest.approx(1.0)
+    assert sum(record["fractions"].values()) == pytest.approx(1.0)
+    assert sum(record["pathway_fractions"].values()) == pytest.approx(1.0)
     assert record["closed_form_designs"] == 121 and record["engine_designs"] == 0
     assert len(record["boundaries"]) == len(forward.boundaries) > 0
     assert [one["points"] for one in record["boundaries"]] == [
@@ -49,7 +49,7 @@ def test_every_form_has_axes_and_shares_and_the_terminal_the_boundaries(forward)
     screen, small, made = forms(found)
     for form in (screen, small, made):
         assert "0 to 20 mm, 11 values" in form and "-15 to 15 mm, 11 values" in form
-        for name, share in found.record["shares"].items():
+        for name, share in found.record["fractions"].items():
             if share:
                 assert name in form and percent(share) in form
     for boundary in forward.boundaries:
@@ -63,7 +63,7 @@ def test_every_form_has_axes_and_shares_and_the_terminal_the_boundaries(forward)
 def test_of_three_cells_there_are_no_pathways():
     record = account(_over_anchor(sw.preset("three-wave"), 1)).record
     assert violations(record) == []
-    assert record["pathway_shares"] is None
+    assert record["pathway_fractions"] is None
 
 
 def test_scales_have_no_unit_and_frictions_that_of_the_chain():

@@ -43,9 +43,9 @@ def test_every_form_has_the_most_frequent_outcome_with_its_interval(study):
     found = account(study)
     assert violations(found.record) == []
     first = found.record["outcomes"][0]
-    assert first["share_low"] < first["share"] < first["share_high"]
+    assert first["fraction_low"] < first["fraction"] < first["fraction_high"]
     for form in (_text(found), card(found), page(found)):
-        assert f"{first['share'] * 100:.1f} %" in form
+        assert f"{first['fraction'] * 100:.1f} %" in form
         assert "95 % confidence" in form
 
 
@@ -54,7 +54,7 @@ def test_ends_are_in_the_units_of_their_rows_and_what_chance_could_make_is_not_s
     x, _ = found.record["varied"]
     assert x == {"parameter": "outer.q.x", "unit": "mm", "from": 0.0, "to": 20.0}
     for one, decided in zip(found.record["decided"], study.decided, strict=True):
-        sure = [each for each in one["influences"] if each["share"] > one["floor"]]
+        sure = [each for each in one["influences"] if each["fraction"] > one["floor"]]
         assert [each["parameter"] for each in sure] == [each.name for each in decided.sure]
 
 

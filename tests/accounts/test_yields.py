@@ -57,7 +57,7 @@ def test_every_form_has_target_yield_tolerances_critical_order_and_other_outcome
     for form in _forms(account(loose)):
         for text in (
             loose.target,
-            f"{percent(loose.share)}, with 95 % confidence {low} to {high}",
+            f"{percent(loose.fraction)}, with 95 % confidence {low} to {high}",
             "anchors ±2 mm, stiffness ±10 %",
             str(loose.critical),
             other,
@@ -87,7 +87,7 @@ def test_forces_of_a_chain_of_pressures_are_in_its_units():
 
 def test_it_is_warned_of_where_no_sample_reproduces_the_target():
     found = account(sw.preset("paper-forward").yields(samples=5, target="00>01>11>10>00"))
-    assert found.record["share"] == 0.0
+    assert found.record["fraction"] == 0.0
     assert [*found.warnings[0].lines] == [found.record["advice"]] != [""]
 
 

@@ -14,7 +14,7 @@ from lab.values import of_recordings
 from stepwell import simulation
 from stepwell.accounts import account
 from stepwell.base import Installation, StepwellError, installation
-from stepwell.design import DEFAULT_TOLERANCES, Run, share_of
+from stepwell.design import DEFAULT_TOLERANCES, Run, fraction_of
 from stepwell.studies import Atlas, Axis, GraphClass, SampledGraphs, Space, Status, sweep
 
 _AXES = (Axis("outer.q.x", 0.0, 0.02),)
@@ -31,13 +31,13 @@ def _refused(ask: Any) -> StepwellError:
 def _atlas(chain: sw.Chain) -> Atlas:
     """Of one graph class, as `charted` would give it."""
     one = GraphClass(
-        "0a1b2c3d", share_of(60, 100), 7, chain, 0.1, share_of(9, 10), True, "00>10>11>01>00",
+        "0a1b2c3d", fraction_of(60, 100), 7, chain, 0.1, fraction_of(9, 10), True, "00>10>11>01>00",
         *(4, 4, 2, 0), True, *(0, 0, 0, 0, 0), ways=(),
     )  # fmt: skip
     counts = (100, 60, 0, 40, 0)
     return Atlas(
         chain, _AXES, "stroke", 0, *counts, DEFAULT_TOLERANCES, (one,), (),
-        share_of(1, 50), SampledGraphs(0, 0, {}), 0, 0, None, False,
+        fraction_of(1, 50), SampledGraphs(0, 0, {}), 0, 0, None, False,
     )  # fmt: skip
 
 

@@ -41,7 +41,7 @@ def test_json_alone_says_everything(stepwell, tmp_path):
         assert row["F0_N"] == pytest.approx(cell.force_0)
         assert row["q_mm"] == pytest.approx([v * 1e3 for v in cell.bands[0].q])
     again = yields(chain, Tolerances(0.0003, 0.05), samples=2000)
-    assert record["yield"]["share"] == again.share
+    assert record["yield"]["fraction"] == again.fraction
     assert len(record.pop("files")) == 6
     assert record == json.loads((tmp_path / "out" / "design.json").read_text())
 
@@ -183,9 +183,9 @@ def test_how_far_pressures_are_from_doing_it_is_reported_in_their_unit(stepwell)
 def test_the_allowed_deviation_of_all_forces_is_reported_for_elements(stepwell):
     options = "--element", "preset:von-mises-truss", "--drive", "force", "--samples", 50
     found = json.loads(stepwell("design", BACK, *options, "--json").stdout)["robustness"]
-    assert 0.0 < found["share"] < 1.0
+    assert 0.0 < found["fraction"] < 1.0
     assert found["radius_mm"] is None
-    told = f"All forces may deviate by {found['share'] * 100:.4g} % at once"
+    told = f"All forces may deviate by {found['fraction'] * 100:.4g} % at once"
     assert told in " ".join(stepwell("design", BACK, *options).stdout.split())
 
 

@@ -66,7 +66,7 @@ def page(name: str) -> str:
 
 
 # What these hold goes by the names of laws, parameters, samples, sequences or files.
-BY_NAME = {"values", "each", "correlations", "shares", "data_sha256", "designs_sha256"}
+BY_NAME = {"values", "each", "correlations", "fractions", "data_sha256", "designs_sha256"}
 
 
 def keys_of(value) -> set[str]:

@@ -54,10 +54,10 @@ def test_the_papers_map_has_the_papers_areas(stepwell):
     # Physics of the two-cell map, q_out over x 0..20, y -15..15 mm.
     record = json.loads(stepwell("map", "forward.toml", "--json").stdout)
     expected = {"counterclockwise": 0.261, "via_01": 0.262, "via_10": 0.262, "clockwise": 0.215}
-    fractions = {name: record["pathway_shares"][name] for name in expected}
+    fractions = {name: record["pathway_fractions"][name] for name in expected}
     assert fractions == pytest.approx(expected, abs=2e-3)
-    assert sum(record["pathway_shares"].values()) == pytest.approx(1.0)
-    by_sequence = {pathway.name.lower(): record["shares"][pathway.value] for pathway in FOUR}
+    assert sum(record["pathway_fractions"].values()) == pytest.approx(1.0)
+    by_sequence = {pathway.name.lower(): record["fractions"][pathway.value] for pathway in FOUR}
     assert by_sequence == fractions
 
 
@@ -65,7 +65,7 @@ def test_the_papers_map_has_the_papers_areas(stepwell):
 def test_the_same_shares_are_printed(stepwell):
     record = json.loads(stepwell("map", "forward.toml", *SMALL, "--json").stdout)
     text = stepwell("map", "forward.toml", *SMALL).stdout
-    for name, share in record["pathway_shares"].items():
+    for name, share in record["pathway_fractions"].items():
         assert (f"{100 * share:.1f} %" in text) == (share > 0)
         assert (name.replace("_", " ") in text) == (share > 0)
     assert "outer.q.x 0 to 20 mm, 41 values" in text
@@ -158,7 +158,7 @@ def test_any_two_parameters_span_a_map(two):
         "design": 20,
     }
     assert record["up"]["design"] == pytest.approx(28.5)
-    assert sum(record["shares"].values()) == pytest.approx(1.0)
+    assert sum(record["fractions"].values()) == pytest.approx(1.0)
     again = xr.load_dataset(out / "map.nc")
     xs, ys = np.linspace(0, 0.02, 11), np.linspace(20, 40, 9)
     chain = sw.preset("paper-forward")
@@ -228,8 +228,8 @@ def test_a_chain_of_any_length_has_a_map_over_an_anchor(stepwell):
     axes = ("--x", "0:20:5", "--y", "-15:15:5", "--cell", "2")
     record = json.loads(stepwell("map", "preset:three-wave", *axes, "--json").stdout)
     assert record["closed_form_designs"] == 25
-    assert record["pathway_shares"] is None
-    assert sum(record["shares"].values()) == pytest.approx(1.0)
+    assert record["pathway_fractions"] is None
+    assert sum(record["fractions"].values()) == pytest.approx(1.0)
     (own,) = {band.q for band in sw.preset("three-wave").cells[1].bands}
     assert [record[name]["design"] for name in ("across", "up")] == pytest.approx(
         [1e3 * place for place in own]

@@ -26,8 +26,8 @@ def test_json_alone_says_everything(stepwell):
     record = json.loads(result.stdout, parse_constant=pytest.fail)
     expected = yields(sw.load("forward.toml"), Tolerances(0.002, 0.1), samples=20_000)
     assert record["schema"] == "stepwell.yield/2"
-    assert record["share"] == expected.share
-    assert (record["share_low"], record["share_high"]) == expected.interval
+    assert record["fraction"] == expected.fraction
+    assert (record["fraction_low"], record["fraction_high"]) == expected.interval
     assert {one["outcome"]: one["count"] for one in record["outcomes"]} == expected.outcomes
     assert record["tolerances"]["anchor_mm"] == 2
     assert record["tolerances"]["stiffness_percent"] == 10
@@ -41,7 +41,7 @@ def test_every_tolerance_has_its_option(stepwell):
     record = json.loads(result.stdout)
     given = Tolerances(0.002, 0.1, 0.04, 0.0005, 0.02)
     expected = yields(sw.load("forward.toml"), given, samples=20_000, seed=3)
-    assert record["share"] == expected.share
+    assert record["fraction"] == expected.fraction
     tolerances = record["tolerances"]
     assert (
         tolerances["rest_length_percent"],
@@ -54,7 +54,7 @@ def test_every_tolerance_has_its_option(stepwell):
 
 def test_another_cycle_may_be_wanted(stepwell):
     options = ("--target", "00>01>11>10>00", "--samples", 1000, "--json")
-    assert json.loads(stepwell("yield", "forward.toml", *options).stdout)["share"] == 0
+    assert json.loads(stepwell("yield", "forward.toml", *options).stdout)["fraction"] == 0
 
 
 def test_what_one_stroke_cannot_do_is_said_with_what_to_ask_instead(stepwell):
@@ -67,7 +67,7 @@ def test_what_one_stroke_cannot_do_is_said_with_what_to_ask_instead(stepwell):
 def test_states_may_be_wanted(stepwell):
     options = ("--target", "00,10,01,11", "--samples", 20, "--json")
     record = json.loads(stepwell("yield", "forward.toml", *options).stdout)
-    assert record["share"] == 1
+    assert record["fraction"] == 1
     assert record["target_states"] == ["00", "10", "01", "11"]
     assert record["advice"] == ""
 

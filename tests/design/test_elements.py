@@ -86,7 +86,7 @@ def test_an_element_of_one_phase_has_nothing_to_switch(drive):
     alone = sw.Chain([rises], drive)
     assert alone.cycle().sequence == "0"
     result = alone.yields(samples=5, sensitivity=True)
-    assert result.share == 1.0
+    assert result.fraction == 1.0
     assert result.sensitivities is not None
     assert not result.sensitivities.parameters
     assert alone.margin().changes[0].distance == math.inf
@@ -195,7 +195,8 @@ def test_states_of_elements_can_be_wanted():
     every = chain.yields(sw.Tolerances(stiffness=0.01), samples=5, target=["00", "10", "01", "11"])
     assert every.successes == 5
     assert (
-        chain.yields(sw.Tolerances(stiffness=0.01), samples=5, target=["00", "10", "11"]).share == 0
+        chain.yields(sw.Tolerances(stiffness=0.01), samples=5, target=["00", "10", "11"]).fraction
+        == 0
     )
     with pytest.raises(ValueError, match="digits up to 11"):
         chain.yields(samples=5, target=["00", "20"])
@@ -205,9 +206,9 @@ def test_a_program_survives_where_elements_end_in_their_phases():
     chain = pair(FORCE)
     program = chain.program("01")
     exact = chain.survival(program.turning_points, "01", sw.Tolerances(), samples=2)
-    assert exact.share == 1.0
+    assert exact.fraction == 1.0
     loose = chain.survival(program.turning_points, "01", sw.Tolerances(stiffness=0.2), samples=40)
-    assert 0.0 < loose.share < 1.0
+    assert 0.0 < loose.fraction < 1.0
     says(loose.assumptions, "normal", "all forces", "element")
 
 
@@ -324,10 +325,10 @@ def test_all_forces_may_deviate_by_the_reported_fraction_and_no_more(seed):
             for corner in corners
         }
 
-    assert 0.0 < result.share < 1.0
-    assert cycles(result.share * (1.0 - 1e-6)) == {now}
-    assert cycles(min(result.share * (1.0 + 1e-6), 0.999)) != {now}
-    says(str(result), "all forces", f"{result.share * 100:.4g} %")
+    assert 0.0 < result.fraction < 1.0
+    assert cycles(result.fraction * (1.0 - 1e-6)) == {now}
+    assert cycles(min(result.fraction * (1.0 + 1e-6), 0.999)) != {now}
+    says(str(result), "all forces", f"{result.fraction * 100:.4g} %")
 
 
 def test_a_map_over_scales_tells_what_each_chain_does():
@@ -400,8 +401,8 @@ def test_elements_are_scaled_for_a_cycle_as_surely_as_can_be_or_it_is_proved_imp
     assert designed.proved
     assert designed.chain.cycle().sequence == designed.sequence == cycle
     assert designed.robustness is not None
-    surest = max((chain.robustness().share for chain in doing), default=0.0)
-    assert designed.robustness.share >= surest - 1e-6
+    surest = max((chain.robustness().fraction for chain in doing), default=0.0)
+    assert designed.robustness.fraction >= surest - 1e-6
     for cell in designed.chain.elements:
         assert 0.5 - 1e-9 <= cell.force_scale <= 2.0 + 1e-9
     assert "force scale" in str(designed)

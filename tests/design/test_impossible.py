@@ -93,7 +93,7 @@ def test_holes_where_the_band_is_not_proved_concave_are_tried_too():
     known = [(0.010, 0.010), (0.010, -0.005), (0.005, -0.010)]
     other = sw.Chain([c for q in known if (c := cell(LONG, q)) is not None])
     same = other.yields(Tolerances(anchor=0.001), samples=100, target=ISSUE)
-    assert 0.6 < same.share <= made.yield_.share + 0.1
+    assert 0.6 < same.fraction <= made.yield_.fraction + 0.1
     assert not made.proved
     says(made.method, "remaining candidates")
     says(made.assumptions, "not all cells", "concave", "simulated")

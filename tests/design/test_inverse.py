@@ -78,7 +78,7 @@ def test_each_cycle_of_three_cells_is_found_in_the_papers_box_with_the_papers_ba
         assert (band.stiffness, band.rest_length, band.p) == (28.5, 0.010, (-0.010, 0.0))
         assert (cell.lever, cell.limit) == (PAPER_LEVER, math.pi / 4)
     assert made.yield_.target == wanted
-    assert made.yield_.share == 1.0
+    assert made.yield_.fraction == 1.0
 
 
 @pytest.mark.slow
@@ -127,15 +127,15 @@ ROUGH = Tolerances(anchor=0.0015, stiffness=0.12)
 def test_no_anchor_a_millimetre_elsewhere_yields_more(loading, unloading):
     wanted, n = cycle(loading, unloading), 20_000
     made = design(wanted, tolerances=ROUGH, samples=n)
-    assert 0.5 < made.yield_.share < 0.9999
-    noise = 3 * math.sqrt(made.yield_.share * (1 - made.yield_.share) / n)
+    assert 0.5 < made.yield_.fraction < 0.9999
+    noise = 3 * math.sqrt(made.yield_.fraction * (1 - made.yield_.fraction) / n)
     for i, move in product(range(len(loading)), ((1, 0), (-1, 0), (0, 1), (0, -1))):
         q = made.anchors.copy()
         q[i] = PAPER_BOX.clamped(q[i : i + 1] + 0.001 * np.array(move))[0]
         moved = sw.Chain([paper_cell(*place) for place in q.tolist()])
         # The same seed makes the same errors, so that only the move counts.
         other = yields(moved, ROUGH, samples=n, target=wanted)
-        assert other.share < made.yield_.share + noise
+        assert other.fraction < made.yield_.fraction + noise
 
 
 @pytest.mark.parametrize(
@@ -148,7 +148,7 @@ def test_a_designed_yield_is_above_those_of_obvious_designs(cells, tolerances, m
     obvious = sw.Chain([paper_cell(*place) for place in equal])
     made = design(cycle(range(cells), range(cells)), tolerances=tolerances, samples=20_000)
     assert str(obvious.cycle().sequence) == made.sequence
-    assert made.yield_.share > yields(obvious, tolerances, samples=20_000).share + more
+    assert made.yield_.fraction > yields(obvious, tolerances, samples=20_000).fraction + more
 
 
 @pytest.mark.slow
@@ -156,7 +156,7 @@ def test_each_objective_wins_by_its_own_measure():
     nested = cycle(range(6), range(6))
     sure = design(nested, samples=20_000)
     worst = design(nested, samples=20_000, objective="worst")
-    assert sure.yield_.share > worst.yield_.share
+    assert sure.yield_.fraction > worst.yield_.fraction
     assert sure.robustness is not None and worst.robustness is not None
     assert worst.robustness.radius > 1.1 * sure.robustness.radius
 
@@ -551,7 +551,7 @@ def test_each_cell_may_have_its_own_region():
     # For states any order will do, and the best one is not that of the cells' numbers.
     free = design(states="all", cells=3, within=within, samples=FEW)
     assert free.loading[0] != 0
-    assert free.yield_.share > made.yield_.share
+    assert free.yield_.fraction > made.yield_.fraction
 
 
 def test_holes_on_the_edge_of_a_polygon_count():
@@ -686,7 +686,7 @@ def test_the_catalogue_is_used_and_the_less_scattered_of_two_bands_is_taken():
     three = tuple(BandType(k) for k in (15.0, 28.5, 60.0))
     several = design(nested, bands=three, tolerances=ROUGH, samples=5000)
     assert {cell.bands[0].stiffness for cell in several.chain.levers} <= {15.0, 28.5, 60.0}
-    assert several.yield_.share > one.yield_.share + 0.1
+    assert several.yield_.fraction > one.yield_.fraction + 0.1
 
 
 @pytest.mark.slow

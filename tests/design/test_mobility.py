@@ -29,11 +29,11 @@ RACE = sw.Chain(
 @pytest.mark.slow
 def test_a_landing_that_hangs_on_the_mobilities_takes_the_yield_away():
     plain, robust = RACE.yields(NARROW, samples=5), RACE.yields(NARROW, samples=5, robust=RATIO)
-    assert (plain.share, plain.robust, plain.proved) == (1.0, None, None)
-    assert (robust.share, robust.robust, robust.proved) == (0.0, RATIO, 0)
+    assert (plain.fraction, plain.robust, plain.proved) == (1.0, None, None)
+    assert (robust.fraction, robust.robust, robust.proved) == (0.0, RATIO, 0)
     assert dict(robust.outcomes) == {BY_MOBILITY: 5}
     says(robust.advice, "mobilities", "smaller ratio", "Tolerances(mobility=...)")
-    assert RACE.yields(NARROW, samples=5, robust=1.5).share == 1.0
+    assert RACE.yields(NARROW, samples=5, robust=1.5).fraction == 1.0
 
 
 @pytest.mark.slow
@@ -71,7 +71,7 @@ def test_states_are_wanted_with_landings_that_hold():
     states = [label for label in RACE.graph(start="000").reachable() if "-" not in label]
     wanted = {state.partition("#")[0] for state in states}
     plain = RACE.yields(NARROW, samples=2, target=wanted)
-    assert plain.share == 1.0
+    assert plain.fraction == 1.0
     assert dict(RACE.yields(NARROW, samples=2, target=wanted, robust=RATIO).outcomes) == {
         BY_MOBILITY: 2
     }
@@ -112,7 +112,7 @@ def test_a_mechanism_by_number_is_the_one_that_was_counted():
 @pytest.mark.slow
 def test_unknown_dampers_lower_the_yield_by_as_much_as_they_decide():
     result = RACE.yields(replace(NARROW, mobility=10.0), samples=60)
-    assert 0.5 < result.share < 1.0
+    assert 0.5 < result.fraction < 1.0
     assert BY_MOBILITY not in result.outcomes
 
 

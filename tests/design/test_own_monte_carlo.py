@@ -127,7 +127,7 @@ def test_the_yield_of_a_random_design_is_that_of_mechanisms_made_and_judged_inde
             does.append(followed_sequence(bands))
     # At most a few are folded where a design may stand, and those beyond twenty are left out.
     assert len(does) > 0.9 * n
-    share, ours = does.count(arguments["sequence"]) / len(does), made.yield_.share
+    share, ours = does.count(arguments["sequence"]) / len(does), made.yield_.fraction
     left = 1 - len(does) / n
     noise = math.sqrt(max(ours * (1 - ours), 1e-4) * (1 / n + 1 / 20_000))
     assert abs(share - ours) < 4 * noise + left

@@ -107,9 +107,9 @@ def test_the_yield_is_the_share_of_mechanisms_with_exactly_that_set():
 def test_a_chain_that_reaches_more_is_no_success_and_the_outcome_says_what():
     chain, exact = crossed(), Tolerances()
     result = yields(chain, exact, samples=3, target=WANTED)
-    assert result.share == 0.0
+    assert result.fraction == 0.0
     assert dict(result.outcomes) == {"also reaches 011": 3}
-    assert yields(chain, exact, samples=3, target=[*WANTED, "011"]).share == 1.0
+    assert yields(chain, exact, samples=3, target=[*WANTED, "011"]).fraction == 1.0
     lacking = yields(chain, exact, samples=3, target=[*WANTED, "011", "010"])
     assert dict(lacking.outcomes) == {"does not reach 010": 3}
     assert "the nominal design reaches 000 100 001 110 101 011 111" in lacking.advice

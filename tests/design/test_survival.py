@@ -14,7 +14,7 @@ PROGRAM = (0.020, 0.0386, 0.020)
 
 def test_without_tolerances_every_mechanism_does_what_the_drawing_does():
     made = survival(LEG, PROGRAM, "01", Tolerances(), start="10", samples=3)
-    assert made.share == 1 and made.interval[1] == 1
+    assert made.fraction == 1 and made.interval[1] == 1
     assert survival(LEG, PROGRAM, "10", Tolerances(), start="10", samples=3).successes == 0
 
 
@@ -32,20 +32,20 @@ def test_the_mechanisms_are_those_of_yields():
 
 def test_levers_that_differ_move_the_stops_and_the_actuator_stops_with_them():
     made = survival(LEG, (0.0, 0.040, 0.0), "00", Tolerances(lever=0.0005), samples=20)
-    assert made.share == 1
+    assert made.fraction == 1
 
 
 def test_a_prescribed_force_runs_its_program_too():
     pulled = replace(LEG, actuator_stiffness=0.0)
     program = pulled.program("01")
     built = survival(pulled, program.turning_points, "01", Tolerances(stiffness=0.02), samples=20)
-    assert built.share == 1
+    assert built.fraction == 1
 
 
 def test_it_says_how_sure_it_is():
     made = survival(LEG, PROGRAM, "01", Tolerances(anchor=0.001), start="10", samples=50)
     low, high = made.interval
-    assert low < made.share <= high
+    assert low < made.fraction <= high
     assert "of 50" in repr(made) and "10 to 01" in repr(made)
 
 

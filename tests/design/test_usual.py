@@ -33,7 +33,7 @@ def test_a_yield_without_tolerances_takes_the_usual_ones_everywhere():
         yields(LEG, DEFAULT_TOLERANCES, samples=300),
     ]
     assert {one.tolerances for one in results} == {sw.Tolerances(anchor=0.0003, stiffness=0.05)}
-    assert len({one.share for one in results}) == 1
+    assert len({one.fraction for one in results}) == 1
     assert survival(LEG, (0.0, 0.04), "11", samples=3).tolerances == DEFAULT_TOLERANCES
     assert (
         design("00>10>11>01>00", samples=10).yield_.tolerances.anchor == DEFAULT_TOLERANCES.anchor
@@ -42,7 +42,7 @@ def test_a_yield_without_tolerances_takes_the_usual_ones_everywhere():
 
 def test_what_a_tolerance_does_not_name_is_exact():
     assert sw.Tolerances() == sw.Tolerances(0.0, 0.0, 0.0, 0.0, 0.0)
-    assert LEG.yields(sw.Tolerances(), samples=10).share == 1.0
+    assert LEG.yields(sw.Tolerances(), samples=10).fraction == 1.0
 
 
 @pytest.mark.slow
@@ -143,7 +143,7 @@ def test_a_search_is_never_asked_wherever_it_goes():
     # A box round the place where q is zero: anchors nobody would type.
     near = AnchorBox(-1e-5, 0.015, -1e-5, 0.015)
     made = design("00>10>11>01>00", within=near, samples=20)
-    assert math.isfinite(made.yield_.share)
+    assert math.isfinite(made.yield_.fraction)
     LEG.yields(sw.Tolerances(anchor=0.004, stiffness=0.2), samples=200, sensitivity=True)
 
 

@@ -200,7 +200,7 @@ def test_the_interval_covers_a_probability_known_on_paper():
     result = yields(chain, Tolerances(stiffness=0.12), samples=examples(200_000))
     assert result.target == CLOCKWISE
     low, high = result.interval
-    assert low < result.share < high and low < truth < high
+    assert low < result.fraction < high and low < truth < high
     assert list(result.outcomes) == ["00>01>11>10>00"]
 
 
@@ -221,13 +221,13 @@ def test_exact_parts_always_work():
     rng = np.random.default_rng(7)
     for cells in (1, 2, 3):
         result = yields(concave_chain(rng, cells), Tolerances(), samples=1000)
-        assert result.share == 1.0 and not result.outcomes
+        assert result.fraction == 1.0 and not result.outcomes
         assert result.interval[1] == 1.0 and 0.99 < result.interval[0] < 1.0
 
 
 def test_wider_tolerances_yield_less():
     shares = [
-        yields(leg(), Tolerances(anchor=r), samples=20_000).share for r in (0.001, 0.003, 0.006)
+        yields(leg(), Tolerances(anchor=r), samples=20_000).fraction for r in (0.001, 0.003, 0.006)
     ]
     assert shares[0] > shares[1] > shares[2]
 
@@ -358,15 +358,15 @@ def test_rare_outcomes_are_counted_as_one(monkeypatch):
 
 def test_a_sequence_that_the_drawing_does_not_do_may_be_wanted():
     result = yields(leg(), Tolerances(anchor=0.0005), samples=500, target="00>01>11>10>00")
-    assert result.share == 0.0 and dict(result.outcomes) == {CLOCKWISE: 500}
-    assert result.critical is not None and result.critical.share == 1.0
+    assert result.fraction == 0.0 and dict(result.outcomes) == {CLOCKWISE: 500}
+    assert result.critical is not None and result.critical.fraction == 1.0
     with_spaces = yields(leg(), Tolerances(), samples=5, target="00 > 10 > 11 > 01 > 00")
-    assert with_spaces.share == 1.0 and with_spaces.target == CLOCKWISE
+    assert with_spaces.fraction == 1.0 and with_spaces.target == CLOCKWISE
 
 
 def test_two_cells_at_once_is_no_cycle_of_concave_cells():
     result = yields(leg(), ALL, samples=500, target="00>11>00")
-    assert result.share == 0.0 and result.critical is None
+    assert result.fraction == 0.0 and result.critical is None
     assert CLOCKWISE in result.outcomes
 
 
@@ -417,7 +417,7 @@ def test_the_critical_pair_is_the_one_that_changes_places_most_often():
     assert {critical.first, critical.second} == {1, 2}
     # Straight bands: F1 = -F0, so loading and unloading go wrong together, by the same factor.
     forces = result.end_forces(result.samples)
-    assert critical.share == np.mean(forces[:, 1, 0] > forces[:, 2, 0])
+    assert critical.fraction == np.mean(forces[:, 1, 0] > forces[:, 2, 0])
     assert critical.names == ("cell 2", "cell 3") or critical.names == ("cell 3", "cell 2")
     says(str(critical), "cell ", "cell ", critical.way, "order", "%")
 
@@ -427,7 +427,7 @@ def test_where_nothing_fails_the_critical_pair_is_the_nearest():
         sw.Chain([cell(x) for x in (10, 14, 15)]), Tolerances(1e-5), samples=50
     ).critical
     assert critical is not None
-    assert critical.share == 0.0 and critical.narrowest > 0.3
+    assert critical.fraction == 0.0 and critical.narrowest > 0.3
     assert {critical.first, critical.second} == {1, 2}
     assert yields(sw.Chain((cell(10),)), Tolerances(1e-5), samples=5).critical is None
 
@@ -506,7 +506,7 @@ def test_a_result_reads_like_a_sentence():
     assert "100 %" in str(yields(leg(), Tolerances(), samples=5))
     # Rounding must not turn nearly certain into certain.
     nearly = yields(leg(), Tolerances(stiffness=0.06), samples=20_000)
-    assert 0.9999 > nearly.share > 0.99
+    assert 0.9999 > nearly.fraction > 0.99
     assert "100.00 %" not in str(nearly)
 
 
@@ -522,7 +522,7 @@ def test_a_result_can_be_kept(tmp_path):
     assert str(data.outcome.values[0]) == CLOCKWISE
     assert result.sensitivities is not None
     assert tuple(data.parameter.values) == result.sensitivities.parameters
-    assert data.attrs["share"] == result.share
+    assert data.attrs["fraction"] == result.fraction
     data.to_netcdf(tmp_path / "yield.nc", engine="scipy")
 
 
@@ -565,7 +565,7 @@ def test_progress_rises_to_all():
 )
 def test_a_cycle_that_one_stroke_cannot_make_says_so_and_what_to_ask(wanted, words):
     result = yields(leg(), Tolerances(anchor=0.0003), samples=50, target=wanted)
-    assert result.share == 0.0
+    assert result.fraction == 0.0
     says(result.advice, "one full cycle", "cannot")
     assert words in result.advice and result.advice in str(result)
     assert "stepwell program" in result.advice

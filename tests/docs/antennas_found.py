@@ -25,7 +25,7 @@ import stepwell as sw
 from stepwell import studies
 from stepwell.accounts import account
 from stepwell.base import number, percent
-from stepwell.design import share_of
+from stepwell.design import fraction_of
 from stepwell.figures import svg
 from stepwell.figures.common import legends
 from stepwell.figures.common.marks import plain, scale_bar
@@ -131,12 +131,12 @@ def _judged() -> str:
     lines = ["| antennas | passed | share | 95 % interval | the others |", "|---|---|---|---|---|"]
     ways = {store: passed(store) for store in LAST}
     for store in LAST:
-        share = share_of(sum(ways[store]), len(ways[store]))
+        share = fraction_of(sum(ways[store]), len(ways[store]))
         outcomes = Counter(rows(store)[0]["outcomes"].split(", "))
         rest = ", ".join(f"{n} {what}" for what, n in outcomes.most_common() if what != "reached")
         between = f"{percent(share.low)} to {percent(share.high)}"
         of = f"{share.times} of {share.of}"
-        lines.append(f"| {store} | {of} | {percent(share.share)} | {between} | {rest} |")
+        lines.append(f"| {store} | {of} | {percent(share.estimate)} | {between} | {rest} |")
     won, lost = (sum(a and not b for a, b in pairs) for pairs in _pairs(ways))
     chance = binomtest(won, won + lost).pvalue if won + lost else 1.0
     verdict = (

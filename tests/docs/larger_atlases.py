@@ -64,7 +64,7 @@ def summary(store: str) -> dict[str, Any]:
 
 
 def _share(atlas: Atlas, graph_classes: Any) -> dict[str, float]:
-    times = sum(one.share.times for one in graph_classes)
+    times = sum(one.fraction.times for one in graph_classes)
     return {"graphs": len(graph_classes), "designs_percent": 100 * times / atlas.closed_form}
 
 

@@ -63,20 +63,20 @@ def table(record: dict[str, Any], columns: tuple[str, ...]) -> str:
     rows = ((one, row) for one in record["decided"] for row in one["influences"][:5])
     for one, row in rows:
         what = one["column"]
-        if what in columns and row["share"] >= max(0.01, one["floor"]):
+        if what in columns and row["fraction"] >= max(0.01, one["floor"]):
             more = "more" if row["trend"] > 0 else "less"
             more = {"gaits": f"{more} often"}.get(what, more)
             told, key = WORDS.get(what, what), WORDS[row["parameter"]]
-            lines.append(f"| {told} | {key} | {percent(row['share'])} | {more} |")
+            lines.append(f"| {told} | {key} | {percent(row['fraction'])} | {more} |")
     return "\n".join(lines)
 
 
 def kept(record: dict[str, Any]) -> str:
     first = record["outcomes"][0]
-    ends = " to ".join(percent(first[end]) for end in ("share_low", "share_high"))
+    ends = " to ".join(percent(first[end]) for end in ("fraction_low", "fraction_high"))
     gait = first["value"].replace(">", " → ").replace(" | ", ", right leg ")
     count, of = f"{first['designs']:,}", f"{record['count']:,}"
-    return f"{count} of {of} robots, {percent(first['share'])} ({ends}), step left leg {gait}."
+    return f"{count} of {of} robots, {percent(first['fraction'])} ({ends}), step left leg {gait}."
 
 
 def written(text: str) -> str:
@@ -99,7 +99,7 @@ def drawn(name: str) -> str:
             one["designs"],
             one["floor"],
             tuple(
-                Influence(each["parameter"], each["share"], each["trend"])
+                Influence(each["parameter"], each["fraction"], each["trend"])
                 for each in one["influences"]
             ),
         )

@@ -150,7 +150,7 @@ def test_rows_of_rigid_panels_have_no_other_height(cycle):
 
 def test_a_panel_that_needs_a_page_says_so(cycle):
     effect = Effect("friction", 0.1, 0.2, 0.3, 0.4)
-    tornado = partial(figures.tornado, Sensitivity("share", 0.35, [effect]))
+    tornado = partial(figures.tornado, Sensitivity("fraction", 0.35, [effect]))
     with refuses(ValueError, "width: ", "180 mm", "88 mm"):
         figures.compose([tornado], width=88.0)
     with pytest.raises(ValueError, match="must be a function of"):

@@ -83,7 +83,7 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     effects = [Effect(name, 0.1, 0.2, 0.3, 0.4)]
     decided = DecidingNumbers(name, "", 60, 0.01, (Influence(name, 0.5, 0.4),))
     yield partial(figures.influences, [decided])
-    yield partial(figures.tornado, Sensitivity("share", 0.35, effects))
+    yield partial(figures.tornado, Sensitivity("fraction", 0.35, effects))
 
 
 def of_robots(name: str) -> Iterator[partial[object]]:

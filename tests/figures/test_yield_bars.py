@@ -20,7 +20,7 @@ def yield_result():
 def test_bars_are_as_long_as_the_shares(yield_result):
     bars = boxes(figures.yield_bars(yield_result), "outcomes")
     shares = [
-        yield_result.share,
+        yield_result.fraction,
         *(count / yield_result.samples for count in yield_result.outcomes.values()),
     ]
     assert [bar.get_width() for bar in bars] == pytest.approx([100 * share for share in shares])
@@ -32,7 +32,7 @@ def test_the_interval_is_drawn_and_stated(yield_result):
     (interval,) = lines(figure, "interval")
     assert points(interval)[:, 0] == pytest.approx(100 * np.array(yield_result.interval))
     low, high = (f"{100 * bound:.1f} %" for bound in yield_result.interval)
-    assert f"{100 * yield_result.share:.1f} % ({low} to {high}) reach the target" in says(figure)
+    assert f"{100 * yield_result.fraction:.1f} % ({low} to {high}) reach the target" in says(figure)
 
 
 @pytest.mark.parametrize("anchor", [0.0003, 0.002, 0.0035])
@@ -83,7 +83,7 @@ def test_a_share_near_one_does_not_look_certain():
     nearly = yields(
         files.preset("paper-forward"), Tolerances(anchor=0.0021, stiffness=0.05), samples=20_000
     )
-    assert 0.99 < nearly.share < 1.0
+    assert 0.99 < nearly.fraction < 1.0
     (line,) = [one for one in says(figures.yield_bars(nearly)) if one.endswith("reach the target")]
     assert line.startswith("99.")
 

@@ -24,12 +24,12 @@ def test_the_page_shows_what_the_file_holds():
 
 def test_all_cycles_of_six_cells_are_looked_at_once_each():
     row = ROWS[0]
-    assert row["cells"] == 6 and len(row["shares"]) == math.factorial(6)
+    assert row["cells"] == 6 and len(row["fractions"]) == math.factorial(6)
     assert len({any_cycle.cycle_of(6, k) for k in range(720)}) == 720
     # The one that goes back the way it came is that of the claims.
     back = [k for k in range(720) if _goes_back(any_cycle.cycle_of(6, k))]
     assert len(back) == 1
-    assert row["shares"][back[0]] >= any_cycle.WANTED
+    assert row["fractions"][back[0]] >= any_cycle.WANTED
 
 
 def _goes_back(text: str) -> bool:
@@ -44,19 +44,19 @@ def test_shares_in_the_file_are_those_of_designs_made_now():
     rng = np.random.default_rng(0)
     for row, (anchor, cells) in zip(ROWS, any_cycle.LENGTHS, strict=True):
         assert (row["anchor_mm"], row["cells"]) == (anchor * 1e3, cells)
-        some = [int(np.argmin(row["shares"]))] if cells == 6 else []
-        known = len(row["shares"])
+        some = [int(np.argmin(row["fractions"]))] if cells == 6 else []
+        known = len(row["fractions"])
         some += rng.permutation(known)[: examples(1)].tolist()
         for number in some:
-            assert any_cycle.share(anchor, cells, number) == pytest.approx(
-                row["shares"][number], abs=0.002
+            assert any_cycle.fraction(anchor, cells, number) == pytest.approx(
+                row["fractions"][number], abs=0.002
             )
 
 
 def test_a_table_calls_a_sample_a_sample(tmp_path):
     rows = [
-        {"anchor_mm": 1.0, "cells": 3, "shares": [1.0, 0.9, 0.99, 0.98, 1.0, 0.97]},
-        {"anchor_mm": 0.3, "cells": 10, "shares": [0.5, 0.25]},
+        {"anchor_mm": 1.0, "cells": 3, "fractions": [1.0, 0.9, 0.99, 0.98, 1.0, 0.97]},
+        {"anchor_mm": 0.3, "cells": 10, "fractions": [0.5, 0.25]},
     ]
     text = any_cycle.table(rows).splitlines()
     assert text[2] == "| ±1 mm | 3 | all 6 | 100.0 % | 98.5 % | 90.0 % | 3 of 6 |"
@@ -67,11 +67,11 @@ def test_what_a_file_holds_is_kept_and_the_rest_added(tmp_path, monkeypatch):
     monkeypatch.setattr(any_cycle, "LENGTHS", ((0.001, 2),))
     monkeypatch.setattr(any_cycle, "MADE", 100)
     file, page = tmp_path / "any.json", tmp_path / "page.md"
-    file.write_text(json.dumps([{"anchor_mm": 1.0, "cells": 2, "shares": [0.125]}]))
+    file.write_text(json.dumps([{"anchor_mm": 1.0, "cells": 2, "fractions": [0.125]}]))
     page.write_text(f"{any_cycle.BEGIN}\n{any_cycle.END}\n")
     any_cycle.main(file, [page])
     (row,) = json.loads(file.read_text())
-    assert row["shares"][0] == 0.125 and len(row["shares"]) == 2
+    assert row["fractions"][0] == 0.125 and len(row["fractions"]) == 2
     assert "| all 2 |" in page.read_text()
     page.write_text("a page")
     with refuses(ValueError, "no place", "table"):

@@ -129,7 +129,7 @@ def test_a_landing_that_hangs_on_mobilities_is_found_with_mobilities_that_lead_e
     assert there.state == "00-"
     assert there.mobility == pytest.approx([1.0, 10.0, 10.0])
     # About one in twenty of mobilities at random; corners do not count.
-    assert 0.01 < there.share < 0.2
+    assert 0.01 < there.fraction < 0.2
 
 
 @pytest.mark.slow

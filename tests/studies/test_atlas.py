@@ -80,8 +80,8 @@ def test_of_two_cells_it_is_proved_that_no_other_graph_occurs(stores):
     _, catalogue = stores(2, 20_000)
     assert catalogue.whole and catalogue.possible == len(catalogue.graph_classes) == 3
     assert catalogue.closed_form == catalogue.designs == 20_000 and catalogue.space_proved
-    assert sum(one.share.times for one in catalogue.graph_classes) == catalogue.closed_form
-    assert sum(one.share.times for one in catalogue.cycles) == catalogue.closed_form
+    assert sum(one.fraction.times for one in catalogue.graph_classes) == catalogue.closed_form
+    assert sum(one.fraction.times for one in catalogue.cycles) == catalogue.closed_form
 
 
 @pytest.mark.parametrize(
@@ -91,7 +91,7 @@ def test_the_engine_finds_the_same_graphs(stores, cells, designs, drive):
     _, catalogue = stores(cells, designs, drive)
     assert all(one.agrees for one in catalogue.graph_classes)
     assert catalogue.checked > 30 and catalogue.agreed == catalogue.checked
-    assert sum(one.share.times for one in catalogue.graph_classes) == catalogue.closed_form
+    assert sum(one.fraction.times for one in catalogue.graph_classes) == catalogue.closed_form
 
 
 def test_graph_classes_say_of_their_design_what_its_graph_says(stores):
@@ -119,7 +119,7 @@ def test_cycles_are_those_of_their_designs(stores):
 def test_the_papers_map_of_two_cells_has_its_shares(tmp_path):
     axes = (Axis("2.q.x", 0.0, 0.020), Axis("2.q.y", -0.015, 0.015))
     study = atlas(sw.Chain([CELL] * 2), axes, 100_000, tmp_path / "map.zarr", workers=0).study
-    shares = {one.sequence: one.share for one in charted(study, samples=1, checks=1).cycles}
+    shares = {one.sequence: one.fraction for one in charted(study, samples=1, checks=1).cycles}
     # Kamp et al., Fig. 2: counterclockwise, via 01, via 10, clockwise.
     wanted = {
         "00>01>11>10>00": 0.261,
@@ -314,7 +314,7 @@ def test_graph_classes_are_found_by_what_they_do(stores):
     assert all(m.reached == m.states and not m.remembers and m.sub_loops for m in both)
     sure = find(catalogue, "snaps", 0.95)
     assert sure and all(m.kept.low >= 0.95 for m in sure)
-    assert [m.kept.share for m in sure] == sorted((m.kept.share for m in sure), reverse=True)
+    assert [m.kept.estimate for m in sure] == sorted((m.kept.estimate for m in sure), reverse=True)
 
 
 def test_a_phrase_that_means_nothing_is_answered_with_the_nearest(stores):
@@ -358,9 +358,9 @@ def test_graph_classes_are_drawn_with_their_states_in_one_place_and_their_own_wa
         bold = {name for name, text in states.items() if text.get_fontweight() == "bold"}
         assert bold == set(graph_class.cycle.split(">")), graph_class
     assert len(places) == 8
-    for ax, attribute in ((shares, "share"), (yields, "kept")):
+    for ax, attribute in ((shares, "fraction"), (yields, "kept")):
         (line,) = (line for line in ax.lines if line.get_gid() == "classes")
-        wanted = [100.0 * getattr(one, attribute).share for one in catalogue.graph_classes]
+        wanted = [100.0 * getattr(one, attribute).estimate for one in catalogue.graph_classes]
         assert list(line.get_ydata()) == pytest.approx(wanted)
     with pytest.raises(ValueError, match="5 cells"):
         figures.graph_classes(replace(catalogue, chain=sw.Chain([CELL] * 5)))

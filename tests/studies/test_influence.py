@@ -81,8 +81,8 @@ def test_an_anchor_decides_the_cycle_and_its_share_is_that_of_the_store(study):
     assert low != high
     record = account(study).record
     (first,) = [one for one in record["outcomes"] if one["value"] == cycle.value]
-    assert first["share"] == np.mean(study.study.values("sequence") == cycle.value)
-    assert first["share_low"] < first["share"] < first["share_high"]
+    assert first["fraction"] == np.mean(study.study.values("sequence") == cycle.value)
+    assert first["fraction_low"] < first["fraction"] < first["fraction_high"]
 
 
 def test_a_grid_is_no_sample_and_few_designs_say_nothing(tmp_path):
@@ -91,7 +91,7 @@ def test_a_grid_is_no_sample_and_few_designs_say_nothing(tmp_path):
     )
     record = account(result).record
     assert record["decided"] == []
-    assert {one["share_low"] for one in record["outcomes"]} == {None}
+    assert {one["fraction_low"] for one in record["outcomes"]} == {None}
 
 
 def test_a_report_of_what_is_done_so_far_can_be_had(study, tmp_path):
@@ -100,7 +100,7 @@ def test_a_report_of_what_is_done_so_far_can_be_had(study, tmp_path):
     page = (tmp_path / "out" / "report.html").read_text("utf-8")
     assert "outer.q.y" in page and "problem" not in page
     record = json.loads((tmp_path / "out" / "study.json").read_text("utf-8"))
-    assert record["decided"][0]["influences"][0]["share"] > 0
+    assert record["decided"][0]["influences"][0]["fraction"] > 0
     # As if it were not finished: fewer designs, and the page says so.
     (study.study.folder / "snaps" / "c" / "1").rename(tmp_path / "kept")
     try:

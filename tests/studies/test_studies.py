@@ -131,7 +131,7 @@ def test_a_store_holds_what_the_engine_says(whole):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("what", "columns"),
-    [("margin", ["anchor", "stiffness"]), ("yield", ["share"]), ("graph", ["states"])],
+    [("margin", ["anchor", "stiffness"]), ("yield", ["fraction"]), ("graph", ["states"])],
 )
 def test_other_things_are_computed_too(tmp_path, what, columns):
     axes = (Axis("outer.q.x", 0.018, 0.022, 2),)
@@ -267,11 +267,11 @@ def test_a_study_that_grows_ends_as_if_it_had_been_so_large_from_the_start(tmp_p
     small, large = (Space((Axis("outer.q.x", 0.0, 0.02),), How.SOBOL, n, seed=3) for n in (4, 9))
     grown, whole = tmp_path / "grown.zarr", tmp_path / "whole.zarr"
     result = sweep(LEG, "yield", small, grown, chunk=CHUNK, workers=0)
-    before = result.study.column("share")[:]
+    before = result.study.column("fraction")[:]
     after = resumed(extended(result.study, 9), 0)
     sweep(LEG, "yield", large, whole, chunk=CHUNK, workers=0)
     assert bytes_of(grown) == bytes_of(whole)
-    assert after.finished and (after.study.column("share")[:4] == before).all()
+    assert after.finished and (after.study.column("fraction")[:4] == before).all()
     with pytest.raises(StudyError, match="8 would be fewer"):
         extended(after.study, 8)
 
@@ -536,8 +536,8 @@ def test_designs_are_ranked_by_value_then_by_the_next_column_and_never_without_a
     from stepwell.studies.screen import ranked
 
     share, time = [0.5, 1.0, math.nan, 1.0, 0.5, 1.0], [3.0, 9.0, 1.0, math.nan, 3.0, 2.0]
-    columns = {"share": np.array(share), "time": np.array(time)}
-    assert ranked(columns, ["share", "-time"]) == [5, 1, 3, 0, 4]
+    columns = {"fraction": np.array(share), "time": np.array(time)}
+    assert ranked(columns, ["fraction", "-time"]) == [5, 1, 3, 0, 4]
     assert ranked(columns, ["-share"]) == [0, 4, 1, 3, 5]
     assert ranked(columns, ["time"]) == [1, 0, 4, 5, 2]
 

@@ -42,7 +42,7 @@ def test_every_pixel_of_a_map_is_what_python_says(keys: Any, factors: Any):
     wanted = MAP | keys
     header, blocks = ask("map", FORWARD, **wanted)
     assert blocks["image"].shape == (40, 60)
-    assert sum(header["shares"]) == pytest.approx(1)
+    assert sum(header["fractions"]) == pytest.approx(1)
     forward = sw.preset("paper-forward")
     for row, column in ((0, 0), (20, 30), (39, 59), (5, 50), (33, 12)):
         chain = forward
@@ -188,7 +188,7 @@ def test_a_wish_takes_tolerances_force_and_all_states():
     ).header
     tolerances = sw.Tolerances(anchor=0.2e-3, stiffness=0.02)
     result = sw.design(states="all", cells=2, tolerances=tolerances, most_force=0.5)
-    assert header["yield"]["share"] == result.yield_.share
+    assert header["yield"]["fraction"] == result.yield_.fraction
     assert loads_tables(header["design"]).subject == result.chain
 
 
@@ -247,4 +247,4 @@ def test_the_verdict_is_that_of_check(name: str, verdict: str):
 def test_where_each_has_to_be_followed_a_thousand_are_enough():
     header = ask("yield", tables("slack")).header
     assert header["samples"] == header["by_engine"] == 1000
-    assert header["share"] == sw.preset("slack").yields(samples=1000).share
+    assert header["fraction"] == sw.preset("slack").yields(samples=1000).fraction

@@ -186,7 +186,7 @@ def test_a_cycle_is_wished_by_clicks_and_taken_as_is_an_earlier_answer(page: Pag
     wish(page, "00", "01", "11", "10", "00")
     expect(output(page, "resulting sequence")).to_have_text(WHOLE)
     result = sw.design(WHOLE)
-    assert number(page, "resulting yield") == float(f"{result.yield_.share * 100:.6g}")
+    assert number(page, "resulting yield") == float(f"{result.yield_.fraction * 100:.6g}")
     expect(page.get_by_role("group", name="Design for the target, all cells at 0")).to_be_visible()
     page.get_by_role("button", name="Use this design").click()
     expect(output(page, "sequence")).to_have_attribute("data-value", WHOLE)
@@ -202,8 +202,8 @@ def test_a_cycle_is_wished_by_clicks_and_taken_as_is_an_earlier_answer(page: Pag
     page.get_by_role("button", name="Find a design").click()
     expect(output(page, "yield of result 1")).to_be_visible()
     first, second = result, sw.design(WHOLE, holes=0.005)
-    assert number(page, "yield of result 1") == float(f"{first.yield_.share * 100:.6g}")
-    assert number(page, "resulting yield") == float(f"{second.yield_.share * 100:.6g}")
+    assert number(page, "yield of result 1") == float(f"{first.yield_.fraction * 100:.6g}")
+    assert number(page, "resulting yield") == float(f"{second.yield_.fraction * 100:.6g}")
     force = first.chain.cycle().peak_force
     assert number(page, "peak force of result 1") == shown_as(force)
     page.get_by_role("button", name="Use result 1").click()
@@ -269,7 +269,7 @@ def test_the_yield_is_pythons_and_follows_the_design(counted: Page):
     assert isinstance(chain, sw.Chain)
     expected = chain.yields(sw.Tolerances(anchor=4e-3, stiffness=0.05), seed=0)
     low, high = expected.interval
-    expect(output(page, "yield")).to_have_text(f"{expected.share * 100:.6g}")
+    expect(output(page, "yield")).to_have_text(f"{expected.fraction * 100:.6g}")
     expect(output(page, "verdict")).to_have_text(
         check(chain, tolerances=expected.tolerances).verdict
     )
@@ -287,7 +287,7 @@ def test_the_yield_is_pythons_and_follows_the_design(counted: Page):
     field(page, "q", "outer", "x").fill("10.4")
     field(page, "q", "outer", "x").press("Enter")
     settled(page)
-    share = chain_shown(page).yields().share
+    share = chain_shown(page).yields().fraction
     assert share < 1
     expect(output(page, "yield")).to_have_text(f"{share * 100:.6g}")
     assert number(page, "margin") == shown_as(chain_shown(page).margin().anchors.min() * 1e3)

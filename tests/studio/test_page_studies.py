@@ -60,17 +60,17 @@ def test_an_open_study_shows_what_the_command_prints_and_its_table_is_downloaded
     expect(output(page, "progress of the study")).to_have_text("64 designs, all done")
     for row, one in zip(cells(page, "Outcomes"), record["outcomes"], strict=True):
         assert row[0] == one["value"] and int(row[1]) == one["designs"]
-        assert number_of(row[2]) == float(f"{one['share'] * 100:.3g}")
+        assert number_of(row[2]) == float(f"{one['fraction'] * 100:.3g}")
     for row, one in zip(cells(page, "Numbers"), record["numbers"], strict=True):
         assert row[0].startswith(one["column"])
         assert [number_of(text) for text in row[1:]] == [
             shown_as(one[key]) for key in ("least", "median", "most")
         ]
     for row, one in zip(cells(page, "Influence of the parameters"), record["decided"], strict=True):
-        sure = [each for each in one["influences"] if each["share"] > one["floor"]]
+        sure = [each for each in one["influences"] if each["fraction"] > one["floor"]]
         said = re.findall(r"(\S+) ([\d.]+) %", row[1])
         assert [(name, float(share)) for name, share in said] == [
-            (each["parameter"], float(f"{each['share'] * 100:.3g}")) for each in sure
+            (each["parameter"], float(f"{each['fraction'] * 100:.3g}")) for each in sure
         ]
     with page.expect_download(timeout=SLOW) as coming:
         page.get_by_role("button", name="Export CSV").click()
@@ -141,9 +141,9 @@ def test_one_walks_from_graph_class_to_graph_class_finds_some_and_takes_one(
         seen.add(graph_class.name)
         assert output(page, "cycle of the graph class").inner_text() == graph_class.cycle
         assert number(page, "fraction of the graph class") == shown_as(
-            graph_class.share.share * 100
+            graph_class.fraction.estimate * 100
         )
-        assert number(page, "yield of the graph class") == shown_as(graph_class.kept.share * 100)
+        assert number(page, "yield of the graph class") == shown_as(graph_class.kept.estimate * 100)
         ground.press(key)
     assert len(seen) > 1
     expect(output(page, "graph class")).to_have_text(charted.graph_classes[0].name)

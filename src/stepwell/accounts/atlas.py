@@ -38,24 +38,24 @@ def _drawn(atlas: Atlas, of: Iterable[GraphClass | FullCycle]) -> list[Row]:
     return [{"of": one, "values": values} for one, values in drawn]
 
 
-def _share(name: str, read: str) -> Schema:
+def _fraction(name: str, read: str) -> Schema:
     """Fraction of the designs, and the ends of its interval."""
-    ends = {name: "share", f"{name}_low": "low", f"{name}_high": "high"}
+    ends = {name: "estimate", f"{name}_low": "low", f"{name}_high": "high"}
     return tuple(Quantity(end, "percent", read=f"{read}.{what}") for end, what in ends.items())
 
 
 _GRAPH_CLASS: Schema = (
-    *keys(name=(str, "of.name"), cycle=(str, "of.cycle"), designs=(int, "of.share.times")),
-    *_share("share", "of.share"),
-    *_share("yield", "of.kept"),
+    *keys(name=(str, "of.name"), cycle=(str, "of.cycle"), designs=(int, "of.fraction.times")),
+    *_fraction("fraction", "of.fraction"),
+    *_fraction("yield", "of.kept"),
     *_DRAWN,
     *read_off(keys(agrees=bool, states=int, reached=int, snaps=int, sub_loops=int), "of"),
     *read_off(keys(remembers=bool, scrambled=int, counts=int, counts_by_hand=int), "of"),
     *read_off(keys(gardens=int, latches=int), "of"),
 )
 _CYCLE: Schema = (
-    *keys(sequence=(str, "of.sequence"), designs=(int, "of.share.times")),
-    *_share("share", "of.share"),
+    *keys(sequence=(str, "of.sequence"), designs=(int, "of.fraction.times")),
+    *_fraction("fraction", "of.fraction"),
     *_DRAWN,
 )
 
@@ -72,8 +72,8 @@ def _unloading_order(graph_class: GraphClass) -> str:
 _CLASS_TABLE: Schema = (
     Quantity("name", head="name"),
     Quantity("back", head="back", read=_unloading_order),
-    Quantity("share", "percent", "fraction", read="share.share"),
-    Quantity("yield", "percent", "yield", read="kept.share"),
+    Quantity("fraction", "percent", "fraction", read="fraction.estimate"),
+    Quantity("yield", "percent", "yield", read="kept.estimate"),
     Quantity("reached", head="reached", read=lambda m: f"{m.reached} of {m.states}", left=False),
     Quantity("memory", head="memory"),
 )

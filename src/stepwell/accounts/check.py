@@ -19,7 +19,7 @@ def check_schema(shape: Shape) -> base.Schema:
     measured = (
         *keys(cell=int, what=str),
         *(_tolerance(when, unit) for when in ("now", "then") for unit in units),
-        *keys(share_before=(float, "before"), share_after=(float, "after")),
+        *keys(fraction_before=(float, "before"), fraction_after=(float, "after")),
     )
     return (
         *yields.CHAIN,

@@ -17,7 +17,7 @@ from stepwell.design import Design, Impossible, Reprogramming
 # More states than these are not read in a line.
 _MOST_STATES = 16
 _ROBUSTNESS: Schema = (
-    *keys(radius="mm", share=float, limit=str),
+    *keys(radius="mm", fraction=float, limit=str),
     Quantity("meet", read=lambda one: one.meeting and one.meeting[1:3], holds=[int], missing=True),
     Quantity("while", read=lambda one: one.meeting and one.meeting.way, missing=True),
 )

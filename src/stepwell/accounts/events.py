@@ -63,7 +63,7 @@ def _elsewhere(shape: Shape) -> base.Schema:
     schema = (
         Quantity("state", head="in state"),
         Quantity("travel", "mm", holds=[float]),
-        *keys(mobility=[float], share=float),
+        *keys(mobility=[float], fraction=float),
         *(keys(sheet=[int]) if shape.folds else ()),
     )
     return base.in_measure(schema, shape.measure)
@@ -91,7 +91,7 @@ def event_sections(
         known["stroke"],
         Column("mobility factors", lambda row: _mobilities(row["mobility"], chain.names)),
         place[0],
-        Column("samples", lambda row: f"{100 * row['share']:.0f} %", True),
+        Column("samples", lambda row: f"{100 * row['fraction']:.0f} %", True),
     )
     rest = RecordTable(
         columns,

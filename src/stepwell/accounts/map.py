@@ -46,7 +46,7 @@ def _attribute(name: str, of: type = int) -> Any:
     return of, lambda view: of(view.dataset.attrs[name])
 
 
-def _shares(name: str) -> Any:
+def _fractions(name: str) -> Any:
     """A function that returns the fraction of a map for each value of a field [1]."""
 
     def read(view: MapView) -> dict[str, float] | None:
@@ -63,8 +63,10 @@ def _shares(name: str) -> Any:
 # What is reported of a map.
 MAP: Schema = (
     *keys(title=_attribute("title", str), across=(_AXIS, lambda view: _axis(view, "x"))),
-    *keys(up=(_AXIS, lambda view: _axis(view, "y")), shares=({str: float}, _shares("sequence"))),
-    Quantity("pathway_shares", read=_shares("pathway"), holds={str: float}, missing=True),
+    *keys(
+        up=(_AXIS, lambda view: _axis(view, "y")), fractions=({str: float}, _fractions("sequence"))
+    ),
+    Quantity("pathway_fractions", read=_fractions("pathway"), holds={str: float}, missing=True),
     *keys(moved_cell=_attribute("moved_cell", str)),
     *keys(monostable_fraction=(float, lambda view: float(view.dataset["monostable"].mean()))),
     *keys(degenerate_designs=(int, lambda view: int(view.dataset["degenerate"].sum()))),
@@ -76,9 +78,9 @@ MAP: Schema = (
 def map_view_account(view: MapView, about: About) -> Account:
     """What is reported of a map."""
     data, numbers = view.dataset, record(MAP, view)
-    shares = sorted(numbers["shares"].items(), key=lambda one: -one[1])
-    rows = [{"sequence": name, "share": share} for name, share in shares if share]
-    largest, most = rows[0]["sequence"], percent(rows[0]["share"])
+    fractions = sorted(numbers["fractions"].items(), key=lambda one: -one[1])
+    rows = [{"sequence": name, "fraction": fraction} for name, fraction in fractions if fraction]
+    largest, most = rows[0]["sequence"], percent(rows[0]["fraction"])
     answer = f"{largest} everywhere"
     if rows[1:]:
         answer = f"{counted(len(rows), 'sequence')}: {largest} on {most} of the map"
@@ -86,7 +88,7 @@ def map_view_account(view: MapView, about: About) -> Account:
     columns = [
         Column("pathway", lambda row: labels.get(row["sequence"], "")),
         Quantity("sequence", head="sequence"),
-        Column("fraction of the map", lambda row: percent(row["share"]), True),
+        Column("fraction of the map", lambda row: percent(row["fraction"]), True),
     ][0 if "pathway" in data else 1 :]
     method = (
         "Monostable: {moved_cell} on {monostable} of the map. {closed_form_designs} designs in "

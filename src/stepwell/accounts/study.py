@@ -7,28 +7,34 @@ from stepwell.accounts import parts
 from stepwell.accounts.head import About, keys, recorded
 from stepwell.accounts.parts import PAGE, TERMINAL, Account, Fact, Notes, Picture, RecordTable
 from stepwell.base import Columns, Quantity, Schema, counted, percent, read_off, record
-from stepwell.design import Share
+from stepwell.design import Fraction
 from stepwell.studies import Status, gaps_text
 
 _GAP = keys(first=int, last=int, damaged=bool)
-_SHARE = keys(times=int, of=int, low=float, high=float, share=float)
+_FRACTION = keys(times=int, of=int, low=float, high=float, fraction=(float, "estimate"))
 # Fractions of a prefilter, and the designs that they are fractions of.
 _AMONG = {"alike": "drawn at random", "held": "kept", "missed": "drawn at random and not kept"}
 _SCREEN: Schema = (
     Quantity("engine", read=lambda status: status.study.given["engine"]),
     Quantity("wanted", read=lambda status: status.study.given["wanted"], holds=str | int),
     *read_off(keys(designs=int, kept=int, computed=int), "screened"),
-    *(Quantity(name, read=f"screened.{name}", holds=_SHARE, missing=True) for name in _AMONG),
+    *(Quantity(name, read=f"screened.{name}", holds=_FRACTION, missing=True) for name in _AMONG),
 )
 _OUTCOME: Schema = (
     Quantity("column", head="column"),
     Quantity("value", head="value"),
-    Quantity("designs", head="designs", read="share.times", holds=int, left=False),
-    Quantity("share", head="fraction", read="share.share", holds=float, form=percent, left=False),
-    Quantity("share_low", read=lambda one: one.share.low if one.sampled else None, holds=float),
-    Quantity("share_high", read=lambda one: one.share.high if one.sampled else None, holds=float),
+    Quantity("designs", head="designs", read="fraction.times", holds=int, left=False),
+    Quantity(
+        "fraction", head="fraction", read="fraction.estimate", holds=float, form=percent, left=False
+    ),
+    Quantity(
+        "fraction_low", read=lambda one: one.fraction.low if one.sampled else None, holds=float
+    ),
+    Quantity(
+        "fraction_high", read=lambda one: one.fraction.high if one.sampled else None, holds=float
+    ),
 )
-_INFLUENCE = keys(parameter=(str, "name"), share=float, trend=float)
+_INFLUENCE = keys(parameter=(str, "name"), fraction=float, trend=float)
 _DECIDED: Schema = (
     Quantity("column"),
     Quantity("value", read=lambda one: one.value or None, missing=True),
@@ -38,7 +44,7 @@ _DECIDED: Schema = (
 _DECIDING: Columns = (
     Quantity("column", head="column"),
     Quantity("parameter", head="parameter"),
-    Quantity("share", head="fraction of its variance", form=percent, left=False),
+    Quantity("fraction", head="fraction of its variance", form=percent, left=False),
     Quantity("trend", head="rank correlation", form="+.2f", left=False),
 )
 
@@ -82,11 +88,11 @@ def status_account(status: Status, about: About) -> Account:
     answer = ""
     if status.outcomes:
         first = status.outcomes[0]
-        fraction = _fraction(first.share, first.sampled, " of the designs")
+        fraction = _fraction(first.fraction, first.sampled, " of the designs")
         answer = f"{fraction} have {first.column} {first.value}"
     elif deciding:
         first = deciding[0]
-        variance = f"{percent(first['share'])} of the variance of {first['column']}"
+        variance = f"{percent(first['fraction'])} of the variance of {first['column']}"
         answer = f"{first['parameter']} explains {variance}"
     computed = f"{study.what} of {counted(study.count, 'design')}, {study.designs.how}"
     done = "all of it" if status.finished else f"{status.done} of {study.chunks} chunks"
@@ -128,10 +134,10 @@ def status_account(status: Status, about: About) -> Account:
     return Account(status, title, "study/1", answer, facts, sections, warned, **options)
 
 
-def _fraction(share: Share, sampled: bool = True, of: str = "") -> str:
+def _fraction(fraction: Fraction, sampled: bool = True, of: str = "") -> str:
     """A fraction, with its interval if the designs are a sample."""
-    ends = f" (95 % confidence {percent(share.low)} to {percent(share.high)})"
-    return f"{percent(share.share)}{of}{ends * sampled}"
+    ends = f" (95 % confidence {percent(fraction.low)} to {percent(fraction.high)})"
+    return f"{percent(fraction.estimate)}{of}{ends * sampled}"
 
 
 def _prefilter_facts(status: Status) -> list[Fact]:

@@ -22,7 +22,7 @@ _OUTCOME = keys(outcome=(str, itemgetter(0)), count=(int, itemgetter(1)))
 _CRITICAL: Schema = (
     *keys(first=int, second=int, names=[str]),
     Quantity("while", read="way"),
-    *keys(share=float, narrowest=float),
+    *keys(fraction=float, narrowest=float),
 )
 # An estimate may be a little below zero.
 _INDEX = Quantity("", form=lambda at: f"{max(0.0, at):.2f}", holds=float, left=False)
@@ -37,7 +37,7 @@ def counted_schema(shape: Shape) -> Schema:
     """What is counted of samples, and within which tolerances."""
     low, high = (lambda result, k=k: result.interval[k] for k in (0, 1))
     return (
-        *keys(share=float, share_low=(float, low), share_high=(float, high)),
+        *keys(fraction=float, fraction_low=(float, low), fraction_high=(float, high)),
         *keys(samples=int, successes=int, tolerances=tolerance_schema(shape)),
     )
 
@@ -74,7 +74,7 @@ def tolerance_words(given: Tolerances, chain: Chain) -> str:
 def yield_words(result: Yield | Survival) -> str:
     """The fraction of samples that reproduce the target, with its confidence interval."""
     low, high = map(percent, result.interval)
-    return f"{percent(result.share)}, with 95 % confidence {low} to {high}"
+    return f"{percent(result.fraction)}, with 95 % confidence {low} to {high}"
 
 
 def sample_words(result: Yield | Survival) -> str:
@@ -123,7 +123,7 @@ def _parts(result: Yield) -> list[tuple[str, float, float]] | None:
 def yield_account(result: Yield, about: About) -> Account:
     """What is reported of a yield."""
     target = "target sequence" if result.states is None else "target states and no others"
-    answer = f"{percent(result.share)} of the samples reproduce the {target}"
+    answer = f"{percent(result.fraction)} of the samples reproduce the {target}"
     facts = (Fact("Target", result.target), *counted_facts(result), critical_fact(result))
     sections = {
         "Outcomes of the samples": (*PICTURES, other_outcomes(result)),
@@ -172,10 +172,10 @@ def _sensitivities(result: Yield) -> tuple[RecordTable, Text]:
         "tolerance of each part causes, alone and with others (Sobol' indices)."
     )
     agreed = _of_gap("agreed")(result)
-    share = "" if agreed is None else percent(agreed)
+    fraction = "" if agreed is None else percent(agreed)
     checked = "Sign of the smallest gap agrees with the simulated outcome in"
     table = RecordTable(_PART, recorded(_PART, rows), about, most=_MOST_ROWS)
-    return table, Text(f"{checked} {share} of the samples" if share else "")
+    return table, Text(f"{checked} {fraction} of the samples" if fraction else "")
 
 
 def survival_schema(shape: Shape) -> Schema:
@@ -193,7 +193,7 @@ def survival_schema(shape: Shape) -> Schema:
 
 def survival_account(result: Survival, about: About) -> Account:
     """What is reported of a survival."""
-    answer = f"The program ends in {result.target} in {percent(result.share)} of the samples"
+    answer = f"The program ends in {result.target} in {percent(result.fraction)} of the samples"
     facts = (
         Fact("Target", f"{result.start} to {result.target} by the program"),
         Fact("Turning points", turning_points(result.turning_points, result.chain)),

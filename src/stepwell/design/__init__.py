@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     )
     from stepwell.design.targets import Reached
     from stepwell.design.tolerances.survival import Survival, survival
-    from stepwell.design.tolerances.tally import Share, share_of
+    from stepwell.design.tolerances.tally import Fraction, fraction_of
     from stepwell.design.tolerances.yields import Critical, Sensitivities, Yield, yields
 
 __all__ = [
@@ -63,7 +63,7 @@ __all__ = [
     "RobustnessLimit",
     "Sensitivities",
     "Run",
-    "Share",
+    "Fraction",
     "BandType",
     "Survival",
     "Tolerances",
@@ -82,7 +82,7 @@ __all__ = [
     "proved_margin",
     "reprogram",
     "robustness",
-    "share_of",
+    "fraction_of",
     "survival",
     "transition_map",
     "yields",
@@ -117,7 +117,7 @@ _LATE = {
     ),
     "targets": ("Reached",),
     "tolerances.survival": ("Survival", "survival"),
-    "tolerances.tally": ("Share", "share_of"),
+    "tolerances.tally": ("Fraction", "fraction_of"),
     "tolerances.yields": ("Critical", "Sensitivities", "Yield", "yields"),
 }
 

@@ -133,11 +133,11 @@ def measurement(counted: Yield | Survival) -> Measurement | None:
     n = min(counted.samples, _RANKED if quickly else _RANKED_ONE_BY_ONE)
     best = max(measurable, key=lambda name: with_tightened_tolerance(counted, name, left[name], n))
     after = with_tightened_tolerance(counted, best, left[best], counted.samples) / counted.samples
-    if after < counted.share + _GAIN:
+    if after < counted.fraction + _GAIN:
         return None
     cell, what, tolerance, _ = parts[best]
     now = getattr(counted.tolerances, tolerance)
-    return Measurement(cell, what, tolerance, now, now * left[best], counted.share, after)
+    return Measurement(cell, what, tolerance, now, now * left[best], counted.fraction, after)
 
 
 def _left_of(tolerances: Tolerances, name: str) -> float:
@@ -338,7 +338,7 @@ def _checked(
         reason = f"the nominal design reaches the target, but yield ≤ {high} (95 % confidence)"
     elif tied:
         reason = "degenerate: two events of the nominal design coincide within numerical tolerance"
-    elif counted.share >= SURE:
+    elif counted.fraction >= SURE:
         reason = f"too few samples to decide: yield between {low} and {high} (95 % confidence)"
     else:
         reason = f"the nominal design reaches the target, but the yield is only {low} to {high}"

@@ -267,10 +267,10 @@ def _head(figure: Figure, x: float, y: float, place: int, one: GraphClass) -> No
     """Write the rank of a transition graph, its fraction of designs, yield and memory."""
     bold = {"fontweight": "bold", "fontsize": 8.0}
     sheet.text_at(figure, x, y + 3.4, f"{place}", **bold)
-    share = f"{number(one.share.share * 100)} % of designs"
-    sheet.text_at(figure, x + 5.5, y + 3.4, share, **bold, gid="share")
+    fraction = f"{number(one.fraction.estimate * 100)} % of designs"
+    sheet.text_at(figure, x + 5.5, y + 3.4, fraction, **bold, gid="share")
     grey = {"color": "#5A5A5A", "gid": "name"}
-    text = f"{one.name}, yield {number(one.kept.share * 100)} %"
+    text = f"{one.name}, yield {number(one.kept.estimate * 100)} %"
     sheet.text_at(figure, x + 5.5, y, text, **grey)
     sheet.text_at(figure, x + 5.5, y - 3.1, one.memory, **grey)
 
@@ -280,12 +280,12 @@ def _draw_fractions(figure: Figure, atlas: Atlas, shown: int, page: float) -> No
     corner, wide = (_LEFT, _BOTTOM), page - _LEFT - _RIGHT
     upper, lower = sheet.stack(figure, corner, wide, [_TALL, _TALL], _BETWEEN)
     ranks = np.arange(1, len(atlas.graph_classes) + 1)
-    for ax, colour, shares in (
-        (upper, style.BLUE, [one.share for one in atlas.graph_classes]),
+    for ax, colour, fractions in (
+        (upper, style.BLUE, [one.fraction for one in atlas.graph_classes]),
         (lower, style.GREEN, [one.kept for one in atlas.graph_classes]),
     ):
-        ends = np.array([[each.low, each.high] for each in shares]) * 100.0
-        values = np.array([each.share for each in shares]) * 100.0
+        ends = np.array([[each.low, each.high] for each in fractions]) * 100.0
+        values = np.array([each.estimate for each in fractions]) * 100.0
         ax.vlines(ranks, *ends.T, color=colour, linewidth=1.0)
         ax.plot(ranks, values, "o", color=colour, markersize=3.2, markeredgewidth=0, gid="classes")
         ax.set_xlim(0.3, len(ranks) + 0.7)

@@ -292,8 +292,8 @@ def _outcomes(result: Yield) -> list[tuple[list[str], float]]:
     others = list(result.outcomes.items())
     low, high = map(percent, result.interval)
     # On its own line: on the bar, the interval would strike it through.
-    words = f"{percent(result.share)} ({low} to {high}) reach the target"
-    reproduced = [([*_outcome_lines(result.target), words], result.share)]
+    words = f"{percent(result.fraction)} ({low} to {high}) reach the target"
+    reproduced = [([*_outcome_lines(result.target), words], result.fraction)]
     shown = [(_outcome_lines(text), count) for text, count in others[:_OUTCOMES]]
     if rest := sum(count for _, count in others[_OUTCOMES:]):
         shown.append(([f"{len(others) - _OUTCOMES} other outcomes"], rest))
@@ -309,12 +309,12 @@ def _draw_outcomes(ax: Axes, result: Yield, outcomes: Sequence[tuple[list[str], 
     ax.set_xlim(0.0, 100.0)
     words = [(lines, -1 if k else len(lines) - 1) for k, (lines, _) in enumerate(outcomes)]
     middles = _under(ax, 0.0, words, _YIELD_BAR, _YIELD_GAP)
-    for k, ((_, share), y) in enumerate(zip(outcomes, middles, strict=True)):
+    for k, ((_, fraction), y) in enumerate(zip(outcomes, middles, strict=True)):
         colour = _pale(style.VERMILLION if k else style.GREEN)
-        ax.barh(y, 100.0 * share, _YIELD_BAR, color=colour, linewidth=0, gid="outcomes")
+        ax.barh(y, 100.0 * fraction, _YIELD_BAR, color=colour, linewidth=0, gid="outcomes")
         if k:
-            x = 2.0 if share > 0.5 else 100.0 * share + 2.0
-            ax.text(x, y, percent(share), va="center_baseline")
+            x = 2.0 if fraction > 0.5 else 100.0 * fraction + 2.0
+            ax.text(x, y, percent(fraction), va="center_baseline")
     ends = [100.0 * bound for bound in result.interval]
     ax.plot(ends, middles[:1] * 2, "|-", color=style.INK, linewidth=1.0, gid="interval")
     count = f"{result.samples:,}".replace(",", "\N{THIN SPACE}")
@@ -336,9 +336,11 @@ def _draw_parts(ax: Axes, table: Sensitivities, names: Sequence[str], parts: Seq
     for middle, i in zip(middles, parts, strict=True):
         colour = colours.get(table.parameters[i].rpartition(".")[0], style.INK)
         total, alone = (table.total[i], style.pale(colour)), (table.first_order[i], colour)
-        for gid, (share, shade) in (("total", total), ("first order", alone)):
+        for gid, (fraction, shade) in (("total", total), ("first order", alone)):
             # An index near zero may come out below it.
-            ax.barh(middle, max(0.0, float(share)), _YIELD_BAR, color=shade, linewidth=0, gid=gid)
+            ax.barh(
+                middle, max(0.0, float(fraction)), _YIELD_BAR, color=shade, linewidth=0, gid=gid
+            )
     ax.set_yticks(middles, [literal(table.parameters[i]) for i in parts])
     ax.set(ylim=(tall, 0.0), xlim=(0.0, 1.05 * max(0.05, float(np.max(table.total)))))
     _bare(ax)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _ROW, _HEAD, _FOOT, _RIGHT = 5.2, 10.0, 8.0, 3.0
 _LETTER, _MOST = 1.55, 46  # width of a letter of a name [mm], largest number of letters
 _WIDEST = 26.0  # widest column [mm]
-_SHARES, _SIGNS = "First-order fraction of the variance;", "+ or -: rising or falling trend"
+_FRACTIONS, _SIGNS = "First-order fraction of the variance;", "+ or -: rising or falling trend"
 _SENTENCE = 100.0
 # White text is more legible than dark text from this fraction on.
 _DARK = 0.9
@@ -50,8 +50,8 @@ def influences(
     if not decided:
         raise InputError("decided is empty: influences need a study of 50 designs or more.")
     known = names or {}
-    shares = [{each.name: each for each in one.sure} for one in decided]
-    rows = sorted((each.name for each in decided[0].influences), key=partial(_largest, shares))
+    fractions = [{each.name: each for each in one.sure} for one in decided]
+    rows = sorted((each.name for each in decided[0].influences), key=partial(_largest, fractions))
     row_names = [shortened(known.get(name, name), _MOST) for name in rows]
     left = 3.0 + _LETTER * max(map(len, row_names))
     tall = _ROW * len(rows)
@@ -70,25 +70,25 @@ def influences(
     heads = [shortened(name, letters, 2) for name in names_of]
     ax.set_xticks(range(len(decided)), [literal(head) for head in heads])
     ax.spines[:].set_visible(False)
-    for k, own in enumerate(shares):
+    for k, own in enumerate(fractions):
         for i, name in enumerate(rows):
-            _draw_share(ax, k, i, own.get(name))
-    sheet.text_at(figure, left, 3.0, minus(f"{_SHARES}{apart}{_SIGNS}"))
+            _draw_fraction(ax, k, i, own.get(name))
+    sheet.text_at(figure, left, 3.0, minus(f"{_FRACTIONS}{apart}{_SIGNS}"))
     return figure
 
 
-def _largest(shares: Sequence[Mapping[str, Influence]], name: str) -> float:
-    return -max((own[name].share for own in shares if name in own), default=0.0)
+def _largest(fractions: Sequence[Mapping[str, Influence]], name: str) -> float:
+    return -max((own[name].fraction for own in fractions if name in own), default=0.0)
 
 
-def _draw_share(ax: Axes, x: int, y: int, one: Influence | None) -> None:
+def _draw_fraction(ax: Axes, x: int, y: int, one: Influence | None) -> None:
     """Draw a box, shaded and with the fraction if the parameter has an influence."""
     face = style.pale(style.FAINT, 0.9)
     if one is not None:
-        face = style.pale(style.BLUE, 1.0 - one.share)
+        face = style.pale(style.BLUE, 1.0 - one.fraction)
         sign = "" if abs(one.trend) < 0.1 else " +" if one.trend > 0 else " -"
-        colour = "white" if one.share > _DARK else style.INK
-        percent = f"{100 * one.share:.0f} %" if one.share >= 0.005 else "< 1 %"
+        colour = "white" if one.fraction > _DARK else style.INK
+        percent = f"{100 * one.fraction:.0f} %" if one.fraction >= 0.005 else "< 1 %"
         look: dict[str, Any] = {"ha": "center", "va": "center_baseline", "gid": "share"}
         ax.text(x, y, minus(percent + sign), color=colour, **look)
     edge = {"edgecolor": "white", "linewidth": 1.5, "zorder": 0}
@@ -218,7 +218,7 @@ def _over(ax: Axes, by: _Column, one: _Column, colours: Mapping[str, Colour]) ->
     """Draw a result over one parameter."""
     ax.set_xlabel(literal(shortened(by.name, _NAME)))
     if one.words:
-        _shares(ax, by.values, one, colours)
+        _fractions(ax, by.values, one, colours)
         return
     ax.set_ylabel(literal(shortened(one.name, 24)))
     known = np.isfinite(by.values) & np.isfinite(one.values)
@@ -255,7 +255,7 @@ def _classes(x: Floats) -> tuple[Floats, NDArray[np.intp]]:
     return ends, np.clip(np.searchsorted(ends, x, "right") - 1, 0, len(ends) - 2)
 
 
-def _shares(ax: Axes, x: Floats, one: _Column, colours: Mapping[str, Colour]) -> None:
+def _fractions(ax: Axes, x: Floats, one: _Column, colours: Mapping[str, Colour]) -> None:
     """Draw the fractions of a result's words in each class of a parameter as stacked bars."""
     present = (one.values != "") & np.isfinite(x)
     words = one.values[present]
@@ -265,10 +265,10 @@ def _shares(ax: Axes, x: Floats, one: _Column, colours: Mapping[str, Colour]) ->
     known = np.array([word if word in colours else style.REST for word in words], object)
     for word, colour in colours.items():
         times = np.bincount(of[known == word], minlength=len(ends) - 1)
-        share = 100.0 * times / np.maximum(counts, 1)
+        fraction = 100.0 * times / np.maximum(counts, 1)
         look = {"color": colour, "edgecolor": colour, "linewidth": 0.3, "gid": "shares"}
-        ax.bar(ends[:-1], share, np.diff(ends), foot, align="edge", **look)
-        foot += share
+        ax.bar(ends[:-1], fraction, np.diff(ends), foot, align="edge", **look)
+        foot += fraction
     ax.set(xlim=(ends[0], ends[-1]), ylim=(0.0, 100.0))
     ax.set_ylabel(f"{literal(shortened(one.name, 16))}: designs [%]")
 

@@ -44,10 +44,10 @@ def cycle_of(cells: int, number: int) -> str:
     return str(Sequence.full_cycle(loading, unloading))
 
 
-def share(anchor: float, cells: int, number: int) -> float:
+def fraction(anchor: float, cells: int, number: int) -> float:
     """Yield of the chain that `design` returns for a cycle."""
     tolerances = Tolerances(anchor=anchor, stiffness=SPREAD)
-    return design(cycle_of(cells, number), tolerances=tolerances, samples=MADE).yield_.share
+    return design(cycle_of(cells, number), tolerances=tolerances, samples=MADE).yield_.fraction
 
 
 def table(rows: list[dict[str, Any]]) -> str:
@@ -56,12 +56,14 @@ def table(rows: list[dict[str, Any]]) -> str:
         "| anchors | cells | cycles | best | median | worst | make it in 99 % |",
         "|---|---|---|---|---|---|---|",
     ]
-    for row in (row for row in rows if row["shares"]):
-        shares, cells = np.array(row["shares"]), row["cells"]
-        whole = len(shares) == math.factorial(cells)
-        count = f"all {len(shares)}" if whole else f"a sample of {len(shares)}"
-        yields = [f"{100 * x:.1f} %" for x in (shares.max(), np.median(shares), shares.min())]
-        works = f"{int(np.sum(shares >= WANTED))} of {len(shares)}"
+    for row in (row for row in rows if row["fractions"]):
+        fractions, cells = np.array(row["fractions"]), row["cells"]
+        whole = len(fractions) == math.factorial(cells)
+        count = f"all {len(fractions)}" if whole else f"a sample of {len(fractions)}"
+        yields = [
+            f"{100 * x:.1f} %" for x in (fractions.max(), np.median(fractions), fractions.min())
+        ]
+        works = f"{int(np.sum(fractions >= WANTED))} of {len(fractions)}"
         lines.append(
             f"| ±{row['anchor_mm']:g} mm | {cells} | {count} | {' | '.join(yields)} | {works} |"
         )
@@ -74,15 +76,15 @@ def main(file: Path, pages: list[Path]) -> None:
     rows = [
         next(
             (r for r in known if (r["anchor_mm"], r["cells"]) == (to_unit(anchor, "mm"), cells)),
-            {"anchor_mm": to_unit(anchor, "mm"), "cells": cells, "shares": []},
+            {"anchor_mm": to_unit(anchor, "mm"), "cells": cells, "fractions": []},
         )
         for anchor, cells in LENGTHS
     ]
     for (anchor, cells), row in zip(LENGTHS, rows, strict=True):
-        shares = row["shares"]
-        while len(shares) < cycles(cells):
-            shares.append(share(anchor, cells, len(shares)))
-            if len(shares) % _SAVED == 0 or len(shares) == cycles(cells):
+        fractions = row["fractions"]
+        while len(fractions) < cycles(cells):
+            fractions.append(fraction(anchor, cells, len(fractions)))
+            if len(fractions) % _SAVED == 0 or len(fractions) == cycles(cells):
                 write_atomic(file, json.dumps(rows) + "\n")
     for page in pages:
         text = replaced(page.read_text("utf-8"), table(rows), BEGIN, END, "table")

@@ -159,7 +159,7 @@ def most_cells(make: Callable[[int, Tolerances, int], Design], anchor: float) ->
     def works(cells: int) -> Design | None:
         # First with few samples; a million only if the yield is near the limit.
         trial = make(cells, tolerances, _TRIED)
-        if abs(trial.yield_.share - WANTED) < 0.005:
+        if abs(trial.yield_.fraction - WANTED) < 0.005:
             trial = make(cells, tolerances, _MADE)
         return trial if trial.yield_.interval[0] >= WANTED else None
 
@@ -180,7 +180,7 @@ def _extends(make: Callable[[int, Tolerances, int], Design]) -> Finding:
     designs = [most_cells(make, anchor) for anchor in ANCHORS]
     counts = [len(one.chain) for one in designs]
     each = ", ".join(
-        f"{count} cells (anchors ±{to_unit(anchor, 'mm'):g} mm, {100 * one.yield_.share:.2f} %)"
+        f"{count} cells (anchors ±{to_unit(anchor, 'mm'):g} mm, {100 * one.yield_.fraction:.2f} %)"
         for count, anchor, one in zip(counts, ANCHORS, designs, strict=True)
     )
     return finding_of(

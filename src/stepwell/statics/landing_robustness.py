@@ -49,7 +49,7 @@ class OtherLanding(ByValue):
             equal factors to sampled ones that leads there.
         travel, sheet: (N,) travels at rest [m], and sheets of the cells' curves.
         state: the phases there, - in transit.
-        share: fraction of the settled random samples that land there; 0 where only
+        fraction: fraction of the settled random samples that land there; 0 where only
             mobilities at the ends of the range lead there.
     """
 
@@ -57,7 +57,7 @@ class OtherLanding(ByValue):
     travel: tuple[float, ...]
     sheet: tuple[int, ...]
     state: str
-    share: float
+    fraction: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,7 +94,7 @@ class Landing(ByValue):
         """
         if self.proof is not None:
             return 0.0
-        elsewhere = round(self.samples * math.fsum(place.share for place in self.elsewhere))
+        elsewhere = round(self.samples * math.fsum(place.fraction for place in self.elsewhere))
         if elsewhere >= self.samples:
             return 1.0
         if elsewhere == 0:
@@ -119,8 +119,8 @@ class Landing(ByValue):
                 f"too slowly."
             )
         places = ", ".join(
-            f"{place.state} in {place.share:.0%}"
-            if place.share > 0.0
+            f"{place.state} in {place.fraction:.0%}"
+            if place.fraction > 0.0
             else f"{place.state} with extreme mobilities only"
             for place in self.elsewhere
         )
@@ -220,8 +220,8 @@ def _sampled(
     elsewhere: list[OtherLanding] = []
     for count, mobility, place in sorted(confirmed, key=lambda one: -one[0]):
         where = tuple(place[0].tolist()), tuple(place[1].tolist()), state_of(chain, *place)
-        share = count / random if random else 0.0
-        elsewhere.append(OtherLanding(tuple(mobility.tolist()), *where, share))
+        fraction = count / random if random else 0.0
+        elsewhere.append(OtherLanding(tuple(mobility.tolist()), *where, fraction))
     return extreme, random, tuple(elsewhere)
 
 

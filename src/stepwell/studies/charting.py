@@ -11,7 +11,7 @@ import numpy as np
 
 from stepwell.base import InputError, Progress, StepwellError, tracked
 from stepwell.concave import DECIDED, as_made, classed, closed_graph, motion_orders, proved_ends
-from stepwell.design import DEFAULT_TOLERANCES, Draws, Share, Tolerances, share_of
+from stepwell.design import DEFAULT_TOLERANCES, Draws, Fraction, Tolerances, fraction_of
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, TransitionGraph
 from stepwell.studies import graph_classes as classes
@@ -58,7 +58,7 @@ def charted(
     total = designs.size * sum(len(study.rows(chunk)) for chunk in done)
     closed_form = sums.pop(CLOSED_FORM)
     graph_classes = [
-        space.graph_class(key, share_of(count, closed_form), best, tolerances, samples)
+        space.graph_class(key, fraction_of(count, closed_form), best, tolerances, samples)
         for key, (count, best) in tracked(graphs.items(), progress)
     ]
     known = closed_form + sums["wakes"]
@@ -75,7 +75,7 @@ def charted(
         tolerances=tolerances,
         graph_classes=tuple(graph_classes),
         cycles=tuple(
-            space.full_cycle(code, share_of(n, known), b) for code, (n, b) in cycles.items()
+            space.full_cycle(code, fraction_of(n, known), b) for code, (n, b) in cycles.items()
         ),
         unseen=_unseen(study, done),
         sampled=space.sampled(_asked(study, done, checks)),
@@ -112,7 +112,7 @@ def _merged(blocks: Iterable[str]) -> dict[int, tuple[int, _Best]]:
     }
 
 
-def _unseen(study: Study, done: Sized[int]) -> Share | None:
+def _unseen(study: Study, done: Sized[int]) -> Fraction | None:
     """Fraction of designs of the second half with a graph that does not occur in the first half. It
     bounds the fraction of designs with a graph that occurs in neither half.
     """
@@ -121,7 +121,7 @@ def _unseen(study: Study, done: Sized[int]) -> Share | None:
         return None
     known = _merged(study.values("graphs", done[:half])).keys()
     later = {key: count for key, (count, _) in _merged(study.values("graphs", done[half:])).items()}
-    return share_of(sum(later[key] for key in later.keys() - known), sum(later.values()))
+    return fraction_of(sum(later[key] for key in later.keys() - known), sum(later.values()))
 
 
 def _asked(study: Study, done: Sized[int], most: int) -> list[int]:
@@ -161,7 +161,7 @@ class _Space:
         return classes.name_of(classes.canonical(classes.ways_of(self.graph(chain)), len(chain)))
 
     def graph_class(
-        self, key: int, share: Share, best: _Best, tolerances: Tolerances, samples: int
+        self, key: int, fraction: Fraction, best: _Best, tolerances: Tolerances, samples: int
     ) -> GraphClass:
         """A graph with its most robust design: the candidate with the highest yield."""
         # The selection uses its own samples, so that it does not bias the yield.
@@ -193,11 +193,11 @@ class _Space:
         cycle = Sequence.full_cycle(range(len(loading)), again)
         return GraphClass(
             name,
-            share,
+            fraction,
             design,
             chain,
             gap,
-            share_of(times, samples),
+            fraction_of(times, samples),
             agrees,
             str(cycle),
             len(vertices),
@@ -230,13 +230,13 @@ class _Space:
         except StepwellError:
             return ""
 
-    def full_cycle(self, code: int, share: Share, best: _Best) -> classes.FullCycle:
+    def full_cycle(self, code: int, fraction: Fraction, best: _Best) -> classes.FullCycle:
         """A cycle with its most robust design."""
         gap, design = best[0]
         n = len(self.numbers.base)
         digits = [code // n**k % n for k in reversed(range(2 * n))]
         cycle = str(Sequence.full_cycle(digits[:n], digits[n:]))
-        return classes.FullCycle(cycle, share, design, self.chain(design), gap)
+        return classes.FullCycle(cycle, fraction, design, self.chain(design), gap)
 
     def agreement(self, most: int) -> tuple[int, int]:
         """Number of new designs for which engine and closed form agree, and number of designs."""

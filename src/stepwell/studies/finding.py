@@ -144,7 +144,9 @@ def find(atlas: Atlas, query: str, least: float = 0.0) -> tuple[GraphClass, ...]
     matches = [one for one in atlas.graph_classes if one.kept.low >= least]
     for holds in understood(query):
         matches = list(filter(holds, matches))
-    return tuple(sorted(matches, key=lambda one: (-one.kept.share, -one.share.share, one.name)))
+    return tuple(
+        sorted(matches, key=lambda one: (-one.kept.estimate, -one.fraction.estimate, one.name))
+    )
 
 
 def understood(query: str) -> list[Callable[[GraphClass], bool]]:

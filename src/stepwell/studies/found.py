@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.design import Share, share_of
+from stepwell.design import Fraction, fraction_of
 from stepwell.studies.designs import How
 from stepwell.studies.store import PROBLEM, Study
 from stepwell.studies.work import SCREEN_COLUMNS, TEXT
@@ -30,13 +30,13 @@ class Varied(NamedTuple):
 class Frequency(NamedTuple):
     """Frequency of one value of a column of words.
 
-    `share` is the fraction of the designs with a value; in a screened study, of those drawn at
+    `fraction` is the fraction of the designs with a value; in a screened study, of those drawn at
     random. Its interval is valid only if the designs are a random sample (`sampled`).
     """
 
     column: str
     value: str
-    share: Share
+    fraction: Fraction
     sampled: bool
 
 
@@ -82,7 +82,7 @@ def frequencies(study: Study) -> tuple[Frequency, ...]:
         counts.pop("", None)
         of = sum(counts.values())
         often = sorted(counts.items(), key=lambda one: (-one[1], one[0]))[:_VALUES]
-        frequencies += [Frequency(name, value, share_of(n, of), sampled) for value, n in often]
+        frequencies += [Frequency(name, value, fraction_of(n, of), sampled) for value, n in often]
     return tuple(frequencies)
 
 

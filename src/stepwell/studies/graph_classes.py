@@ -11,7 +11,7 @@ import numpy as np
 
 from stepwell.base import ByValue, Drawn, Progress, Shown, number
 from stepwell.concave import STROKE, Simple, Way, concave_box, graph_by_ends, same_travel
-from stepwell.design import Share, Tolerances
+from stepwell.design import Fraction, Tolerances
 from stepwell.mechanism import Chain
 from stepwell.sequences import TransitionGraph, TransitionKind
 from stepwell.studies.blocks import packed
@@ -116,7 +116,7 @@ class GraphClass(ByValue):
 
     Attributes:
         name: the first digits of the SHA-256 of its canonical text.
-        share: fraction of the designs evaluated in closed form.
+        fraction: fraction of the designs evaluated in closed form.
         design, chain: number of its most robust design, and that design.
         gap: change of the difference of two forces, as a fraction of the largest force, up to which
             the graph stays the same.
@@ -138,11 +138,11 @@ class GraphClass(ByValue):
     """
 
     name: str
-    share: Share
+    fraction: Fraction
     design: int
     chain: Chain = field(repr=False)
     gap: float
-    kept: Share
+    kept: Fraction
     agrees: bool
     cycle: str
     states: int
@@ -172,8 +172,8 @@ class GraphClass(ByValue):
 
     def __repr__(self):
         return (
-            f"GraphClass({self.name}: {self.cycle}, {number(self.share.share * 100)} % of designs, "
-            f"yield {number(self.kept.share * 100)} %)"
+            f"GraphClass({self.name}: {self.cycle}, {number(self.fraction.estimate * 100)} % of "
+            f"designs, yield {number(self.kept.estimate * 100)} %)"
         )
 
 
@@ -183,7 +183,7 @@ class FullCycle(ByValue):
 
     Attributes:
         sequence: such as "00>10>11>01>00".
-        share: fraction of the designs whose cells are evaluated in closed form.
+        fraction: fraction of the designs whose cells are evaluated in closed form.
         design, chain: number of the design whose forces are farthest from another order, and that
             design.
         gap: change of the difference of two forces, as a fraction of the largest force, up to which
@@ -191,13 +191,13 @@ class FullCycle(ByValue):
     """
 
     sequence: str
-    share: Share
+    fraction: Fraction
     design: int
     chain: Chain = field(repr=False)
     gap: float
 
     def __repr__(self):
-        return f"FullCycle({self.sequence}, {number(self.share.share * 100)} % of designs)"
+        return f"FullCycle({self.sequence}, {number(self.fraction.estimate * 100)} % of designs)"
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,7 +251,7 @@ class Atlas(ByValue, Shown, Drawn):
     tolerances: Tolerances
     graph_classes: tuple[GraphClass, ...] = field(repr=False)
     cycles: tuple[FullCycle, ...] = field(repr=False)
-    unseen: Share | None
+    unseen: Fraction | None
     sampled: SampledGraphs
     checked: int
     agreed: int

@@ -21,12 +21,12 @@ class Influence(NamedTuple):
 
     Attributes:
         name: name of the parameter.
-        share: first-order fraction of the column's variance, from below 0 (by chance) to 1.
+        fraction: first-order fraction of the column's variance, from below 0 (by chance) to 1.
         trend: rank correlation (Spearman 1904), from -1 to 1.
     """
 
     name: str
-    share: float
+    fraction: float
     trend: float
 
 
@@ -52,10 +52,10 @@ class DecidingNumbers(ByValue):
     @property
     def sure(self) -> tuple[Influence, ...]:
         """Influences above the floor."""
-        return tuple(one for one in self.influences if one.share > self.floor)
+        return tuple(one for one in self.influences if one.fraction > self.floor)
 
     def __repr__(self):
-        names = ", ".join(f"{one.name} {one.share:.0%}" for one in self.sure[:3])
+        names = ", ".join(f"{one.name} {one.fraction:.0%}" for one in self.sure[:3])
         what = f"{self.column} = {self.value}" if self.value else self.column
         return f"DecidingNumbers({what} by {names or 'none'}, of {self.designs} designs)"
 
@@ -110,13 +110,13 @@ def _decided(
         return None
     influences, floors = list[Influence](), list[float]()
     for name, x in varied.items():
-        share, classes = explained(x[known], y)
-        influences.append(Influence(name, share, _trend(x[known], y)))
+        fraction, classes = explained(x[known], y)
+        influences.append(Influence(name, fraction, _trend(x[known], y)))
         if classes > 1:
             chance = fisher.ppf(1 - _CHANCE / len(varied), classes - 1, n - classes)
             odds = (classes - 1) / (n - classes) * chance
             floors.append(float(1 - (n - 1) / (n - classes) / (1 + odds)))
-    influences.sort(key=lambda one: -one.share)
+    influences.sort(key=lambda one: -one.fraction)
     return DecidingNumbers(column, value, n, float(max(floors, default=0.0)), tuple(influences))
 
 

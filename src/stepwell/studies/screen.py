@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stepwell.base import ByValue, Floats, InputError, need
-from stepwell.design import Share, share_of
+from stepwell.design import Fraction, fraction_of
 from stepwell.studies.designs import Subject
 from stepwell.studies.work import SCREENED, WARP, Screen, work_of
 
@@ -68,9 +68,9 @@ class Screened(ByValue):
     designs: int
     kept: int
     computed: int
-    alike: Share | None
-    held: Share | None
-    missed: Share | None
+    alike: Fraction | None
+    held: Fraction | None
+    missed: Fraction | None
 
 
 def screened(study: "Study") -> Screened | None:
@@ -97,12 +97,12 @@ def screened(study: "Study") -> Screened | None:
         sum(one != "" for one in verdicts),
         int(kept.sum()),
         int(again.sum()),
-        _share(alike, lot),
-        _share(worth, both & kept),
-        _share(worth, lot & ~kept),
+        _fraction(alike, lot),
+        _fraction(worth, both & kept),
+        _fraction(worth, lot & ~kept),
     )
 
 
-def _share(of: Sequence[bool] | np.ndarray, among: np.ndarray) -> Share | None:
+def _fraction(of: Sequence[bool] | np.ndarray, among: np.ndarray) -> Fraction | None:
     count = int(among.sum())
-    return share_of(int(np.asarray(of)[among].sum()), count) if count else None
+    return fraction_of(int(np.asarray(of)[among].sum()), count) if count else None

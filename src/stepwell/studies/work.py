@@ -114,9 +114,11 @@ def _yield() -> Work:
 
     def values(chain: Chain, seed: int) -> Sequence[Any]:
         result = yields(chain, seed=seed)
-        return result.target, result.share, *result.interval
+        return result.target, result.fraction, *result.interval
 
-    return _filled({"sequence": TEXT, "share": "1", "share_low": "1", "share_high": "1"}, values)
+    return _filled(
+        {"sequence": TEXT, "fraction": "1", "fraction_low": "1", "fraction_high": "1"}, values
+    )
 
 
 def _graph() -> Work:

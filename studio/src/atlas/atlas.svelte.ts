@@ -16,9 +16,9 @@ export interface GraphClass {
   name: string;
   cycle: string;
   designs: number;
-  share_percent: number;
-  share_low_percent: number;
-  share_high_percent: number;
+  fraction_percent: number;
+  fraction_low_percent: number;
+  fraction_high_percent: number;
   yield_percent: number;
   yield_low_percent: number;
   yield_high_percent: number;

@@ -131,7 +131,7 @@ METHOD_OF_RELAYS = (
 class Meeting(NamedTuple):
     """Two neighbours whose critical forces can become equal."""
 
-    radius: float  # [m], or the share of all forces
+    radius: float  # [m], or the fraction of all forces
     first: int  # the cell that moves first in the design
     second: int
     way: str  # "loading", decided by F0, or "unloading", by F1
@@ -153,7 +153,7 @@ class Robustness(ByValue):
         meeting: the neighbours that meet first; None if none meet within the radius.
         cell: the cell whose proof ends first; None unless that is the limit.
         method: what is proved, and what is not.
-        share: of all forces of every element, without friction; NaN for anchors.
+        fraction: of all forces of every element, without friction; NaN for anchors.
     """
 
     chain: Chain = field(repr=False)
@@ -162,15 +162,14 @@ class Robustness(ByValue):
     meeting: Meeting | None
     cell: int | None
     method: str = field(repr=False, default=METHOD)
-    share: float = math.nan
+    fraction: float = math.nan
 
     def __str__(self):
         names = self.chain.names
         text = f"all anchors may deviate by {to_unit(self.radius, 'mm'):.4g} mm at once"
-        if not math.isnan(self.share):
-            text = (
-                f"all {self.chain.measure.force}s may deviate by {self.share * 100:.4g} % at once"
-            )
+        if not math.isnan(self.fraction):
+            percent = f"{self.fraction * 100:.4g} %"
+            text = f"all {self.chain.measure.force}s may deviate by {percent} at once"
         if self.meeting is not None:
             first, second = names[self.meeting.first], names[self.meeting.second]
             text += f"; then the order of {first} and {second} in {self.meeting.way} is reversed"
@@ -231,15 +230,15 @@ def _of_relays(chain: Chain) -> Robustness:
         for a, b in pairwise(order[end].tolist()):
             first, second = int(switches.cell[a]), int(switches.cell[b])
             if first != second and own[a] + own[b] > 0.0:
-                share = float(abs(held[b] - held[a]) / (own[a] + own[b]))
-                meetings.append(Meeting(share, first, second, way, ()))
+                fraction = float(abs(held[b] - held[a]) / (own[a] + own[b]))
+                meetings.append(Meeting(fraction, first, second, way, ()))
     nearest = min(meetings, key=lambda one: one.radius, default=None)
-    share = math.inf if nearest is None else nearest.radius
+    fraction = math.inf if nearest is None else nearest.radius
     # At 100 % a force vanishes.
-    limit = RobustnessLimit.NONE if share >= 1.0 else RobustnessLimit.ORDER
-    meeting = nearest if share < 1.0 else None
+    limit = RobustnessLimit.NONE if fraction >= 1.0 else RobustnessLimit.ORDER
+    meeting = nearest if fraction < 1.0 else None
     method = METHOD_OF_RELAYS
-    return Robustness(chain, math.nan, limit, meeting, None, method, min(share, 1.0))
+    return Robustness(chain, math.nan, limit, meeting, None, method, min(fraction, 1.0))
 
 
 def _proved_radius(cell: Simple) -> float:

@@ -125,7 +125,7 @@ class Design(ByValue, Drawn):
             )
         low, high = self.yield_.interval
         lines.append(
-            f"yield {self.yield_.share * 100:.4g} % (95 % confidence: {low * 100:.4g} to "
+            f"yield {self.yield_.fraction * 100:.4g} % (95 % confidence: {low * 100:.4g} to "
             f"{high * 100:.4g} %), {self.yield_.tolerances!r}"
         )
         if self.critical is not None:
@@ -141,7 +141,7 @@ class Design(ByValue, Drawn):
         else:
             places = base.to_unit(self.anchors, "mm").tolist()
             parts = f"q {', '.join(f'({x:.4g}, {y:.4g})' for x, y in places)} mm"
-        return f"Design({short(self.sequence)}: {parts}, yield {self.yield_.share * 100:.4g} %)"
+        return f"Design({short(self.sequence)}: {parts}, yield {self.yield_.fraction * 100:.4g} %)"
 
 
 class Impossible(Shown, StepwellError, ValueError):

@@ -313,7 +313,7 @@ def _at_random(
         return None
     counted = {"samples": _SAMPLES, "target": goal.cycle or sorted(goal.states or ())}
     return (
-        max(matches, key=lambda chain: yields(chain, allowed.tolerances, **counted).share),
+        max(matches, key=lambda chain: yields(chain, allowed.tolerances, **counted).fraction),
         looked_at,
         False,
         f"searched: {looked_at} random choices of elements and scales simulated; best yield of "

@@ -163,18 +163,18 @@ def design(
     criterion = _success_criterion(target.states, result, tolerances)
     count = samples or _default_samples(attempt, criterion)
     largest = _largest_tolerances(attempt, chain, bands, tolerances)
-    share = yields(chain, largest, samples=count, seed=seed, target=criterion)
+    counted = yields(chain, largest, samples=count, seed=seed, target=criterion)
     search.end()
     return Design(
         chain,
         result,
-        share,
+        counted,
         () if attempt is None else attempt.region(),
         holes,
         placed.candidates,
         attempt is not None and placed.complete,
         how + _off_grid(rule, holes),
-        _standing(attempt) + _not_searched(target, share),
+        _standing(attempt) + _not_searched(target, counted),
     )
 
 
@@ -270,10 +270,10 @@ def _success_criterion(
     return by_cells_at_1(states)
 
 
-def _not_searched(target: Target, share: Yield) -> str:
-    if not target.by_states or share.states is not None:
+def _not_searched(target: Target, counted: Yield) -> str:
+    if not target.by_states or counted.states is not None:
         return ""
-    why = unsearchable(share.chain, share.tolerances.friction)
+    why = unsearchable(counted.chain, counted.tolerances.friction)
     return f"; the yield counts samples with the nominal cycle, because {why}"
 
 

@@ -355,10 +355,12 @@ class TargetSearch:
             raise self._impossible(placed, report, proved=whole)
         counted = None if tolerances.friction else target.states
 
-        def share(chain: Chain) -> float:
-            return yields(chain, tolerances, samples=_SAMPLES, seed=self.seed, target=counted).share
+        def fraction(chain: Chain) -> float:
+            return yields(
+                chain, tolerances, samples=_SAMPLES, seed=self.seed, target=counted
+            ).fraction
 
-        return max(chains[:_COMPARED], key=share), (
+        return max(chains[:_COMPARED], key=fraction), (
             f"searched: no choice of {placed.candidates} holes with bands proved taut and concave "
             f"reaches the target; {report}, and {len(chains)} of them reach it; best yield of "
             f"{min(len(chains), _COMPARED)} of these, {_SAMPLES} samples each"

@@ -28,8 +28,8 @@ class Survival(Counted):
         turning_points: drives of the program [m], or [N] under force control.
         start, target: states at its beginning and at its end.
         samples, seed: number of samples, and random seed.
-        share, interval: successes over samples, and the 95 % confidence interval of the probability
-            (Clopper & Pearson 1934).
+        fraction, interval: successes over samples, and the 95 % confidence interval of the
+            probability (Clopper & Pearson 1934).
         successes: samples that end with every cell in, or nearest to, its phase in `target`.
     """
 
@@ -50,8 +50,8 @@ class Survival(Counted):
     def __repr__(self):
         low, high = self.interval
         return (
-            f"Survival({self.start} to {self.target}: {100 * self.share:.1f} % of {self.samples}, "
-            f"{100 * low:.1f} % to {100 * high:.1f} %, {self.tolerances!r})"
+            f"Survival({self.start} to {self.target}: {100 * self.fraction:.1f} % of "
+            f"{self.samples}, {100 * low:.1f} % to {100 * high:.1f} %, {self.tolerances!r})"
         )
 
 

@@ -33,12 +33,12 @@ def sampling_text(chain: Chain) -> str:
     return f"independent parameters: {how}; quasi-static"
 
 
-class Share(NamedTuple):
+class Fraction(NamedTuple):
     """A fraction of independent random designs, with its confidence interval.
 
     Attributes:
         times, of: number of successes, and of designs.
-        low, high: 95 % confidence interval of the share (Clopper & Pearson 1934).
+        low, high: 95 % confidence interval of the fraction (Clopper & Pearson 1934).
     """
 
     times: int
@@ -47,19 +47,19 @@ class Share(NamedTuple):
     high: float
 
     @property
-    def share(self) -> float:
-        """The estimate."""
+    def estimate(self) -> float:
+        """Successes over designs."""
         return self.times / self.of
 
 
-def share_of(times: int, of: int) -> Share:
+def fraction_of(times: int, of: int) -> Fraction:
     """The fraction `times` / `of` with its interval."""
     # Importing scipy.stats, which also has this interval, takes a second.
     from scipy.special import betaincinv  # pyright: ignore[reportMissingTypeStubs]
 
     low = float(betaincinv(times, of - times + 1, 0.025)) if times else 0.0
     high = float(betaincinv(times + 1, of - times, 0.975)) if times < of else 1.0
-    return Share(times, of, low, high)
+    return Fraction(times, of, low, high)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -73,14 +73,14 @@ class Counted(ByValue):
     successes: int
 
     @property
-    def share(self) -> float:
+    def fraction(self) -> float:
         """Successes over samples: the estimate of the probability."""
         return self.successes / self.samples
 
     @cached_property
     def interval(self) -> tuple[float, float]:
         """95 % confidence interval of the probability (Clopper & Pearson 1934)."""
-        return share_of(self.successes, self.samples)[2:]
+        return fraction_of(self.successes, self.samples)[2:]
 
 
 @dataclass

@@ -34,7 +34,7 @@ class Critical(base.ByValue):
         first, second: the numbers of the cells; `first` should move before `second`.
         names: their names, with the phases if a cell has more than two.
         way: "loading", decided by F0 plus friction, or "unloading", by F1 less friction.
-        share: fraction of the samples in closed form that have them in the other order.
+        fraction: fraction of the samples in closed form that have them in the other order.
         narrowest: fraction in which their gap is the smallest of all.
         by: the force that decides: "F0", "F1", or that of the switches up or down.
     """
@@ -43,7 +43,7 @@ class Critical(base.ByValue):
     second: int
     names: tuple[str, str]
     way: str
-    share: float
+    fraction: float
     narrowest: float
     by: str = ""
 
@@ -51,7 +51,7 @@ class Critical(base.ByValue):
         before, after = self.names
         return (
             f"{before} before {after} while {self.way} ({self.by}): "
-            f"in the other order in {base.percent(self.share)}"
+            f"in the other order in {base.percent(self.fraction)}"
         )
 
 
@@ -62,8 +62,8 @@ class Yield(Counted, base.Drawn):
     Attributes:
         chain, tolerances: the nominal design and its tolerances.
         samples, seed: number of samples, and random seed.
-        share, interval: successes over samples, and the 95 % confidence interval of the probability
-            (Clopper & Pearson 1934).
+        fraction, interval: successes over samples, and the 95 % confidence interval of the
+            probability (Clopper & Pearson 1934).
         target: the sequence of states of a full cycle; or "states" and the target states.
         states: all states reachable from all cells at 0, and no others; None for a cycle.
         successes: number of samples that reach the target without a tie.
@@ -126,7 +126,7 @@ class Yield(Counted, base.Drawn):
         attrs = {
             "title": self.chain.title or "yield",
             "target": self.target,
-            "share": self.share,
+            "fraction": self.fraction,
             "interval_95": [*self.interval],
             "samples": self.samples,
             "seed": self.seed,
@@ -142,9 +142,9 @@ class Yield(Counted, base.Drawn):
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write one line per outcome, the target first."""
         counts = self._counts.values()
-        shares = [count / self.samples for count in counts]
-        columns = [base.Quantity("outcome"), base.Quantity("count"), base.Quantity("share", "1")]
-        base.write_csv(path, zip(columns, (self._counts, counts, shares), strict=True), 9)
+        fractions = [count / self.samples for count in counts]
+        columns = [base.Quantity("outcome"), base.Quantity("count"), base.Quantity("fraction", "1")]
+        base.write_csv(path, zip(columns, (self._counts, counts, fractions), strict=True), 9)
 
     @property
     def _counts(self) -> dict[str, int]:
@@ -153,7 +153,7 @@ class Yield(Counted, base.Drawn):
     def __str__(self):
         low, high = map(base.percent, self.interval)
         lines = [
-            f"{base.percent(self.share)} of {self.samples} samples reach {short(self.target)} "
+            f"{base.percent(self.fraction)} of {self.samples} samples reach {short(self.target)} "
             f"(95 % confidence: {low} to {high})"
         ]
         if self.advice:
@@ -171,7 +171,7 @@ class Yield(Counted, base.Drawn):
     def __repr__(self):
         low, high = map(base.percent, self.interval)
         return (
-            f"Yield({short(self.target)}: {base.percent(self.share)} of {self.samples}, "
+            f"Yield({short(self.target)}: {base.percent(self.fraction)} of {self.samples}, "
             f"{low} to {high}, {self.tolerances!r})"
         )
 
@@ -302,9 +302,9 @@ def _critical(tally: OutcomeCounter) -> Critical | None:
     cell, names = switches.cell.tolist(), switches.names(chain)
     way = ("loading", "unloading")[side]
     by = ("the forces up", "the forces down") if chain.elements else ("F0", "F1")
-    shares = int(wrong[worst]) / tally.by_form, int(narrowest[worst]) / tally.by_form
+    fractions = int(wrong[worst]) / tally.by_form, int(narrowest[worst]) / tally.by_form
     pair = names[first], names[second]
-    return Critical(cell[first], cell[second], pair, way, *shares, by[side])
+    return Critical(cell[first], cell[second], pair, way, *fractions, by[side])
 
 
 def _assumptions(tally: OutcomeCounter, n: int, drawing: sequences.Cycle | None) -> Iterator[str]:

@@ -43,7 +43,7 @@ def placed(
     else:
         spots = nx.spring_layout(graph, weight=None, seed=0)
     at = np.array([spots[name] for name in names], float).reshape(-1, 2)
-    sizes = np.array([one.share.share for one in shown])
+    sizes = np.array([one.fraction.estimate for one in shown])
     radius = _LEAST + (_LARGEST - _LEAST) * np.sqrt(sizes / (sizes.max(initial=0.0) or 1.0))
     at = _apart(_fitted(at, radius), radius)
     return dict(zip(names, map(tuple, np.column_stack([at, radius]).tolist()), strict=True))

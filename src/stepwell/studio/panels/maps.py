@@ -79,8 +79,8 @@ class Plane:
         codes, image, counts = np.unique(
             nodes.sequence.values, return_inverse=True, return_counts=True
         )
-        shares = (counts / counts.sum()).tolist()
-        header = {"sequences": [words[code] for code in codes.tolist()], "shares": shares}
+        fractions = (counts / counts.sum()).tolist()
+        header = {"sequences": [words[code] for code in codes.tolist()], "fractions": fractions}
         blocks: Blocks = {"image": image.reshape(high, wide).astype(np.int32)}
         for letter, (parameter, values) in (("x", x), ("y", y)):
             blocks[letter] = values * unit_of(parameter)[1]
