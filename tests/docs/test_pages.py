@@ -249,7 +249,7 @@ def test_the_page_of_what_decides_shows_the_studies_that_its_commands_make():
     """A record has the identity of the study that the command on the page begins."""
     pytest.importorskip("zarr", reason="studies are not tested: zarr is not installed")
     from stepwell.cli.sweep import read_axes
-    from stepwell.studies import How, Space, asked
+    from stepwell.studies import How, Space, planned_study
 
     told, made = commands(), list(records().values())
     assert len(told) == len(made) == 4
@@ -258,7 +258,7 @@ def test_the_page_of_what_decides_shows_the_studies_that_its_commands_make():
         after = {name: words[k + 1] for k, name in enumerate(words) if name.startswith("--")}
         ranges = [words[k + 1] for k, name in enumerate(words) if name == "--vary"]
         space = Space(read_axes(ranges, robot, drawn=True), How.SOBOL, int(after["--sobol"]), 0)
-        study = asked(
+        study = planned_study(
             robot, "walk", space, after["--out"], given={"cycles": 4}, chunk=int(after["--chunk"])
         )
         assert study.identity == record["identity"]
@@ -322,12 +322,12 @@ def test_the_larger_atlases_are_those_that_the_page_s_commands_make(monkeypatch)
     from typer.testing import CliRunner
 
     from stepwell.cli import app
-    from stepwell.studies import asked, atlas as rooms
+    from stepwell.studies import atlas as rooms, planned_study
 
     begun = []
 
     def sweep(chain, what, of, folder, *, given, chunk, **_):
-        begun.append(asked(chain, what, of, folder, given=given, chunk=chunk))
+        begun.append(planned_study(chain, what, of, folder, given=given, chunk=chunk))
         raise sw.InputError("that is enough")
 
     monkeypatch.setattr(sys.modules[rooms.__module__], "sweep", sweep)

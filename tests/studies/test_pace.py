@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import stepwell as sw
-from stepwell.studies import Axis, How, Space, asked, pace
+from stepwell.studies import Axis, How, Space, pace, planned_study
 
 AXES = (Axis("outer.q.x", 0.0, 0.020),)
 
@@ -14,7 +14,9 @@ AXES = (Axis("outer.q.x", 0.0, 0.020),)
 def written(tmp_path: Path, *times: float, count: int = 1000):
     """A study of chunks of 10 designs, each written at that time."""
     designs = Space(AXES, How.RANDOM, count)
-    study = asked(sw.preset("paper-forward"), "cycle", designs, tmp_path / "a.zarr", chunk=10)
+    study = planned_study(
+        sw.preset("paper-forward"), "cycle", designs, tmp_path / "a.zarr", chunk=10
+    )
     folder = study.folder / "problem" / "c"
     folder.mkdir(parents=True)
     for chunk, at in enumerate(times):
@@ -52,5 +54,5 @@ def test_too_little_says_nothing(tmp_path, times):
 
 
 def test_what_is_not_begun_has_no_pace(tmp_path):
-    study = asked(sw.preset("paper-forward"), "cycle", Space(AXES), tmp_path / "none.zarr")
+    study = planned_study(sw.preset("paper-forward"), "cycle", Space(AXES), tmp_path / "none.zarr")
     assert pace(study) is None

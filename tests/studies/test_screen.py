@@ -24,10 +24,10 @@ from stepwell.studies import (
     Axis,
     Space,
     Study,
-    asked,
     begun,
     decided,
     estimate,
+    planned_study,
     screened,
     status,
     store,
@@ -79,7 +79,7 @@ def make(tmp_path, monkeypatch):
 
         monkeypatch.setitem(WORKS, "walk", (Robot, work))
         monkeypatch.setattr(store, "ONE_OF", 3)  # of so few designs
-        return begun(asked(ROBOT, "walk", SPACE, tmp_path / name, given=GIVEN, chunk=CHUNK))
+        return begun(planned_study(ROBOT, "walk", SPACE, tmp_path / name, given=GIVEN, chunk=CHUNK))
 
     return made
 
@@ -172,7 +172,7 @@ def test_fractions_are_reported_for_random_designs_and_not_for_chosen_ones(make)
 
 
 def test_a_study_that_is_not_screened_has_no_screen_and_asks_for_what_it_asked_before(tmp_path):
-    study = asked(ROBOT, "walk", SPACE, tmp_path / "s.zarr", given={"cycles": 1})
+    study = planned_study(ROBOT, "walk", SPACE, tmp_path / "s.zarr", given={"cycles": 1})
     assert screened(study) is None and dict(study.given) == {"cycles": 1}
     assert not {"screened", "again", "lot"} & study.columns.keys()
 
@@ -195,7 +195,9 @@ def trial(stopped: str = "") -> Trial:
 
 def test_designs_are_kept_that_do_as_the_design_itself(simulated, tmp_path):
     def study(**given: Any) -> Study:
-        return asked(ROBOT, "walk", SPACE, tmp_path / "s.zarr", given={"engine": "warp"} | given)
+        return planned_study(
+            ROBOT, "walk", SPACE, tmp_path / "s.zarr", given={"engine": "warp"} | given
+        )
 
     mine = study()
     assert mine.given["wanted"] == "00>10>11>01>00 | none" and mine.chunk == 256
@@ -218,7 +220,7 @@ def test_a_screened_walk_says_what_a_walk_says_and_nothing_where_it_cannot(monke
     trials = (trial(), None, trial("Stopped at 1.000 s: the robot fell over."))
     monkeypatch.setattr(simulation, "screen_walks", lambda _robots, cycles: trials)
     given = {"engine": "warp", "wanted": "", "cycles": 2}
-    screen = asked(ROBOT, "walk", SPACE, tmp_path / "s.zarr", given=given).work.screen
+    screen = planned_study(ROBOT, "walk", SPACE, tmp_path / "s.zarr", given=given).work.screen
     assert screen is not None
     assert screen.verdicts([ROBOT] * 3) == ["00>10>11>01>00 | none", "", "stopped"]
 
@@ -231,7 +233,7 @@ def test_a_screened_maze_wants_as_many_layouts_reached_as_the_design_itself(monk
     monkeypatch.setattr(simulation, "screen_mazes", lambda _entries, limit: ends)
     arena = sw.files.dumps(sw.load_arena("pen"))
     given = {"engine": "warp", "arena": arena, "layouts": 2, "wanted": 2}
-    study = asked(ROBOT, "maze", SPACE, tmp_path / "s.zarr", given=given)
+    study = planned_study(ROBOT, "maze", SPACE, tmp_path / "s.zarr", given=given)
     screen = study.work.screen
     assert screen is not None and study.chunk == 128
     assert screen.verdicts([ROBOT] * 3) == ["reached, timed out", "", "reached, reached"]
@@ -247,7 +249,7 @@ def test_without_the_extra_a_screened_study_says_which_one_before_it_begins(monk
     monkeypatch.setattr(extras, "find_spec", lambda one: None if one in gone else known(one))
     place = tmp_path / "s.zarr"
     with pytest.raises(ExtraError, match=re.escape(extras.install("gpu"))):
-        asked(ROBOT, "walk", SPACE, place, given={"engine": "warp"})
+        planned_study(ROBOT, "walk", SPACE, place, given={"engine": "warp"})
     assert not place.exists()
 
 
@@ -262,7 +264,7 @@ def test_a_design_that_cannot_be_is_not_screened_and_its_problem_is_reported(tmp
     work = Work({"gaits": "text"}, lambda robot, _seed: {"gaits": does(robot)}, screen)
     monkeypatch.setitem(WORKS, "walk", (Robot, lambda engine="cpu", wanted="": work))
     axes = (Axis("body.mass_g", -50.0, 250.0, 2),)
-    study = begun(asked(ROBOT, "walk", Space(axes), tmp_path / "s.zarr", given=GIVEN))
+    study = begun(planned_study(ROBOT, "walk", Space(axes), tmp_path / "s.zarr", given=GIVEN))
     columns = columns_of(study, 0)
     assert seen == [1] and list(columns["screened"]) == ["", "A"]
     assert str(columns["problem"][0]) and not str(columns["problem"][1])

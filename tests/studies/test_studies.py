@@ -38,13 +38,13 @@ from stepwell.studies import (
     StudyError,
     SweepError,
     Workshop,
-    asked,
     begun,
     cancel,
     estimate,
     extended,
     function_of,
     opened,
+    planned_study,
     read_table,
     resumed,
     status,
@@ -279,7 +279,7 @@ def test_a_study_that_grows_ends_as_if_it_had_been_so_large_from_the_start(tmp_p
 @pytest.mark.slow
 def test_a_worker_that_has_a_study_open_sees_that_it_has_grown_or_is_another(tmp_path):
     folder, space = tmp_path / "s.zarr", Space((Axis("outer.q.x", 0.0, 0.020),), How.RANDOM, 4, 1)
-    study = begun(asked(LEG, "cycle", space, folder, chunk=4))
+    study = begun(planned_study(LEG, "cycle", space, folder, chunk=4))
     fill(str(folder), study.identity, 0)
     grown = extended(study, 8)
     fill(str(folder), study.identity, 1)
@@ -288,7 +288,7 @@ def test_a_worker_that_has_a_study_open_sees_that_it_has_grown_or_is_another(tmp
     shutil.rmtree(folder)
     with pytest.raises(StudyError, match="contains no study"):
         fill(str(folder), study.identity, 1)
-    other = begun(asked(LEG, "cycle", replace(space, seed=2), folder, chunk=4))
+    other = begun(planned_study(LEG, "cycle", replace(space, seed=2), folder, chunk=4))
     with pytest.raises(StudyError, match="another study"):
         fill(str(folder), study.identity, 0)
     assert other.done_chunks() == []

@@ -6,7 +6,16 @@ from pathlib import Path
 
 import stepwell as sw
 from stepwell import files
-from stepwell.studies import Axis, How, Space, Study, asked, atlas_blocks as blocks, begun, opened
+from stepwell.studies import (
+    Axis,
+    How,
+    Space,
+    Study,
+    atlas_blocks as blocks,
+    begun,
+    opened,
+    planned_study,
+)
 from stepwell.studies.fill import fill
 
 
@@ -23,7 +32,7 @@ def plane(home: Path, count: int, folder: Path | None = None) -> Study:
     axes = Axis("outer.q.x", 0.0, 0.020), Axis("outer.q.y", -0.015, 0.015)
     leg = files.preset("paper-forward")
     space = Space(axes, How.SOBOL, count)
-    return asked(leg, "cycle", space, folder or home / "plane.zarr", chunk=32)
+    return planned_study(leg, "cycle", space, folder or home / "plane.zarr", chunk=32)
 
 
 def small_atlas(folder: Path) -> Study:
@@ -36,4 +45,6 @@ def small_atlas(folder: Path) -> Study:
         for axis in (Axis(f"{k}.q.x", 0.0, 0.020), Axis(f"{k}.q.y", -0.015, 0.015))
     )
     given = {"drive": "stroke"}
-    return filled(asked(chain, "atlas", blocks(2, axes, 5000, 0), folder, given=given, chunk=1))
+    return filled(
+        planned_study(chain, "atlas", blocks(2, axes, 5000, 0), folder, given=given, chunk=1)
+    )

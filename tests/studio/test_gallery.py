@@ -15,7 +15,7 @@ from stepwell.robot import Robot
 from stepwell.statics import EventKind
 from stepwell.studio.answering import answered
 from stepwell.studio.ask import Ask, PageDesign, View
-from stepwell.studio.message import Message, part, unpacked
+from stepwell.studio.message import Message, partial_answer, unpacked
 from stepwell.studio.motion import arrays_of, cells_of, drawn
 from studio.pages import Answer
 
@@ -33,7 +33,7 @@ def thumbnails() -> tuple[list[Answer], Answer]:
     answers: list[Answer] = []
 
     def show(view: View) -> None:
-        answers.append(Answer(*unpacked(part("thumbnails", 1, view))))
+        answers.append(Answer(*unpacked(partial_answer("thumbnails", 1, view))))
 
     last = answered(Message("thumbnails", 1), Ask({}, lambda _done, _total: None, show))
     return answers, Answer(*unpacked(last))

@@ -8,7 +8,7 @@ import pytest
 
 import stepwell as sw
 from stepwell.mechanism import Chain
-from stepwell.studio.standalone import embedded, replay
+from stepwell.studio.standalone import as_iframe, replay
 from studio.browser import Opened, opens, output
 
 from playwright.sync_api import Frame, Page, expect  # isort: skip
@@ -37,7 +37,7 @@ def frames_of(page: Page) -> list[Frame]:
 
 @pytest.mark.parametrize("name", ["paper-forward", "metachronal-wave"])
 def test_all_of_it_is_in_view_without_a_bar_of_its_own(offline: Opened, tmp_path: Path, name: str):
-    page = opens(offline, tmp_path, around(embedded(page_of(name), "It moves")))
+    page = opens(offline, tmp_path, around(as_iframe(page_of(name), "It moves")))
     (frame,) = frames_of(page)
     assert frame.get_by_role("banner").count() == 0
     for width in (900, 340):
@@ -69,7 +69,7 @@ def all_in_view(frame: Frame) -> None:
 def test_side_by_side_where_wide_and_one_above_the_other_where_narrow(
     offline: Opened, tmp_path: Path
 ):
-    page = opens(offline, tmp_path, around(embedded(page_of("paper-forward"), "It moves")))
+    page = opens(offline, tmp_path, around(as_iframe(page_of("paper-forward"), "It moves")))
     (frame,) = frames_of(page)
 
     def places() -> tuple[dict[str, float], dict[str, float]]:
@@ -87,7 +87,7 @@ def test_side_by_side_where_wide_and_one_above_the_other_where_narrow(
 
 
 def test_what_it_rests_on_can_be_read_in_a_frame(offline: Opened, tmp_path: Path):
-    page = opens(offline, tmp_path, around(embedded(page_of("paper-forward"), "It moves")))
+    page = opens(offline, tmp_path, around(as_iframe(page_of("paper-forward"), "It moves")))
     (frame,) = frames_of(page)
     words = frame.get_by_text("Quasi-static")
     expect(words).to_be_hidden()
@@ -103,7 +103,7 @@ def test_twenty_cells_with_ties_leave_room_for_what_is_seen(offline: Opened, tmp
     many = [*wave.cells, *wave.cells, *wave.cells, *wave.cells][:20]
     cells = tuple(replace(cell, name=f"cell {k} of many") for k, cell in enumerate(many))
     text = replay(replace(wave, cells=cells))
-    page = opens(offline, tmp_path, around(embedded(text, "Many")))
+    page = opens(offline, tmp_path, around(as_iframe(text, "Many")))
     (frame,) = frames_of(page)
     for width in (900, 340):
         page.set_viewport_size({"width": width, "height": 800})
@@ -125,7 +125,7 @@ def test_twenty_cells_with_ties_leave_room_for_what_is_seen(offline: Opened, tmp
 def test_nothing_moves_unasked_and_one_that_is_played_leaves_the_others(
     offline: Opened, tmp_path: Path
 ):
-    one = embedded(page_of("paper-forward"), "It moves")
+    one = as_iframe(page_of("paper-forward"), "It moves")
     page = opens(offline, tmp_path, around(one, one))
     page.set_viewport_size({"width": 900, "height": 1400})
     first, second = frames_of(page)
@@ -140,7 +140,7 @@ def test_nothing_moves_unasked_and_one_that_is_played_leaves_the_others(
 def test_what_is_to_play_does_so_in_view_until_the_reader_takes_over(
     offline: Opened, tmp_path: Path
 ):
-    plays = embedded(page_of("paper-forward"), "It moves", plays=True)
+    plays = as_iframe(page_of("paper-forward"), "It moves", plays=True)
     page = opens(offline, tmp_path, around(plays, '<div style="height: 3000px"></div>'))
     (frame,) = frames_of(page)
     slider = frame.get_by_role("slider", name="Stroke")
@@ -159,7 +159,7 @@ def test_what_is_to_play_does_so_in_view_until_the_reader_takes_over(
 
 def test_readers_who_want_less_motion_have_none_unasked(offline: Opened, tmp_path: Path):
     offline.page.emulate_media(reduced_motion="reduce")
-    plays = embedded(page_of("paper-forward"), "It moves", plays=True)
+    plays = as_iframe(page_of("paper-forward"), "It moves", plays=True)
     page = opens(offline, tmp_path, around(plays))
     (frame,) = frames_of(page)
     # What is emulated reaches a frame of its own process a little later than the page.
@@ -174,7 +174,7 @@ def test_readers_who_want_less_motion_have_none_unasked(offline: Opened, tmp_pat
 
 
 def test_a_frame_has_the_colours_that_the_reader_wants(offline: Opened, tmp_path: Path):
-    page = opens(offline, tmp_path, around(embedded(page_of("paper-forward"), "It moves")))
+    page = opens(offline, tmp_path, around(as_iframe(page_of("paper-forward"), "It moves")))
     (frame,) = frames_of(page)
     for scheme in ("dark", "light", "dark"):
         page.emulate_media(color_scheme=scheme)
@@ -183,7 +183,7 @@ def test_a_frame_has_the_colours_that_the_reader_wants(offline: Opened, tmp_path
 
 def test_a_title_stays_text_in_an_attribute(offline: Opened, tmp_path: Path):
     title = '"></iframe><img src=x onerror="document.title=1"> & \N{HIRAGANA LETTER A}'
-    page = opens(offline, tmp_path, around(embedded(page_of("paper-forward"), title)))
+    page = opens(offline, tmp_path, around(as_iframe(page_of("paper-forward"), title)))
     frames_of(page)
     assert page.locator("iframe").get_attribute("title") == title
     assert page.locator("img").count() == 0

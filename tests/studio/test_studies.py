@@ -19,7 +19,7 @@ from golden.running import invoke
 from stepwell import base, files, studies
 from stepwell.accounts import account
 from stepwell.files import loads_tables, preset_text, tables_in
-from stepwell.studies import Axis, How, Space, Study, Workshop, asked, begun
+from stepwell.studies import Axis, How, Space, Study, Workshop, begun, planned_study
 from stepwell.studio.answering import answered
 from stepwell.studio.message import Message, unpacked
 from stepwell.studio.panels.atlas import placed
@@ -101,7 +101,7 @@ def test_of_many_designs_some_are_shown_evenly_and_rare_words_together(
 )
 def test_any_design_of_a_study_comes_into_the_editor(ask: Asks, tmp_path: Path, designs: Any):
     leg = files.preset("paper-forward")
-    study = begun(asked(leg, "cycle", designs, tmp_path / "home" / "a.zarr"))
+    study = begun(planned_study(leg, "cycle", designs, tmp_path / "home" / "a.zarr"))
     made = [design for _, design in study.designs.made(study.subject, 0, 5)]
     for number in (0, 3, 4):
         header, _ = ask("study_design", name="a.zarr", number=number)
@@ -288,7 +288,7 @@ def test_a_study_is_watched_stopped_and_goes_on_and_one_that_fails_says_why(
     for name in ("a.zarr", "b.zarr"):
         space = Space((Axis("outer.q.x", 0.0, 0.02, 5),))
         place = tmp_path / "home" / name
-        begun(asked(leg, "call", space, place, given=_given(function), chunk=1))
+        begun(planned_study(leg, "call", space, place, given=_given(function), chunk=1))
 
     def listed(name: str) -> dict[str, Any]:
         (one,) = [one for one in ask("studies").header["studies"] if one["name"] == name]
@@ -337,7 +337,7 @@ def test_the_end_of_the_server_ends_all_of_a_study(ask: Asks, tmp_path: Path):
     function.write_text(GATED.format(gate=str(tmp_path / "gate")))
     axis = Axis("outer.q.x", 0.01, 0.02, 3)
     begun(
-        asked(
+        planned_study(
             files.preset("paper-forward"), "call", Space((axis,)), tmp_path / "home" / "a.zarr",
             given=_given(function), chunk=1,
         )

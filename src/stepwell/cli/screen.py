@@ -130,7 +130,7 @@ def report(
     if as_json:
         show_json(account.record, *((out or Path()) / name for name in names))
         return
-    _lines(terminal(account))
+    _print_folded(terminal(account))
     if names:
         show_lines("", f"Written into {out}: {', '.join(names)}")
 
@@ -154,17 +154,17 @@ def show_text(*paragraphs: str) -> None:
 
 def show_title(text: str) -> None:
     """Print a heading after an empty line."""
-    _lines([Line(""), *heading(text)])
+    _print_folded([Line(""), *heading(text)])
 
 
 def show_table(
     title: str, head: Sequence[str], rows: Iterable[Sequence[str]], *, left: Sequence[int] = (0,)
 ) -> None:
     """Print a table, folded to the width of the terminal."""
-    _lines(table(title, head, rows, left))
+    _print_folded(table(title, head, rows, left))
 
 
-def _lines(lines: Iterable[Line]) -> None:
+def _print_folded(lines: Iterable[Line]) -> None:
     """Print folded lines; headings in bold if colours are shown."""
     plain = not styled()
     for bold, some in groupby(lines, lambda line: line.bold and not plain):
@@ -324,14 +324,14 @@ def _suggest_option(error: Any) -> None:
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
     """Raise KeyboardInterrupt, or later: C drops it while modules open and the compiler runs."""
-    if _is_lost(frame) and hasattr(signal, "setitimer"):
+    if _would_be_lost(frame) and hasattr(signal, "setitimer"):
         signal.signal(signal.SIGALRM, _interrupt)
         signal.setitimer(signal.ITIMER_REAL, _LOOK_AGAIN)
     else:
         raise KeyboardInterrupt
 
 
-def _is_lost(frame: FrameType | None) -> bool:
+def _would_be_lost(frame: FrameType | None) -> bool:
     # The command may itself run during an import.
     while frame is not None and frame.f_code is not Commands.invoke.__code__:
         file = frame.f_code.co_filename

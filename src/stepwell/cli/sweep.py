@@ -184,7 +184,9 @@ def _command(what: str, doc: str) -> None:
         chosen = designs.of(subject, how.seed)
         with screen.usable(what):
             given = _given(own, subject)
-            study = sw.studies.asked(subject, what, chosen, out, given=given, chunk=how.chunk)
+            study = sw.studies.planned_study(
+                subject, what, chosen, out, given=given, chunk=how.chunk
+            )
         if how.estimate:
             workers = cores() if how.workers is None else max(how.workers, 1)
             _show_estimate(sw.studies.estimate(study, workers))

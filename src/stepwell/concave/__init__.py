@@ -46,9 +46,9 @@ from stepwell.concave.samples import (
     TIE,
     DrawJudge,
     SampleVerdicts,
-    as_made,
     in_disc,
     in_discs,
+    sampled_cells,
 )
 from stepwell.concave.sorting import (
     TIED,

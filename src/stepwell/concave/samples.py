@@ -62,7 +62,7 @@ def _sampled_cell(draw: Floats, cells: Floats, spread: Floats, i: int) -> tuple[
 
 
 @entry(6e-6, "draws")
-def _as_made(draws: Floats, cells: Floats, spread: Floats, out: Floats) -> None:
+def _sampled_cells(draws: Floats, cells: Floats, spread: Floats, out: Floats) -> None:
     for sample in range(len(draws)):
         for i in range(len(cells)):
             made, _ = _sampled_cell(draws[sample], cells, spread, i)
@@ -71,7 +71,7 @@ def _as_made(draws: Floats, cells: Floats, spread: Floats, out: Floats) -> None:
             out[sample, i, 4], out[sample, i, 5] = made.lever, made.sin_limit
 
 
-def as_made(draws: Floats, numbers: Floats, spread: Floats) -> Floats:
+def sampled_cells(draws: Floats, numbers: Floats, spread: Floats) -> Floats:
     """(m, N, 6) cells of m samples, from the nominal cells (N, 6), the fields of `Simple`.
 
     Draws (m, 8 N) have one sample per row, in the layout of `Draws`; `spread` (5,) contains the
@@ -79,7 +79,7 @@ def as_made(draws: Floats, numbers: Floats, spread: Floats) -> Floats:
     """
     out = np.empty((len(draws), *numbers.shape))
     cells = np.column_stack([numbers, np.zeros(len(numbers))])
-    _as_made(np.ascontiguousarray(draws), cells, spread, out)
+    _sampled_cells(np.ascontiguousarray(draws), cells, spread, out)
     return out
 
 
@@ -108,7 +108,7 @@ def _stays_off_stops(
 
 
 @leaf
-def _code(order: Ints, target: Ints) -> tuple[int, bool]:
+def _orders_as_number(order: Ints, target: Ints) -> tuple[int, bool]:
     """Both orders as digits of base N, and whether they are the target orders."""
     number, right = 0, True
     for side in range(2):
@@ -119,7 +119,7 @@ def _code(order: Ints, target: Ints) -> tuple[int, bool]:
 
 
 @leaf
-def _gaps(key: Floats, target: Ints, order: Ints, least: float) -> tuple[float, int, bool]:
+def _smallest_gap(key: Floats, target: Ints, order: Ints, least: float) -> tuple[float, int, bool]:
     """Smallest gap of neighbours in the target order, its place, and whether two forces tie."""
     smallest, where, tie = np.inf, 0, False
     pairs = order.shape[1] - 1
@@ -165,8 +165,8 @@ def judge_samples(
     needs equal travels, or `_stays_off_stops` under a rigid actuator. A prescribed force needs
     neither, because the cells do not interact.
 
-    Draws and spread are as for `as_made`, cells (N, 7) end with their friction, and `target` has
-    (2, N) cells in order; `wrong` and `narrowest` of `out` are added to.
+    Draws and spread are as for `sampled_cells`, cells (N, 7) end with their friction, and `target`
+    has (2, N) cells in order; `wrong` and `narrowest` of `out` are added to.
     """
     # The arrays are made once for all samples.
     n = len(cells)
@@ -186,8 +186,8 @@ def judge_samples(
             longest, least = max(longest, full[i]), min(least, full[i])
         for side in range(2):
             rank(key[side], target[side], order[side])
-        out.does[sample], right = _code(order, target)
-        out.gap[sample], where, tie = _gaps(key, target, order, TIED * scale)
+        out.does[sample], right = _orders_as_number(order, target)
+        out.gap[sample], where, tie = _smallest_gap(key, target, order, TIED * scale)
         if proved and drive != FORCE and not same_travel(longest, least):
             proved = drive == RIGID and _stays_off_stops(made, friction, full, key, order)
         if not proved:

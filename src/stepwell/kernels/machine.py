@@ -54,7 +54,7 @@ def _machine_form(function: FunctionType, value: Any) -> Any:
                 f"{function.__qualname__} makes the record {value.__name__}, which only a leaf "
                 "may: the arrays of a kernel that counts references may be gone before the record."
             )
-        return reference.maker(value)
+        return reference.record_maker(value)
     inner = kernel_of(value)
     return value if inner is None else _dispatcher(inner)
 

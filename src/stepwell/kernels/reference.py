@@ -91,7 +91,7 @@ def _unbox(record: Reference, value: Any, c: Any) -> NativeValue:
     return NativeValue(where, is_error=failed, cleanup=cleanup)
 
 
-def maker(kind: type) -> Any:
+def record_maker(kind: type) -> Any:
     """Intrinsic that makes a record of a class in compiled code.
 
     The record ends with the function that makes it, which therefore may not return it.

@@ -117,7 +117,7 @@ def _motion(account: Account, contents: Contents) -> str:
     if contents.motion is None:
         return ""
     try:
-        return studio.embedded(contents.motion(), account.title)
+        return studio.as_iframe(contents.motion(), account.title)
     except base.StepwellError:
         return ""
 

@@ -52,16 +52,21 @@ def graph_of(data: Row) -> TransitionGraph:
     """The graph of these rows, or ValueError with the place of a wrong key or value."""
     unit = str(data.get("drive_unit") or "")
     ends = endings(unit)
-    nodes = list(_values(Node, data, "nodes", ends))
+    nodes = list(_parsed_values(Node, data, "nodes", ends))
     ways = [
-        (*_read(lambda row: (row["from"], row["to"]), data["edges"][k], f"edges[{k}]"), way)
-        for k, way in enumerate(_values(Transition, data, "edges", ends))
+        (
+            *_read_at_place(lambda row: (row["from"], row["to"]), data["edges"][k], f"edges[{k}]"),
+            way,
+        )
+        for k, way in enumerate(_parsed_values(Transition, data, "edges", ends))
     ]
-    ties = tuple(_values(Tie, data, "ties", ends))
-    return TransitionGraph.of(nodes, ways, **_read(_about, data, "graph"), ties=ties, unit=unit)
+    ties = tuple(_parsed_values(Tie, data, "ties", ends))
+    return TransitionGraph.of(
+        nodes, ways, **_read_at_place(_graph_fields, data, "graph"), ties=ties, unit=unit
+    )
 
 
-def _values(kind: type[Value], data: Row, key: str, ends: Endings) -> Iterator[Value]:
+def _parsed_values(kind: type[Value], data: Row, key: str, ends: Endings) -> Iterator[Value]:
     rows = data.get(key)
     if not isinstance(rows, list):
         raise InputError(f"graph: {key}: must be a list, not {type(rows).__name__}.")
@@ -71,10 +76,10 @@ def _values(kind: type[Value], data: Row, key: str, ends: Endings) -> Iterator[V
         return kind(**{name: _READ[name](x) if name in _READ else x for name, x in held.items()})
 
     for k, row in enumerate(rows):
-        yield _read(value_of, row, f"{key}[{k}]")
+        yield _read_at_place(value_of, row, f"{key}[{k}]")
 
 
-def _read(how: Callable[[Row], Read], row: Row, place: str) -> Read:
+def _read_at_place(how: Callable[[Row], Read], row: Row, place: str) -> Read:
     try:
         return how(row)
     except KeyError as error:
@@ -83,7 +88,7 @@ def _read(how: Callable[[Row], Read], row: Row, place: str) -> Read:
         raise InputError(f"{place}: {error}.") from None
 
 
-def _about(data: Row) -> Row:
+def _graph_fields(data: Row) -> Row:
     known: Row = {key: data[key] for key in ("actuator", "start", "method")}
     known |= {"chain": None, "names": tuple(data["cells"])}
     if "switching_fields" in data:
@@ -169,10 +174,10 @@ def from_json(text: str) -> TransitionGraph:
         data = json.loads(text)
     except json.JSONDecodeError as error:
         raise InputError(f"graph: is not JSON: {error}.") from None
-    return graph_of(ours(data, "to_json"))
+    return graph_of(checked_format(data, "to_json"))
 
 
-def ours(data: Any, writer: str) -> Row:
+def checked_format(data: Any, writer: str) -> Row:
     """The data, if `record` returned them, or ValueError; `writer` is what should have written."""
     if not isinstance(data, dict) or data.get("format") != _FORMAT:
         given = data.get("format") if isinstance(data, dict) else type(data).__name__
@@ -193,9 +198,9 @@ def to_graphml(graph: TransitionGraph) -> str:
     data["start"] = data["start"] or ""
     multigraph = nx.MultiDiGraph()
     multigraph.graph.update(data | {key: json.dumps(data[key]) for key in _LISTS if key in data})
-    for row in map(_flat, nodes):
+    for row in map(_with_lists_as_text, nodes):
         multigraph.add_node(row.pop("label"), **row)
-    for row in map(_flat, edges):
+    for row in map(_with_lists_as_text, edges):
         multigraph.add_edge(row.pop("from"), row.pop("to"), **row)
     return "\n".join(nx.generate_graphml(multigraph)) + "\n"
 
@@ -208,24 +213,27 @@ def from_graphml(text: str) -> TransitionGraph:
         multigraph = nx.parse_graphml(text, force_multigraph=True)
     except (nx.NetworkXError, SyntaxError) as error:
         raise InputError(f"graph: is not GraphML: {error}.") from None
-    data = ours(dict(multigraph.graph), "to_graphml")
+    data = checked_format(dict(multigraph.graph), "to_graphml")
     data |= {key: json.loads(data[key]) for key in _LISTS if key in data}
     data["start"] = data.get("start") or None
-    data["nodes"] = [{"label": label, **_listed(row)} for label, row in multigraph.nodes(data=True)]
+    data["nodes"] = [
+        {"label": label, **_with_text_as_lists(row)} for label, row in multigraph.nodes(data=True)
+    ]
     data["edges"] = [
-        {"from": a, "to": b, **_listed(row)} for a, b, row in multigraph.edges(data=True)
+        {"from": a, "to": b, **_with_text_as_lists(row)}
+        for a, b, row in multigraph.edges(data=True)
     ]
     return graph_of(data)
 
 
-def _flat(row: Row) -> Row:
+def _with_lists_as_text(row: Row) -> Row:
     return {
         key: " ".join(map(repr, value)) if isinstance(value, list) else value
         for key, value in row.items()
     }
 
 
-def _listed(row: Row) -> Row:
+def _with_text_as_lists(row: Row) -> Row:
     lists = {"cells": int, "travel": float}
     listed: Row = {}
     for key, value in row.items():
@@ -249,7 +257,7 @@ def to_dot(graph: TransitionGraph) -> str:
     nodes, edges = data.pop("nodes"), data.pop("edges")
     lines = [
         "digraph stepwell {",
-        f"  graph [stepwell={_kept(data)}];",
+        f"  graph [stepwell={_quoted_row(data)}];",
         "  rankdir=BT;",
         '  node [shape=box, fontname="monospace"];',
     ]
@@ -257,7 +265,7 @@ def to_dot(graph: TransitionGraph) -> str:
         label = node.label
         style = "solid" if node.is_vertex else "dotted"
         text = _quoted(f"{label}\n{drives_text(graph.unit, (node.low, node.high))}")
-        kept = _kept(row)
+        kept = _quoted_row(row)
         lines.append(f"  {_quoted(label)} [label={text}, style={style}, stepwell={kept}];")
     rows = grouped((graph.node(label).level, _quoted(label)) for label in graph.vertices)
     lines += [f"  {{ rank=same; {'; '.join(row)}; }}" for row in rows.values()]
@@ -267,7 +275,7 @@ def to_dot(graph: TransitionGraph) -> str:
             style += ",bold"
         text = _quoted(drives_text(graph.unit, [t.drive]))
         way = f"{_quoted(a)} -> {_quoted(b)}"
-        lines.append(f'  {way} [label={text}, style="{style}", stepwell={_kept(row)}];')
+        lines.append(f'  {way} [label={text}, style="{style}", stepwell={_quoted_row(row)}];')
     return "\n".join([*lines, "}"]) + "\n"
 
 
@@ -290,10 +298,10 @@ def from_dot(text: str) -> TransitionGraph:
     data, *others = rows
     nodes = [row for row in others if "label" in row]
     edges = [row for row in others if "label" not in row]
-    return graph_of(ours(data, "to_dot") | {"nodes": nodes, "edges": edges})
+    return graph_of(checked_format(data, "to_dot") | {"nodes": nodes, "edges": edges})
 
 
-def _kept(row: Row) -> str:
+def _quoted_row(row: Row) -> str:
     return _quoted(json.dumps(row, allow_nan=False))
 
 

@@ -10,7 +10,14 @@ from typing import Any
 import numpy as np
 
 from stepwell.base import InputError, Progress, StepwellError, tracked
-from stepwell.concave import DECIDED, as_made, classed, closed_graph, motion_orders, proved_ends
+from stepwell.concave import (
+    DECIDED,
+    classed,
+    closed_graph,
+    motion_orders,
+    proved_ends,
+    sampled_cells,
+)
 from stepwell.design import DEFAULT_TOLERANCES, Draws, Fraction, Tolerances, fraction_of
 from stepwell.mechanism import Chain
 from stepwell.sequences import Sequence, TransitionGraph
@@ -217,7 +224,7 @@ class _Space:
         """Number of samples of a design with this graph, and the samples without a closed form."""
         cells, times, first, others = self.cells(design), 0, 0, list[int]()
         for piece in draws.chunks(samples):
-            keys, _, _, verdict = classed(as_made(piece, cells, draws.spread), self.drive)
+            keys, _, _, verdict = classed(sampled_cells(piece, cells, draws.spread), self.drive)
             times += int(np.sum(keys == key))
             others += (first + np.flatnonzero(verdict != DECIDED)).tolist()
             first += len(piece)

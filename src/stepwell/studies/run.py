@@ -127,11 +127,11 @@ def sweep(
         SweepError: chunks could not be computed or written; the text contains the reason.
         ExtraError: the extra studies, or for a scheduler the extra cluster, is not installed.
     """
-    study = asked(design, what, designs, folder, given=given, chunk=chunk)
+    study = planned_study(design, what, designs, folder, given=given, chunk=chunk)
     return resumed(begun(study), workers, scheduler=scheduler, progress=progress)
 
 
-def asked(
+def planned_study(
     design: Subject,
     what: str,
     designs: Designs,
@@ -192,19 +192,19 @@ def resumed(
                     continue
                 done += 1
                 if problems is not None:
-                    problems(_kinds(study.column(PROBLEM).get_block_selection(task[-1])))
+                    problems(_problem_kinds(study.column(PROBLEM).get_block_selection(task[-1])))
                 notify(progress, done, study.chunks)
                 if cancelled.exists() and done < study.chunks:
-                    raise CancelledError(_left(study, done, "It was cancelled."))
+                    raise CancelledError(_interruption_text(study, done, "It was cancelled."))
     except WorkerError as error:
-        raise SweepError(_left(study, done, str(error))) from None
+        raise SweepError(_interruption_text(study, done, str(error))) from None
     if failed:
         more = f"; and {len(failed) - 1} more" if len(failed) > 1 else ""
-        raise SweepError(_left(study, done, f"{failed[0]}{more}."))
+        raise SweepError(_interruption_text(study, done, f"{failed[0]}{more}."))
     return status(study)
 
 
-def _left(study: Study, done: int, why: str) -> str:
+def _interruption_text(study: Study, done: int, why: str) -> str:
     return (
         f"{study.folder}: {done} of {study.chunks} chunks are finished. {why} To resume, run the "
         f"same command again."
@@ -221,10 +221,10 @@ def status(study: Study | str | os.PathLike[str]) -> Status:
     study = study if isinstance(study, Study) else opened(study)
     missing = study.missing()
     done = sorted({*range(study.chunks)} - {*missing})
-    problems = Counter(_kinds(study.values(PROBLEM, done)))
+    problems = Counter(_problem_kinds(study.values(PROBLEM, done)))
     return Status(study, len(done), dict(problems.most_common()), tuple(study.gaps(missing)))
 
 
-def _kinds(problems: Iterable[object]) -> list[str]:
+def _problem_kinds(problems: Iterable[object]) -> list[str]:
     """Kinds of the problems of failed designs."""
     return [str(one).partition(":")[0] for one in problems if one]

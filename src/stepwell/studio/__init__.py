@@ -6,10 +6,10 @@ from stepwell.base import late
 
 if TYPE_CHECKING:
     from stepwell.studio.server import serve
-    from stepwell.studio.standalone import embedded, replay
+    from stepwell.studio.standalone import as_iframe, replay
 
-__all__ = ["embedded", "replay", "serve"]
+__all__ = ["as_iframe", "replay", "serve"]
 
 # A replay needs no server, and a server starts before the first replay is written.
-_LATE = {"server": ("serve",), "standalone": ("embedded", "replay")}
+_LATE = {"server": ("serve",), "standalone": ("as_iframe", "replay")}
 __getattr__, __dir__ = late(__name__, _LATE, __all__)

@@ -7,7 +7,7 @@ from importlib import import_module
 from stepwell.base import StepwellError
 from stepwell.crash import reported
 from stepwell.studio.ask import Ask, PageDesign, View
-from stepwell.studio.message import Message, Refusal, packed, problems_of, refused
+from stepwell.studio.message import Message, Refusal, packed, problems_of, refusal_message
 
 # For every type of message the file in `panels` with the function `answer_<type>`.
 FILES = {
@@ -57,11 +57,11 @@ def answered(message: Message, ask: Ask | None = None) -> bytes:
     try:
         return packed(message.type, message.seq, answer(message.type, design, ask))
     except StepwellError as error:
-        return refused(message.type, message.seq, problems_of(error))
+        return refusal_message(message.type, message.seq, problems_of(error))
     except Exception as error:  # a bug must not end the session
         asked = {"type": message.type, "ask": dict(message.ask), "design": message.design}
         report_error(error, json.dumps(asked, default=str))
-        return refused(message.type, message.seq, [Refusal("", _BROKEN)])
+        return refusal_message(message.type, message.seq, [Refusal("", _BROKEN)])
 
 
 def report_error(error: Exception, asked: str = "") -> None:

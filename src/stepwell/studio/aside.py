@@ -13,7 +13,7 @@ from typing import Any
 
 from stepwell.studio.answering import answered
 from stepwell.studio.ask import Ask, View
-from stepwell.studio.message import Message, part, step
+from stepwell.studio.message import Message, partial_answer, progress_message
 
 # What long answers need, imported once for all of them.
 _USED = "stepwell.design", "stepwell.accounts", "scipy.stats", "scipy.optimize", "xarray", "numba"
@@ -95,9 +95,9 @@ def work(pipe: Connection) -> None:
                 now = monotonic()
                 if now - reported_at >= _EVERY:
                     reported_at = now
-                    pipe.send((False, step(message.type, message.seq, done, total)))
+                    pipe.send((False, progress_message(message.type, message.seq, done, total)))
 
             def show(view: View, message: Message = message) -> None:
-                pipe.send((False, part(message.type, message.seq, view)))
+                pipe.send((False, partial_answer(message.type, message.seq, view)))
 
             pipe.send((True, answered(message, Ask(message.ask, report, show, message.studies))))

@@ -75,7 +75,7 @@ class Message(NamedTuple):
 
 def message_of(text: str, types: Iterable[str]) -> Message:
     """The request in a text; a WireError if it is not a request of a known type."""
-    keys = _object(text)
+    keys = _parsed_object(text)
     seq: Any = keys.get("seq")
     for problem in _problems(keys, [*types]):
         raise WireError(problem, seq if _is_number(seq) else 0)
@@ -83,7 +83,7 @@ def message_of(text: str, types: Iterable[str]) -> Message:
     return Message(keys["type"], seq, keys.get("design"), ask, leg)
 
 
-def _object(text: str) -> dict[str, Any]:
+def _parsed_object(text: str) -> dict[str, Any]:
     try:
         value: Any = json.loads(text)
     except RecursionError:
@@ -99,21 +99,21 @@ def _problems(keys: Mapping[str, Any], types: list[str]) -> Iterator[str]:
     """Problems of the keys of a message."""
     for key in keys:
         if key not in _KEYS:
-            yield f"{_cut(key)}: unknown key; known are {', '.join(_KEYS)}."
+            yield f"{_shortened(key)}: unknown key; known are {', '.join(_KEYS)}."
     seq, version, kind, leg = (keys.get(key) for key in ("seq", "v", "type", "leg"))
     if not _is_number(seq):
-        yield f"seq = {_cut(seq)}: must be a whole number from 0 to 2^53 - 1."
+        yield f"seq = {_shortened(seq)}: must be a whole number from 0 to 2^53 - 1."
     if type(version) is not int or version != VERSION:
-        yield f"v = {_cut(version)}: must be {VERSION}; load the page again."
+        yield f"v = {_shortened(version)}: must be {VERSION}; load the page again."
     if kind not in types:
         near = nearest_word(kind, types) if isinstance(kind, str) else None
         advice = f"Did you mean {near}?" if near else f"Known here: {', '.join(types)}."
-        yield f"type = {_cut(kind)}: no such type. {advice}"
+        yield f"type = {_shortened(kind)}: no such type. {advice}"
     for key in ("design", "ask"):
         if not isinstance(keys.get(key), dict | None):
-            yield f"{key} = {_cut(keys[key])}: must be an object."
+            yield f"{key} = {_shortened(keys[key])}: must be an object."
     if "leg" in keys and not _is_number(leg, math.inf):
-        yield f"leg = {_cut(leg)}: must be a whole number from 0."
+        yield f"leg = {_shortened(leg)}: must be a whole number from 0."
 
 
 def _is_number(value: Any, most: float = _MOST) -> bool:
@@ -122,37 +122,41 @@ def _is_number(value: Any, most: float = _MOST) -> bool:
 
 def packed(kind: str, seq: int, view: View) -> bytes:
     """The answer of a panel as bytes."""
-    arrays = {name: _plain(block) for name, block in view.blocks.items()}
+    arrays = {name: _stored_block(block) for name, block in view.blocks.items()}
     listed = [
         {"name": name, "dtype": dtype, "shape": list(block.shape)}
         for name, (dtype, block) in arrays.items()
     ]
-    pieces = [_head({**_start(kind, seq), "ok": True, **view.header, "blocks": listed})]
+    pieces = [_header_bytes({**_header(kind, seq), "ok": True, **view.header, "blocks": listed})]
     for _, block in arrays.values():
         data = block.tobytes()
         pieces += [data, bytes(-len(data) % 8)]
     return b"".join(pieces)
 
 
-def refused(kind: str, seq: int, problems: Iterable[Refusal], **more: Any) -> bytes:
+def refusal_message(kind: str, seq: int, problems: Iterable[Refusal], **more: Any) -> bytes:
     """A refusal as bytes, with all problems."""
     listed = [problem._asdict() for problem in problems]
-    return _head({**_start(kind, seq), "ok": False, **more, "problems": listed, "blocks": []})
+    return _header_bytes(
+        {**_header(kind, seq), "ok": False, **more, "problems": listed, "blocks": []}
+    )
 
 
-def failed(error: WireError) -> bytes:
+def parse_failure(error: WireError) -> bytes:
     """The answer to a message that cannot be parsed."""
-    return refused("error", error.seq, [Refusal("", str(error))])
+    return refusal_message("error", error.seq, [Refusal("", str(error))])
 
 
-def part(kind: str, seq: int, view: View) -> bytes:
+def partial_answer(kind: str, seq: int, view: View) -> bytes:
     """A partial answer as bytes."""
     return packed(kind, seq, View({**view.header, "part": True}, view.blocks))
 
 
-def step(kind: str, seq: int, done: float, total: float) -> bytes:
+def progress_message(kind: str, seq: int, done: float, total: float) -> bytes:
     """The progress of a long computation as bytes."""
-    return _head({**_start(kind, seq), "ok": True, "progress": [done, total], "blocks": []})
+    return _header_bytes(
+        {**_header(kind, seq), "ok": True, "progress": [done, total], "blocks": []}
+    )
 
 
 def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray[Any, Any]]]:
@@ -169,22 +173,22 @@ def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray[Any, Any
     return header, blocks
 
 
-def _start(kind: str, seq: int) -> dict[str, Any]:
+def _header(kind: str, seq: int) -> dict[str, Any]:
     return {"v": VERSION, "type": kind, "seq": seq}
 
 
-def _head(header: Mapping[str, Any]) -> bytes:
+def _header_bytes(header: Mapping[str, Any]) -> bytes:
     text = json.dumps(header, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
     return struct.pack("<I", len(text)) + text + bytes(-(4 + len(text)) % 8)
 
 
-def _plain(block: np.ndarray[Any, Any]) -> tuple[str, np.ndarray[Any, Any]]:
+def _stored_block(block: np.ndarray[Any, Any]) -> tuple[str, np.ndarray[Any, Any]]:
     if block.dtype == np.uint8:  # a file
         return "u1", np.ascontiguousarray(block)
     dtype, stored = _DTYPES[block.dtype.kind]
     return dtype, np.ascontiguousarray(block, stored)
 
 
-def _cut(value: Any) -> str:
+def _shortened(value: Any) -> str:
     text = ascii(value)
     return text if len(text) <= 40 else f"{text[:37]}..."

@@ -12,7 +12,15 @@ from stepwell.kernels import stay
 from stepwell.studio.answering import LONG, answered, report_error, types
 from stepwell.studio.aside import WorkerProcess, prepare
 from stepwell.studio.ask import View
-from stepwell.studio.message import Message, Refusal, WireError, failed, message_of, packed, refused
+from stepwell.studio.message import (
+    Message,
+    Refusal,
+    WireError,
+    message_of,
+    packed,
+    parse_failure,
+    refusal_message,
+)
 
 CANCEL, START = "cancel", "start"
 Send = Callable[[bytes], Awaitable[None]]  # of the socket
@@ -73,7 +81,7 @@ class Session:
         try:
             message = message_of(text, self._types)._replace(studies=self._studies)
         except WireError as error:
-            await self._send(failed(error))
+            await self._send(parse_failure(error))
             return
         if message.type == CANCEL:
             await self._cancel(message.seq)
@@ -154,4 +162,4 @@ def hasten() -> None:
 
 def _ended(message: Message) -> bytes:
     problem = Refusal("", "Ended before it was done.")
-    return refused(message.type, message.seq, [problem], ended=True)
+    return refusal_message(message.type, message.seq, [problem], ended=True)

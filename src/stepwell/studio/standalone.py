@@ -59,27 +59,27 @@ def replay(
     if isinstance(result, Chain | Cycle | Program):
         motion = motion_of(result, margin, progress)
     else:
-        motion = _run_of(result)
+        motion = _view_of_run(result)
     view = with_(motion, header={**motion.header, "title": title or motion.header["title"]})
-    return filled(view.header["title"], view.header["version"], _data(view))
+    return motion_page(view.header["title"], view.header["version"], _packed_base64(view))
 
 
-def filled(title: str, version: str, data: str) -> str:
+def motion_page(title: str, version: str, data: str) -> str:
     """The page of a motion whose `data` is a view, packed, compressed and in base 64."""
-    script, style = _MARKS.sub(r"\\x3C", _built("replay.js")), _built("replay.css")
+    script, style = _MARKS.sub(r"\\x3C", _built_file("replay.js")), _built_file("replay.css")
     page = Template((files("stepwell.studio") / "standalone.html").read_text("utf-8"))
     return page.substitute(
         title=escape(title or "A motion"),
         version=escape(version),
         script=script,
         style=style,
-        script_hash=_hash(script),
-        style_hash=_hash(style),
+        script_hash=_policy_hash(script),
+        style_hash=_policy_hash(style),
         data=data,
     )
 
 
-def embedded(page: str, title: str, *, plays: bool = False) -> str:
+def as_iframe(page: str, title: str, *, plays: bool = False) -> str:
     """A self-contained page as an isolated part of another page.
 
     In a frame a replay is compact: no title bar and no scrolling. A page around it
@@ -97,17 +97,18 @@ def embedded(page: str, title: str, *, plays: bool = False) -> str:
     # A frame can read its own name, and nothing else of its parent.
     name = f' name="{_PLAYS}"' if plays else ""
     return (
-        f'<iframe class="replay" title="{_plain(title)}" sandbox="allow-scripts" loading="lazy"'
-        f'{name} style="{_SIZE}" srcdoc="{_plain(page)}"></iframe>'
+        f'<iframe class="replay" title="{_attribute_text(title)}" sandbox="allow-scripts"'
+        ' loading="lazy"'
+        f'{name} style="{_SIZE}" srcdoc="{_attribute_text(page)}"></iframe>'
     )
 
 
-def _plain(text: str) -> str:
+def _attribute_text(text: str) -> str:
     """Text as the value of an attribute, in ASCII."""
     return escape(text).encode("ascii", "xmlcharrefreplace").decode()
 
 
-def _run_of(result: Walk | Maze) -> View:
+def _view_of_run(result: Walk | Maze) -> View:
     """The view of a run; an error for another type or without MuJoCo."""
     with suppress(ExtraError):
         from stepwell.simulation import Maze, Walk
@@ -120,14 +121,14 @@ def _run_of(result: Walk | Maze) -> View:
     raise InputError(f"{kind}: a replay needs a Chain, a Program, or a robot's Walk or Maze.")
 
 
-def _built(name: str) -> str:
+def _built_file(name: str) -> str:
     return (files("stepwell.studio") / "page" / name).read_text("utf-8").strip()
 
 
-def _hash(text: str) -> str:
+def _policy_hash(text: str) -> str:
     """A hash by which the page's policy allows its own script and styles alone."""
     return base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
 
 
-def _data(view: View) -> str:
+def _packed_base64(view: View) -> str:
     return base64.b64encode(zlib.compress(packed("replay", 0, view), 9)).decode()

@@ -12,7 +12,7 @@ from typing import Any
 from stepwell import files, mechanism, robot
 from stepwell.base import InputError, display_unit, to_unit
 from stepwell.design import parameter
-from stepwell.studies import Axis, Designs, How, Space, Study, Workshop, asked
+from stepwell.studies import Axis, Designs, How, Space, Study, Workshop, planned_study
 from stepwell.studio.ask import Ask, PageDesign
 from stepwell.studio.panels.maps import unit_of
 
@@ -34,7 +34,7 @@ def asked_study(design: PageDesign, ask: Ask, folder: Path) -> Study:
     subject = design.robot if what in OF_ROBOTS else design.chain
     given, designs = _given(what, ask), _designs(subject, ask)
     ask.close()
-    study = asked(subject, what, designs, folder, given=given)
+    study = planned_study(subject, what, designs, folder, given=given)
     digest = hashlib.sha256(json.dumps(study.asked(), sort_keys=True).encode()).hexdigest()
     # The first words of the title, in letters that are valid in every file system.
     words = re.findall(r"[a-z0-9]+", subject.title.lower().partition(":")[0])
@@ -106,7 +106,7 @@ def command_of(study: Study) -> str:
     elif study.what == "call":
         words += ["--function", f"{Path(str(given['file'])).name}:{given['name']}"]
     words += _words_of(study)
-    usual = asked(subject, study.what, study.designs, study.folder, given=given).chunk
+    usual = planned_study(subject, study.what, study.designs, study.folder, given=given).chunk
     words += ["--chunk", str(study.chunk)] if study.chunk != usual else []
     return shlex.join([*words, "--out", study.folder.name])
 

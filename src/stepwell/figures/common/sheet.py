@@ -17,7 +17,7 @@ from matplotlib.text import Text
 
 from stepwell.base import InputError
 from stepwell.figures.common.style import STYLE
-from stepwell.figures.common.write import drawn_as
+from stepwell.figures.common.write import figure_bytes
 
 # Pixels of a screen in an inch of paper at which the type of figures, 7 points, is as large as
 # that of the text round them; and pixels drawn for each, so that sharp screens show it sharp.
@@ -34,9 +34,9 @@ class PageFigure(Figure):
     def _repr_html_(self) -> str:
         # Notebooks prefer HTML to the picture of an inline backend, which would be cropped to its
         # contents and so have another scale in each figure.
-        kind, drawn = "svg+xml", drawn_as(self, ".svg", _SCREEN * _SHARP)
+        kind, drawn = "svg+xml", figure_bytes(self, ".svg", _SCREEN * _SHARP)
         if len(drawn) > _MOST:
-            kind, drawn = "png", drawn_as(self, ".png", _SCREEN * _SHARP)
+            kind, drawn = "png", figure_bytes(self, ".png", _SCREEN * _SHARP)
         data = base64.b64encode(drawn).decode()
         width, height = (round(_SCREEN * inches) for inches in self.get_size_inches())
         return (

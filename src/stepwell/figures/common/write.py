@@ -36,7 +36,7 @@ class _Face(NamedTuple):
     slant: str
 
 
-def with_fonts(svg: str) -> str:
+def with_embedded_fonts(svg: str) -> str:
     """The SVG with its fonts embedded, cut to the letters it shows. Its text stays text and looks
     the same if the fonts are not installed.
     """
@@ -46,12 +46,12 @@ def with_fonts(svg: str) -> str:
         for span in spans:
             words = html.unescape(re.sub(r"<[^>]*>", "", span["inside"]))
             for letter in set(words) - {"\n"}:
-                shown[_face(html.unescape(span["look"]), letter)].add(letter)
-    rules = "\n".join(_rule(face, letters) for face, letters in sorted(shown.items()))
+                shown[_face_with_letter(html.unescape(span["look"]), letter)].add(letter)
+    rules = "\n".join(_font_face_rule(face, letters) for face, letters in sorted(shown.items()))
     return svg.replace("<defs>", f'<defs>\n<style type="text/css">\n{rules}\n</style>', 1)
 
 
-def _face(look: str, letter: str) -> _Face:
+def _face_with_letter(look: str, letter: str) -> _Face:
     # The first of the text's families that has the letter, else the first family.
     properties = dict(_PROPERTY.findall(look))
     if shorthand := _SHORTHAND.search(look):
@@ -67,7 +67,7 @@ def _face(look: str, letter: str) -> _Face:
     return next((face for face in faces if ord(letter) in letters_of(*face)), faces[0])
 
 
-def _rule(face: _Face, letters: set[str]) -> str:
+def _font_face_rule(face: _Face, letters: set[str]) -> str:
     from fontTools import subset
 
     options: Any = subset.Options()
@@ -157,16 +157,16 @@ def save(
     kinds = figure.canvas.get_supported_filetypes()
     if suffix.removeprefix(".") not in kinds:
         raise InputError(f"{file}: a figure's name must end in .png, .svg or .pdf, not {suffix!r}.")
-    write_atomic(Path(file), drawn_as(figure, suffix, dpi, text=text))
+    write_atomic(Path(file), figure_bytes(figure, suffix, dpi, text=text))
 
 
 def svg(figure: Figure) -> str:
     """The figure as SVG text of outlines, without an XML declaration."""
-    text = drawn_as(figure, ".svg", 200.0).decode()
+    text = figure_bytes(figure, ".svg", 200.0).decode()
     return text[text.index("<svg") :]
 
 
-def drawn_as(figure: Figure, suffix: str, dpi: float, *, text: bool = False) -> bytes:
+def figure_bytes(figure: Figure, suffix: str, dpi: float, *, text: bool = False) -> bytes:
     """The bytes of a file with this suffix, at `dpi` pixels per inch; `text` as in `save`."""
     buffer = io.BytesIO()
     kind = suffix.removeprefix(".")
@@ -174,4 +174,4 @@ def drawn_as(figure: Figure, suffix: str, dpi: float, *, text: bool = False) -> 
     settings: dict[Any, Any] = {"svg.fonttype": "none"} if words else {}
     with mpl.rc_context(_VECTOR | settings):
         figure.savefig(buffer, format=kind, dpi=dpi, metadata=_UNDATED.get(suffix))
-    return with_fonts(buffer.getvalue().decode()).encode() if words else buffer.getvalue()
+    return with_embedded_fonts(buffer.getvalue().decode()).encode() if words else buffer.getvalue()

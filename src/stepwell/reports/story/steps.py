@@ -15,7 +15,7 @@ from stepwell.files import WrittenProgram, dumps, load, load_arena, preset_text,
 from stepwell.mechanism import Band, Cell, Chain
 from stepwell.reports.write import image_of
 from stepwell.sequences import Cycle, Program
-from stepwell.studio import embedded, replay
+from stepwell.studio import as_iframe, replay
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -42,7 +42,7 @@ def moving(
 ) -> StoryPiece:
     """Animation of a chain, a program or a robot."""
     page = replay(result, title=caption, progress=progress)
-    return StoryPiece(embedded(page, caption, plays=True), caption, sequence)
+    return StoryPiece(as_iframe(page, caption, plays=True), caption, sequence)
 
 
 def map_of(
