@@ -124,7 +124,7 @@ def test_one_line_has_how_many_landings_hold_and_how_that_is_known(landings, num
 
 
 def _with(landing: Landing, mobility: tuple[float, ...], state: str) -> Landing:
-    place = replace(landing.elsewhere[0], mobility=mobility, state=state, share=0.125)
+    place = replace(landing.elsewhere[0], mobility=mobility, state=state, fraction=0.125)
     return replace(landing, elsewhere=(place,))
 
 
