@@ -57,7 +57,7 @@ def _row(what: str, cycles: list[str], wanted: str, **how) -> tuple[str, str, st
         start = time.perf_counter()
         made = design(sequence, **how)
         times.append(time.perf_counter() - start)
-        shares.append(made.yield_.share)
+        shares.append(made.yield_.fraction)
     return (
         what,
         f"{statistics.median(times):.2f} s each (longest {max(times):.2f}), yields "

@@ -22,12 +22,12 @@ from stepwell.concave import STROKE
 from stepwell.studies import (
     Axis,
     Space,
-    asked,
     atlas_blocks as blocks,
     begun,
     function_of,
     mapped_on,
     packed,
+    planned_study,
     sweep,
 )
 from stepwell.studies.blocks import block_row
@@ -119,7 +119,7 @@ def constants() -> list[tuple[str, str, str]]:
         home = Path(folder)
         axes = (Axis("1.q.x", 0.005, 0.015, 10 * _CHUNK),)
         study = begun(
-            asked(sw.Chain([_PAPER]), "cycle", Space(axes), home / "s.zarr", chunk=_CHUNK)
+            planned_study(sw.Chain([_PAPER]), "cycle", Space(axes), home / "s.zarr", chunk=_CHUNK)
         )
         columns = [columns_of(study, chunk) for chunk in range(study.chunks)]
         start = time.perf_counter()

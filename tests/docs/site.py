@@ -83,14 +83,16 @@ def shown(site: Path, root: str = "/") -> Iterator[str]:
     """
 
     class Handler(SimpleHTTPRequestHandler):
-        def __init__(self, *told: Any):
-            super().__init__(*told, directory=str(site))
+        def __init__(self, *options: Any):
+            super().__init__(*options, directory=str(site))
 
         def translate_path(self, path: str) -> str:
             inside = path.startswith(root)
             return super().translate_path(path.removeprefix(root)) if inside else ""
 
-        def send_error(self, code: int, *_: Any) -> None:
+        def send_error(
+            self, code: int, message: str | None = None, explain: str | None = None
+        ) -> None:
             page = (site / "404.html").read_bytes()
             self.send_response(code)
             self.send_header("Content-Type", "text/html")
