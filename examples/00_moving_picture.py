@@ -21,8 +21,7 @@ from PIL import Image
 from PIL.Image import Image as Picture
 
 import stepwell as sw
-from stepwell.figures.cells.linkage import Drawing, LinkageDrawing
-from stepwell.figures.cells.mechanism import ground
+from stepwell.figures.cells.linkage import Drawing
 from stepwell.figures.common.marks import plain
 from stepwell.figures.common.sheet import blank, place
 from stepwell.figures.common.style import (
@@ -50,6 +49,7 @@ from stepwell.figures.robots.parts import (
     leg_parts,
     rectangle,
 )
+from stepwell.mechanism.layout import ChainLayout
 from stepwell.robot import Arena, Robot, Wall
 from stepwell.robot.leg_cycles import states
 
@@ -163,15 +163,13 @@ def first_act() -> Iterator[Picture]:
     before, after = acts()
     page = Page()
     ax = page.ax
-    linkage = LinkageDrawing(before)
-    both = [LinkageDrawing(chain).bounds([(0.0, 0.0), (0.02, 0.02)], 0.002) for chain in acts()]
+    both = [ChainLayout(chain).bounds([(0.0, 0.0), (0.02, 0.02)], 0.002) for chain in acts()]
     left, bottom = (min(box[k] for box in both) for k in (0, 1))
     right, top = (max(box[k] for box in both) for k in (2, 3))
     # Room for the wall at the left, and for the actuator's rod at the right.
     left -= 0.004
     scale = min((WIDE - SIDE - 76) / (right - left), (HIGH - 100) / (top - bottom))
     origin = 24 - left * scale, (HIGH - 30) / 2 - (top + bottom) / 2 * scale
-    ground(ax, linkage, origin, scale)
     square = Square(ax, WIDE - SIDE + 30, 190, 140)
     middle = square.at("00")[0] + square.side / 2
     look = {"fontsize": SMALL, "va": "center"}
@@ -182,7 +180,7 @@ def first_act() -> Iterator[Picture]:
     def pull(chain: sw.Chain, said: str) -> Iterator[Picture]:
         path = chain.cycle().path
         full = np.array(chain.full_travels)
-        drawing = Drawing(ax, LinkageDrawing(chain), origin, scale, 2.0)
+        drawing = Drawing(ax, ChainLayout(chain), origin, scale, 2.0)
         frames = instants(path, CYCLE, round(CYCLE * FPS))
         last = round(0.4 * FPS)
         frames += [frames[0]._replace(travels=np.zeros(2))] * last
@@ -226,11 +224,11 @@ def first_act() -> Iterator[Picture]:
         for part in share * share * (3.0 - 2.0 * share):
             q = np.array(ANCHOR_BEFORE) + part * np.subtract(ANCHOR_AFTER, ANCHOR_BEFORE)
             chain = moved(before, (float(q[0]), float(q[1])))
-            drawing = Drawing(ax, LinkageDrawing(chain), origin, scale, 2.0)
+            drawing = Drawing(ax, ChainLayout(chain), origin, scale, 2.0)
             pose = drawing.move([0.0, 0.0])
             passing = [*rod(pose.blocks[-1]), *square.draw([(0.0, 0.0)], 1e-3), *drawing.artists]
             ends = [
-                LinkageDrawing(one).pose([0.0, 0.0]).bands[1, 1] * scale + origin
+                ChainLayout(one).pose([0.0, 0.0]).bands[1, 1] * scale + origin
                 for one in (before, after)
             ]
             for x, y in ends:

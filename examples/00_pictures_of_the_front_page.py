@@ -13,8 +13,7 @@ from matplotlib.figure import Figure
 
 import stepwell as sw
 from stepwell import figures
-from stepwell.figures.cells.linkage import Drawing, LinkageDrawing
-from stepwell.figures.cells.mechanism import ground
+from stepwell.figures.cells.linkage import Drawing
 from stepwell.figures.common.marks import along_y, plain
 from stepwell.figures.common.sheet import blank, place, text_at
 from stepwell.figures.common.style import (
@@ -33,6 +32,7 @@ from stepwell.figures.common.style import (
     pale,
     styled,
 )
+from stepwell.mechanism.layout import ChainLayout
 
 # 640 by 400 pixels.
 TALL, DPI = COLUMN * 400 / 640, 640 / COLUMN * 25.4
@@ -48,7 +48,7 @@ def see() -> Figure:
     """States of a leg, and the force that its actuator feels."""
     cycle = sw.preset("paper-forward").cycle()
     figure = blank(COLUMN, TALL)
-    linkage = LinkageDrawing(cycle.chain)
+    linkage = ChainLayout(cycle.chain)
     states = list(cycle.sequence)[:-1]
     full = np.array(cycle.chain.full_travels)
     left, bottom, _, top = linkage.bounds([[0.0, 0.0], full])
@@ -59,7 +59,6 @@ def see() -> Figure:
         y = TALL - (k + 0.5) * high
         origin = 9.5 - left * scale, y - (bottom + top) / 2 * scale
         Drawing(ax, linkage, origin, scale, 0.62).move([int(c) for c in state] * full)
-        ground(ax, linkage, origin, scale)
         ax.text(1.5, y, state, fontsize=BIG, fontweight="bold", va="center")
     ax = place(figure, 48.5, 9.5, 35.0, 37.5)
     figures.force_stroke(cycle, ax=ax)

@@ -17,8 +17,8 @@ from figures.shapes import boxes, ends
 from sizes import cases
 from stepwell import figures
 from stepwell.base import Measure
-from stepwell.figures.cells.linkage import LinkageDrawing, Symbol, rest_of
 from stepwell.figures.common.style import LOADING, UNLOADING
+from stepwell.mechanism.layout import ChainLayout, Symbol, rest_of
 from stepwell.sequences import Cycle
 
 
@@ -188,7 +188,7 @@ def test_an_open_end_rests_past_the_curve_where_the_force_would_be_zero():
 @pytest.mark.parametrize("name", CHAINS)
 def test_the_outermost_block_moves_by_the_stroke(name):
     chain = CHAINS[name]
-    linkage = LinkageDrawing(chain)
+    linkage = ChainLayout(chain)
     start, end = ([getattr(cell, side) for cell in chain.cells] for side in ("low", "high"))
     moved = linkage.pose(end).blocks[-1] - linkage.pose(start).blocks[-1]
     assert moved[0] == pytest.approx(linkage.unit * (math.fsum(end) - math.fsum(start)))

@@ -10,9 +10,10 @@ from matplotlib.collections import PolyCollection
 
 from figures.drawn import legend_of, lines, points, says, untidy
 from stepwell import figures, files
-from stepwell.figures.cells.linkage import Drawing, LinkageDrawing
+from stepwell.figures.cells.linkage import Drawing
 from stepwell.figures.common.sheet import blank, place
 from stepwell.mechanism import Band, Cell, Chain
+from stepwell.mechanism.layout import ChainLayout
 
 mm = st.integers(-20, 20).map(lambda n: n * 1e-3)
 bands = st.builds(
@@ -35,7 +36,7 @@ def travels_of(chain: Chain, share: list[float]) -> list[float]:
 @given(chains, shares)
 def test_bands_and_levers_are_drawn_true_to_length(chain, share):
     travels = travels_of(chain, share)
-    pose = LinkageDrawing(chain).pose(travels)
+    pose = ChainLayout(chain).pose(travels)
     drawn = np.hypot(*(pose.bands[:, 1] - pose.bands[:, 0]).T)
     expected = [
         float(band.length(cell.angle(s), cell.lever))
@@ -50,7 +51,7 @@ def test_bands_and_levers_are_drawn_true_to_length(chain, share):
 @pytest.mark.slow
 @given(chains, shares)
 def test_the_outermost_block_moves_by_the_stroke(chain, share):
-    linkage = LinkageDrawing(chain)
+    linkage = ChainLayout(chain)
     travels = travels_of(chain, share)
     start = linkage.pose([0.0] * len(chain)).blocks[-1]
     now = linkage.pose(travels).blocks[-1]
@@ -59,7 +60,7 @@ def test_the_outermost_block_moves_by_the_stroke(chain, share):
 
 @given(chains, shares)
 def test_blocks_of_one_row_never_touch(chain, share):
-    blocks = LinkageDrawing(chain).pose(travels_of(chain, share)).blocks
+    blocks = ChainLayout(chain).pose(travels_of(chain, share)).blocks
     for row in (blocks[0::2], blocks[1::2]):
         assert np.all(row[1:, 0] > row[:-1, 2])
 
@@ -67,7 +68,7 @@ def test_blocks_of_one_row_never_touch(chain, share):
 def test_a_thicker_band_pulls_harder_and_a_dashed_one_is_slack():
     chain = files.preset("slack").cycle().chain
     figure = blank(100, 60)
-    drawing = Drawing(place(figure, 0, 0, 100, 60), LinkageDrawing(chain), (0.0, 0.0), 1.0)
+    drawing = Drawing(place(figure, 0, 0, 100, 60), ChainLayout(chain), (0.0, 0.0), 1.0)
     for state in ((0.0, 0.0), (0.0, chain.cells[1].full_travel)):
         pose = drawing.move(state)
         width = np.asarray(drawing.bands.get_linewidth())
@@ -115,7 +116,7 @@ def test_the_scale_bar_is_as_long_as_it_says():
     ax = figure.axes[0]
     (blocks,) = (c for c in ax.collections if isinstance(c, PolyCollection))
     drawn = np.ptp(np.asarray(blocks.get_paths()[0].vertices)[:, 0])
-    linkage = LinkageDrawing(files.preset("paper-forward"))
+    linkage = ChainLayout(files.preset("paper-forward"))
     assert page / drawn == pytest.approx(0.010 / (2 * linkage.reach))
 
 

@@ -11,13 +11,12 @@ from matplotlib.patches import Polygon
 from matplotlib.transforms import Bbox
 
 from stepwell.base import Floats, InputError
-from stepwell.figures.cells.linkage import Drawing, LinkageDrawing
-from stepwell.figures.cells.mechanism import ground
+from stepwell.figures.cells.linkage import Drawing
 from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.legends import Label
 from stepwell.figures.common.marks import along_x, along_y, arrow, limits, mm, mm_pair, plain
 from stepwell.figures.common.words import literal
-from stepwell.mechanism import Band, Cell, Chain, Element
+from stepwell.mechanism import Band, Cell, Chain, Element, layout
 
 # More cells have no room for their symbols in a column.
 _MOST_CELLS = 4
@@ -87,7 +86,7 @@ def labelled_chain(chain: Chain) -> Figure:
             f"the chain has {len(chain)} cells: at most {_MOST_CELLS} have room for their "
             f"symbols; draw a part of it, Chain(chain.cells[:{_MOST_CELLS}])."
         )
-    linkage = LinkageDrawing(chain)
+    linkage = layout.ChainLayout(chain)
     pulled = [part * s for part, s in zip(_SHARES, chain.full_travels, strict=False)]
     states = [[0.0] * len(chain), pulled]
     boxes = np.array([linkage.bounds([travels]) for travels in states])
@@ -102,7 +101,6 @@ def labelled_chain(chain: Chain) -> Figure:
         origin = 1.0 - left * scale, under - low * scale
         plain(ax, (0.0, _WIDE, 0.0, high[k]))
         pose = Drawing(ax, linkage, origin, scale, 1.15).move(travels)
-        ground(ax, linkage, origin, scale)
         _name_blocks(ax, pose.blocks * scale + np.tile(origin, 2), first=k == 0)
         if k == 0:
             _name_cells(ax, chain, 1.0, high[k] - 4.0)
@@ -120,7 +118,7 @@ class _Shown:
     def __init__(self, cell: Cell):
         self.cell, self.band = cell, cell.bands[0]
         self.theta = float(cell.angle(_SHOWN * cell.full_travel))
-        linkage = LinkageDrawing(Chain((cell,)))
+        linkage = layout.ChainLayout(Chain((cell,)))
         half = np.array([linkage.half_block, linkage.reach])
         p, q = np.array(self.band.p), self._joint(self.theta, cell.lever) + self.band.q
         left, right = min(p[0], -half[0]), max(q[0], cell.lever + half[0])

@@ -5,15 +5,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import groupby, pairwise
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stepwell.base import InputError
-from stepwell.figures.cells.linkage import SLACK_DASHES, THICKEST, Drawing, LinkageDrawing, rest_of
+from stepwell.figures.cells.linkage import SLACK_DASHES, THICKEST, Drawing
 from stepwell.figures.common import legends, marks, style, words
 from stepwell.figures.common.sheet import Box, Point, canvas, page_width
-from stepwell.mechanism import Chain, Element
+from stepwell.mechanism import Chain, Element, layout
 
 # More cells or states are too small to see on a page.
 MOST_CELLS = 12
@@ -65,7 +64,7 @@ def mechanism(
 class DrawingPlan:
     """Positions of the drawings on a page of this width and height [mm]."""
 
-    linkage: LinkageDrawing
+    linkage: layout.ChainLayout
     # Travel and sheet of every cell, and the title above.
     places: list[list[tuple[float, int | None]]]
     titles: list[str]
@@ -90,7 +89,7 @@ def arrange(
         raise InputError(f"states has {len(wanted)} entries: must be 1 to {MOST_STATES}.")
     places = [_place(chain, state) for state in wanted]
     travels = [[travel for travel, _ in place] for place in places]
-    linkage = LinkageDrawing(chain, travels)
+    linkage = layout.ChainLayout(chain, travels)
     left, bottom, right, top = linkage.bounds(travels)
     # The wall of the fixed block is part of the picture.
     left = min(left, -1.7 * linkage.reach)
@@ -166,7 +165,6 @@ def draw(ax: Axes, plan: DrawingPlan) -> None:
         travels, sheets = zip(*place, strict=True)
         pose = Drawing(ax, linkage, origin, per_metre, weight).move(travels, sheets)
         slack = slack or bool(pose.slack.any())
-        ground(ax, linkage, origin, per_metre)
         middle = origin[0] + (left + right) / 2
         above = {"ha": "center", "va": "bottom", "fontweight": "bold", "fontsize": 8}
         ax.text(middle, origin[1] + top + 1.0, title, **above)
@@ -192,17 +190,6 @@ def draw(ax: Axes, plan: DrawingPlan) -> None:
             ax.plot(ends, [y, y], color=colour, linewidth=1.6, gid="arrow")
             marks.head(ax, (ends[0], y), (x + 2.6 * way, y), colour, size=9)
     _key(ax, plan, slack)
-
-
-def ground(ax: Axes, linkage: LinkageDrawing, origin: Point, scale: float) -> None:
-    """Draw the wall that holds the fixed block."""
-    x = origin[0] - linkage.reach * scale
-    half = 1.2 * linkage.half_block * scale
-    y = origin[1] + np.linspace(-half, half, 6)
-    ax.plot([x, x], [y[0], y[-1]], color=style.INK, linewidth=0.9, solid_capstyle="butt")
-    depth = half / 2
-    for low in y[1:-1]:
-        ax.plot([x - depth, x], [low - depth / 2, low + depth / 2], color=style.INK, linewidth=0.5)
 
 
 def _key(ax: Axes, plan: DrawingPlan, slack: bool) -> None:
@@ -232,7 +219,7 @@ def _place(chain: Chain, state: State) -> list[tuple[float, int | None]]:
         if len(state) != len(chain) or None in phases:
             raise InputError(f"state {state!r}: must be {_state_format(chain)}, innermost first.")
         return [
-            (rest_of(cell, phase) if isinstance(cell, Element) else phase.low, phase.sheet)
+            (layout.rest_of(cell, phase) if isinstance(cell, Element) else phase.low, phase.sheet)
             for cell, phase in zip(chain.cells, phases, strict=True)
             if phase is not None
         ]

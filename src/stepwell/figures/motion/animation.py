@@ -15,12 +15,13 @@ from matplotlib.text import Text
 from PIL import Image
 
 from stepwell.base import Floats, InputError, notify, require
-from stepwell.figures.cells.linkage import Drawing, LinkageDrawing
-from stepwell.figures.cells.mechanism import ground, refuse_long
+from stepwell.figures.cells.linkage import Drawing
+from stepwell.figures.cells.mechanism import refuse_long
 from stepwell.figures.common import marks, reading, style, words, write
 from stepwell.figures.common.sheet import blank, place, text_at
 from stepwell.figures.common.words import literal, minus
 from stepwell.figures.motion import overview, stroke_program, strokes
+from stepwell.mechanism import layout
 from stepwell.sequences import Cycle, Program
 from stepwell.statics import Path
 
@@ -102,7 +103,7 @@ class _Scene:
         below = 0.0 if isinstance(result, Cycle) else _PLAN
         samples = path.travel[:: max(1, len(path.travel) // 120)]
         ends = [path.travel.min(axis=0), path.travel.max(axis=0)]
-        self.linkage = LinkageDrawing(self.chain, ends)
+        self.linkage = layout.ChainLayout(self.chain, ends)
         left, bottom, right, top = self.linkage.bounds(samples, 0.002)
         left = min(left, -2.2 * self.linkage.reach)
         wide, high = (right - left) * style.MM, (top - bottom) * style.MM
@@ -128,7 +129,6 @@ class _Scene:
         origin = x - left * style.MM * scale, y - bottom * style.MM * scale
         weight = float(np.clip(0.5 + 0.6 * scale, 0.6, 1.3))
         self.drawing = Drawing(ax, self.linkage, origin, scale * style.MM, weight)
-        ground(ax, self.linkage, origin, scale * style.MM)
 
         def write_text(x: float, y: float, text: str = "", size: float = 9.0, **look: Any) -> Text:
             return text_at(self.figure, x, y, text, fontsize=size, va="baseline", **look)

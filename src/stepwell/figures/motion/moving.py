@@ -9,10 +9,11 @@ from pathlib import Path as File
 import numpy as np
 
 from stepwell.base import Floats, InputError, printable, write_atomic
-from stepwell.figures.cells.linkage import LinkageDrawing, Pose, corners
+from stepwell.figures.cells.linkage import SLACK_DASHES, THICKEST, THINNEST
 from stepwell.figures.cells.mechanism import refuse_long
 from stepwell.figures.common import reading, style
 from stepwell.figures.motion.stroke_program import instants
+from stepwell.mechanism import layout
 from stepwell.sequences import Cycle, Program
 from stepwell.statics import Path
 
@@ -26,15 +27,28 @@ class MotionRound:
     def __init__(self, seconds: float):
         self._often = f'dur="{seconds:g}s" repeatCount="indefinite"'
 
-    def path(self, values: Floats, shape: str, look: str) -> str:
+    def path(self, values: Floats, shape: str, look: str, changes: str = "") -> str:
         """A path whose points move; `values` (frames, numbers) [px] fill the {} of its commands
-        `shape`; `look` are its attributes.
+        `shape`; `look` are its attributes, `changes` animations of further attributes.
         """
         if not values.shape[1]:
             return ""
         steps = [shape.format(*map(short, row)) for row in values]
         moved = self._animation("animate", 'attributeName="d"', steps, _key_frames(values))
-        return f'<path {look} d="{steps[0]}">{moved}</path>'
+        return f'<path {look} d="{steps[0]}">{moved}{changes}</path>'
+
+    def width(self, widths: Floats) -> str:
+        """The change of a line's width (frames,) [px]."""
+        steps = [short(one, 2) for one in widths]
+        return self._animation(
+            "animate", 'attributeName="stroke-width"', steps, _key_frames(widths[:, None])
+        )
+
+    def dashes(self, pattern: str, when: list[bool]) -> str:
+        """The change of a line, dashed in the frames `when` and solid in all others."""
+        how = 'attributeName="stroke-dasharray" calcMode="discrete"'
+        texts = [pattern if one else "none" for one in when]
+        return self._animation("animate", how, texts, _changes(when))
 
     def shifted(self, points: Floats, shift: Floats, look: str) -> str:
         """A line (n, 2) of fixed shape that shifts by (frames, 2) [px]."""
@@ -49,9 +63,8 @@ class MotionRound:
         if not any(when):
             return ""
         values = [str(int(one)) for one in when]
-        keep = [k for k, one in enumerate(when) if not k or one != when[k - 1]]
         how = 'attributeName="opacity" calcMode="discrete"'
-        leaps = self._animation("animate", how, values, keep)
+        leaps = self._animation("animate", how, values, _changes(when))
         return f'<g opacity="{values[0]}">{leaps}{inside}</g>'
 
     def _animation(self, element: str, how: str, texts: list[str], keep: list[int]) -> str:
@@ -68,6 +81,11 @@ def short(value: float, digits: int = 1) -> str:
     text = f"{value + 0.0:.{digits}f}"
     text = text.rstrip("0").rstrip(".") if "." in text else text
     return "0" if text == "-0" else text
+
+
+def _changes(when: list[bool]) -> list[int]:
+    """Frames at which the value changes, and the first one."""
+    return [k for k, one in enumerate(when) if not k or one != when[k - 1]]
 
 
 def _key_frames(values: Floats) -> list[int]:
@@ -131,15 +149,18 @@ class _Picture:
         self.chain = path.chain
         self.colours = style.cell_colours(len(self.chain))
         ends = [path.travel.min(axis=0), path.travel.max(axis=0)]
-        self.linkage = LinkageDrawing(self.chain, ends)
+        self.linkage = layout.ChainLayout(self.chain, ends)
         frames = instants(path, seconds, max(2, round(seconds * _RATE)))
         # A cycle ends where it begins; a program rests at its end before it restarts.
         around = np.allclose(path.travel[0], path.travel[-1], atol=1e-9)
         frames.append(frames[0] if around else frames[-1])
         poses = [self.linkage.pose(frame.travels, frame.sheets) for frame in frames]
         # Position of every part in each frame.
-        self.parts = Pose(
-            *(np.array([getattr(pose, part.name) for pose in poses]) for part in fields(Pose))
+        self.parts = layout.Pose(
+            *(
+                np.array([getattr(pose, part.name) for pose in poses])
+                for part in fields(layout.Pose)
+            )
         )
         self.snaps = [frame.snap for frame in frames]
         self.round = MotionRound(seconds)
@@ -170,9 +191,20 @@ class _Picture:
 
     def _bands(self) -> Iterable[str]:
         for i in dict.fromkeys(self.linkage.owner.tolist()):
-            colour, name = self.colours[i], f"anchor{i}"
-            yield _mark(name, colour, "none", 2.6 * self.weight)
-            yield self._lines(self.parts.bands[:, self.linkage.owner == i], colour, 3.0, name)
+            yield _mark(f"anchor{i}", self.colours[i], "none", 2.6 * self.weight)
+        strongest = self.linkage.greatest_tension() or 1.0
+        for b, i in enumerate(self.linkage.owner.tolist()):
+            share = np.abs(self.parts.tension[:, b]) / strongest
+            widths, slack = (
+                THINNEST + (THICKEST - THINNEST) * share,
+                self.parts.slack[:, b].tolist(),
+            )
+            pattern = " ".join(short(one * self.weight * THINNEST, 2) for one in SLACK_DASHES[1])
+            changes = self.round.width(self.weight * widths) + self.round.dashes(pattern, slack)
+            look = self._pen(self.colours[i], widths[0]) + _ends(f"anchor{i}")
+            look += f' stroke-dasharray="{pattern}"' * slack[0]
+            ends = self._page(self.parts.bands[:, b]).reshape(len(slack), -1)
+            yield self.round.path(ends, _LINE, look, changes)
 
     def _symbols(self) -> Iterable[str]:
         for m, (i, symbol) in enumerate(self.linkage.symbols.items()):
@@ -190,26 +222,18 @@ class _Picture:
     def _lines(self, lines: Floats, colour: str, width: float, mark: str = "") -> str:
         ends = self._page(lines).reshape(len(lines), -1)
         look = f'fill="none" {self._pen(colour, width)}'
-        if mark:
-            look += "".join(f' marker-{at}="url(#{mark})"' for at in ("start", "mid", "end"))
-        return self.round.path(ends, "M{} {}L{} {}" * (ends.shape[1] // 4), look)
+        look += _ends(mark) if mark else ""
+        return self.round.path(ends, _LINE * (ends.shape[1] // 4), look)
 
     def _boxes(self, boxes: Floats, fill: str) -> str:
-        page = self._page(corners(boxes.reshape(-1, 4))).reshape(len(boxes), -1)
+        page = self._page(layout.corners(boxes.reshape(-1, 4))).reshape(len(boxes), -1)
         shape = "M{} {}L{} {}L{} {}L{} {}Z" * boxes.shape[1]
         return self.round.path(page, shape, f'fill="{fill}" {self._pen(style.INK, 0.8)}')
 
     def _ground(self) -> str:
-        reach, half = self.linkage.reach, self.linkage.half_block
-        wall = -1.15 * reach
-        strokes = [
-            [(wall, y), (wall - 0.35 * reach, y - 0.5 * half)]
-            for y in np.linspace(-1.6, 1.6, 6) * half
-        ]
-        strokes.append([(wall, -1.8 * half), (wall, 1.8 * half)])
-        page = self._page(strokes).reshape(-1, 4)
+        page = self._page(self.linkage.wall).reshape(-1, 4)
         drawn = "".join("M{} {}L{} {}".format(*map(short, stroke)) for stroke in page)
-        return f'<path d="{drawn}" fill="none" stroke="{style.FAINT}" stroke-width="1.4"/>'
+        return f'<path d="{drawn}" fill="none" {self._pen(style.INK, 0.9)}/>'
 
     def _names(self, names: Sequence[str]) -> str:
         spans = "".join(
@@ -230,6 +254,15 @@ class _Picture:
         x, y = np.moveaxis(np.asarray(points, float), -1, 0)
         across = _ROOM + (x - self.left) * self.scale
         return np.stack([across, self.high - _ROOM - (y - self.bottom) * self.scale], axis=-1)
+
+
+# A straight line between two points.
+_LINE = "M{} {}L{} {}"
+
+
+def _ends(mark: str) -> str:
+    """Attributes of a line with a marker at its ends."""
+    return "".join(f' marker-{at}="url(#{mark})"' for at in ("start", "mid", "end"))
 
 
 def _mark(name: str, fill: str, stroke: str, radius: float) -> str:
