@@ -1,7 +1,6 @@
-// The colours of the cells, in the order that the figures have them and distinguishable with colour blindness.
-// Loading and unloading keep Okabe and Ito's blue and vermillion for themselves.
+// The colours of the cells: on a light page those of the figures, a test compares them.
 const LIGHT = [
-  ...["#009e73", "#b5568f", "#b37a00", "#2f86b8", "#7a6a00", "#1f2328"],
+  ...["#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7a6a00", "#000000"],
   ...["#00704f", "#6f0a4f", "#855829", "#254782", "#403700", "#5c6975"],
 ];
 const DARK = [

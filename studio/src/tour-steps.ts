@@ -31,7 +31,7 @@ export const STEPS: Step[] = [
     say: "Now one anchor is moved, and the outer cell snaps first. This leg walks backward.",
     does: async (hand) => {
       await hand.slide("Stroke", 0, 300);
-      await hand.drag("q of outer", -15, 0, 3500);
+      await hand.drag("q of outer", 0, -15, 3500);
     },
     until: () => does("00>01>11>10>00"),
   },

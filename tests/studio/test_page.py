@@ -66,7 +66,7 @@ def test_an_anchor_moves_by_arrow_keys(page: Page):
     page.keyboard.press("ArrowRight")
     page.keyboard.press("Shift+ArrowUp")
     settled(page)
-    assert anchors(page, "outer")[1] == [20.1, 1.0]
+    assert anchors(page, "outer")[1] == [19.0, 0.1]
     compare(page)
     page.keyboard.press("Control+z")
     page.keyboard.press("Control+z")

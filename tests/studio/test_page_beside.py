@@ -51,7 +51,7 @@ def test_both_are_drawn_at_the_same_stroke_and_on_the_same_way(page: Page):
     ]
     assert blocks[0] == blocks[1]
     typed(page, 15)
-    sides = [one.locator("line.band").last.get_attribute("x2") for one in drawings]
+    sides = [one.locator(".band").last.get_attribute("d") for one in drawings]
     assert sides[0] != sides[1]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from stepwell.accounts import assumptions
 from stepwell.base import Floats, Ints, __version__, display_unit, plain
 from stepwell.design import Change, Margin, margin
-from stepwell.mechanism import Cell, Chain, Element, phase_at
+from stepwell.mechanism import Cell, Chain, Element, layout, phase_at
 from stepwell.sequences import Cycle, Program
 from stepwell.statics import Event, EventKind, Path, SegmentKind
 from stepwell.studio.ask import View
@@ -42,8 +42,15 @@ def drawn(path: Path) -> Path:
 
 
 def arrays_of(path: Path) -> dict[str, np.ndarray[Any, Any]]:
-    """The samples of a path in the units of `units_of`; a snap is a jump between two of them."""
+    """The samples of a path in the units of `units_of`; a snap is a jump between two of them.
+
+    `tension` (n, B) is a fraction of the greatest tension of any band, NaN if slack; `pull` (n, E)
+    is the force of every element on its curve.
+    """
     (_, travel), (_, force), (_, drive) = _units_of(path.chain)
+    drawing = layout.ChainLayout(path.chain)
+    tension, slack = drawing.tensions(path.travel)
+    share = np.abs(tension) / (drawing.greatest_tension() or 1.0)
     return {
         "drive": path.drive * drive,
         "stroke": path.stroke * travel,
@@ -51,6 +58,8 @@ def arrays_of(path: Path) -> dict[str, np.ndarray[Any, Any]]:
         "energy": path.energy * MJ,
         "travel": path.travel * travel,
         "angle": _angles(path.chain, path.travel),
+        "tension": np.where(slack, np.nan, share),
+        "pull": _pulls(path) * force,
         "segment": path.branch,
         "direction": path.direction,
     }
@@ -62,6 +71,17 @@ def _angles(chain: Chain, travel: Floats) -> Floats:
         if isinstance(cell, Cell):
             angles[:, i] = np.degrees(cell.angle(travel[:, i]))
     return angles
+
+
+def _pulls(path: Path) -> Floats:
+    pulls = np.empty((len(path.travel), len(path.chain.elements)))
+    columns = zip(path.chain.cells, path.travel.T, path.sheet.T, strict=True)
+    elements = (column for column in columns if isinstance(column[0], Element))
+    for pull, (element, travel, sheet) in zip(pulls.T, elements, strict=True):
+        for number in np.unique(sheet).tolist():
+            here = sheet == number
+            pull[here] = element.force_at(travel[here], number)
+    return pulls
 
 
 def landscape(chain: Chain) -> dict[str, np.ndarray[Any, Any]]:
@@ -110,6 +130,38 @@ def _cell(cell: Cell | Element, name: str) -> dict[str, Any]:
     return header
 
 
+# Points of an element's curve in its symbol.
+_CURVE = 49
+
+
+def layout_of(path: Path) -> dict[str, Any]:
+    """Sizes of the drawing [mm], and the curves of the elements in the units of `units_of`."""
+    chain = path.chain
+    drawing = layout.ChainLayout(chain, [path.travel.min(axis=0), path.travel.max(axis=0)])
+    (_, travel), (_, force), _ = _units_of(chain)
+    names = ("reach", "half_pair", "half_block", "box", "rod", "spans", "wall")
+    return {
+        **{name: plain(getattr(drawing, name), MM) for name in names},
+        # Drawn millimetres per unit of travel.
+        "scale": drawing.unit * MM / travel,
+        "edge": layout.EDGE,
+        "sides": drawing.sides.tolist(),
+        "symbols": [
+            {
+                "origin": plain(one.origin * (travel, force)),
+                "size": plain(one.size * (travel, force)),
+                "zero": None if math.isnan(one.zero) else one.zero,
+                "curves": [
+                    np.round(curve[:: len(curve) // _CURVE + 1], 4).tolist() for curve in one.curves
+                ],
+            }
+            if (one := drawing.symbols.get(i))
+            else None
+            for i in range(len(chain))
+        ],
+    }
+
+
 def events_of(events: Iterable[Event], path: Path) -> list[dict[str, Any]]:
     """Switches and snaps; each lies between its sample and the one after it."""
     (_, travel), (_, force), (_, drive) = _units_of(path.chain)
@@ -140,6 +192,7 @@ def path_header(path: Path, few: Path) -> dict[str, Any]:
         "title": chain.title,
         "units": units_of(chain),
         "cells": cells_of(chain),
+        "layout": layout_of(path),
         "events": events_of(path.events, few),
         "peak_force_N": path.peak_force * display_unit(chain.measure.force_unit)[1],
         "dissipated_mJ": path.dissipated * MJ,

@@ -18,7 +18,7 @@ from stepwell.robot import Robot
 from stepwell.sequences import Program
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.message import LONGEST_MESSAGE
-from stepwell.studio.motion import arrays_of, cells_of, drawn, events_of
+from stepwell.studio.motion import arrays_of, cells_of, drawn, events_of, layout_of
 from stepwell.studio.panels.motion import program_of
 from stepwell.studio.panels.robots import asked_run
 
@@ -61,7 +61,7 @@ def _preset(name: str, title: str) -> dict[str, Any]:
 
 # Samples of a motion in a small picture, in addition to the ends of its branches.
 _SAMPLES = 60
-_BLOCKS = ("drive", "travel", "angle", "segment", "direction")
+_BLOCKS = ("drive", "travel", "angle", "tension", "pull", "segment", "direction")
 
 
 def answer_thumbnails(_design: PageDesign, ask: Ask) -> View:
@@ -73,21 +73,18 @@ def answer_thumbnails(_design: PageDesign, ask: Ask) -> View:
 
 
 def _moving(name: str) -> View:
-    tables = tomllib.loads(files.preset_text(name))
-    file = files.loads_tables(tables)
+    file = files.loads_tables(tomllib.loads(files.preset_text(name)))
     design = file.subject
     if not isinstance(design, Robot):
-        return _chain(name, design, file.program, tables["chain"]["cell"])
+        return _chain(name, design, file.program)
     try:
         return _robot(name, design)
     except ExtraError:
         # A walk needs MuJoCo; the chain of a leg does not.
-        return _chain(name, design.legs[0].chain, None, [])
+        return _chain(name, design.legs[0].chain, None)
 
 
-def _chain(
-    name: str, chain: Chain, written: files.WrittenProgram | None, cells: list[dict[str, Any]]
-) -> View:
+def _chain(name: str, chain: Chain, written: files.WrittenProgram | None) -> View:
     result = chain.cycle() if written is None else written.on(chain)
     path = drawn(result.path)
     rows, arrays = _few(path), arrays_of(path)
@@ -97,8 +94,7 @@ def _chain(
         if event["kind"] == "snap"
     ]
     header = {"name": name, "sequence": str(result.sequence), "cells": cells_of(chain)}
-    # The tables say what an element is.
-    header |= {"tables": cells, "events": snaps}
+    header |= {"layout": layout_of(result.path), "events": snaps}
     return View(header, {block: arrays[block][rows] for block in _BLOCKS})
 
 
