@@ -50,7 +50,7 @@ def test_an_unknown_kind_is_refused_and_nothing_is_written(figure, tmp_path):
 
 @pytest.mark.slow
 def test_text_of_an_svg_is_text_in_fonts_that_it_brings_along(figure, tmp_path):
-    figures.save(figure, tmp_path / "force.svg", text=True)
+    figures.save(figure, tmp_path / "force.svg")
     svg = (tmp_path / "force.svg").read_text()
     words = "".join(ElementTree.fromstring(svg).itertext())
     assert "Actuator force [N]" in words
@@ -67,8 +67,26 @@ def test_text_of_an_svg_is_text_in_fonts_that_it_brings_along(figure, tmp_path):
     assert len(letters) < 80
 
 
-def test_outlines_need_no_font(figure):
-    assert "<text" not in figures.svg(figure)
+def test_outlines_need_no_font(figure, tmp_path):
+    figures.save(figure, tmp_path / "force.svg", text=False)
+    assert "<text" not in (tmp_path / "force.svg").read_text()
+
+
+@pytest.mark.slow
+def test_text_is_text_in_every_svg_of_a_report(tmp_path):
+    names = sw.reports.write(files.preset("paper-forward").program("01"), tmp_path)
+    drawings = [name for name in names if name.endswith(".svg")]
+    page = (tmp_path / "report.html").read_text("utf-8")
+    embedded = re.findall(r"data:image/svg\+xml;base64,([^\"']*)", page)
+    texts = [(tmp_path / name).read_text("utf-8") for name in drawings]
+    texts += [base64.b64decode(data).decode() for data in embedded]
+    assert len(drawings) > 1
+    assert embedded
+    for text in texts:
+        root = ElementTree.fromstring(text)
+        assert [*root.iter("{http://www.w3.org/2000/svg}text")]
+        # Outlines of letters are symbols that are used by their name.
+        assert not re.search(r"<use[^>]*#DejaVu", text)
 
 
 @pytest.mark.slow
@@ -92,13 +110,13 @@ def test_a_png_tells_how_large_it_is(figure, tmp_path):
 @pytest.mark.slow
 def test_text_in_an_svg_is_the_same_every_time(figure, tmp_path):
     for name in ("a.svg", "b.svg"):
-        figures.save(figure, tmp_path / name, text=True)
+        figures.save(figure, tmp_path / name)
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("width", [89.0, 180.0])
+@pytest.mark.parametrize("width", sorted({one.width for one in figures.JOURNAL_WIDTHS.values()}))
 @pytest.mark.parametrize("preset", ["paper-forward", "three-wave", "curved-beam", "robot-forward"])
-def test_the_default_figure_of_a_design_fits_a_page(preset, width):
+def test_the_default_figure_of_a_design_fits_a_page_of_every_journal(preset, width):
     drawn = sw.reports.figure(sw.preset(preset), width=width)
     assert drawn.get_size_inches()[1] * 25.4 <= sw.reports.TALLEST

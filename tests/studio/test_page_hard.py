@@ -60,9 +60,9 @@ def test_a_hundred_steps_are_undone_and_the_first_is_not(page: Page):
     dot = handle(page, "q", "outer")
     names = [f"q of outer, {axis} in mm" for axis in "xy"]
     begin = anchors(page, "outer")[1]
-    dot.press("ArrowRight")
-    states = [anchors(page, "outer")[1], *dot.evaluate(PRESSED, [STEPS - 1, "ArrowRight", names])]
-    dot.press("ArrowRight")
+    dot.press("ArrowDown")
+    states = [anchors(page, "outer")[1], *dot.evaluate(PRESSED, [STEPS - 1, "ArrowDown", names])]
+    dot.press("ArrowDown")
     assert anchors(page, "outer")[1] == [30.1, 0.0]
     assert states[0] != begin and len({x for x, _ in states}) == STEPS
     undo = page.get_by_role("button", name="Undo")
@@ -104,7 +104,7 @@ def test_a_finger_moves_an_anchor_and_not_the_page_which_is_no_wider_than_a_phon
 
     touch("touchStart", {"x": x, "y": y})
     for k in range(1, 11):
-        touch("touchMove", {"x": x - 3 * k, "y": y + 4 * k})
+        touch("touchMove", {"x": x - 3 * k, "y": y - 4 * k})
     touch("touchEnd")
     settled(page)
     after_it = drawing.bounding_box()
@@ -146,7 +146,7 @@ def test_a_journey_by_keys_alone(blank: Opened, empty_address: str):
     expect(output(page, "sequence")).to_be_visible()
     settled(page)
     focus(page, "q of outer")
-    page.keyboard.press("Shift+ArrowLeft")
+    page.keyboard.press("Shift+ArrowUp")
     settled(page)
     assert anchors(page, "outer")[1] == [19.0, 0.0]
     focus(page, "Graph")

@@ -9,7 +9,7 @@ import pytest
 
 from chromium import nothing_found
 from sizes import SIZE
-from stepwell import studies
+from stepwell import files, studies
 from stepwell.accounts import account
 from stepwell.design import parameter
 from stepwell.mechanism import Chain
@@ -46,6 +46,29 @@ def opened_study(page: Page, study: Study) -> None:
 
 def cells(page: Page, table: str) -> list[list[str]]:
     return page.get_by_role("table", name=table).locator("tbody tr").evaluate_all(CELLS)
+
+
+@pytest.fixture(scope="module")
+def line(home: Path) -> Study:
+    leg = files.preset("paper-forward")
+    space = studies.Space((studies.Axis("outer.q.y", -0.015, 0.015, 12),))
+    return filled(studies.asked(leg, "cycle", space, home / "studies" / "line.zarr", chunk=12))
+
+
+def test_a_study_of_one_parameter_is_a_strip_with_exact_boundaries(page: Page, line: Study):
+    opened_study(page, line)
+    strip = page.get_by_role("region", name="Intervals of sequence along outer.q.y [mm]")
+    runs = studies.intervals(line)
+    rows = dict.fromkeys(run.value for run in runs)
+    expect(strip.locator("code")).to_have_text([*rows])
+    wide = strip.locator(".rows").evaluate("(one) => one.getBoundingClientRect().width")
+    for bar, run in zip(strip.locator(".bar span").all(), runs, strict=True):
+        begin, end = run.first, run.last
+        begin, end = begin if run.low is None else run.low, end if run.high is None else run.high
+        share = bar.evaluate("(one) => one.getBoundingClientRect().width") / wide
+        assert share == pytest.approx((end - begin) / 30.0, abs=0.01)
+    expect(strip.locator(".exact")).to_have_count(len(runs) - 1)
+    expect(strip.locator(".between")).to_have_count(0)
 
 
 def number_of(text: str) -> float:

@@ -64,6 +64,16 @@ _NUMBER: Schema = (
     *_in_unit(least="least", median="median", most="most"),
     Quantity("designs", head="designs", holds=int, left=False),
 )
+_INTERVAL: Schema = (
+    Quantity("column", head="column"),
+    Quantity("value", head="value"),
+    *_in_unit(**{"from": "first"}, to="last"),
+    *(
+        Quantity(f"boundary_{side}", head=f"boundary {side}", read=end, holds=float, left=False)
+        for side, end in (("below", "low"), ("above", "high"))
+    ),
+    Quantity("designs", head="designs", holds=int, left=False),
+)
 STUDY: Schema = (
     *keys(title=(str, "study.subject.title"), store=(str, lambda status: str(status.study.folder))),
     *read_off(keys(what=str, identity=str, how=(str, lambda of: str(of.designs.how))), "study"),
@@ -71,7 +81,13 @@ STUDY: Schema = (
     *read_off(keys(chunk=int, chunks=int), "study"),
     *keys(done=int, finished=bool, missing=([_GAP], "gaps"), problems={str: int}),
     Quantity("screen", read=lambda one: one if one.screened else None, holds=_SCREEN, missing=True),
-    *keys(outcomes=[_OUTCOME], numbers=[_NUMBER], decided=[_DECIDED]),
+    *keys(outcomes=[_OUTCOME], intervals=[_INTERVAL], numbers=[_NUMBER], decided=[_DECIDED]),
+)
+
+
+_INTERVALS = (
+    "Along the varied parameter, from the first to the last design with an outcome. An exact "
+    "boundary to the neighbouring interval is given where the closed form holds."
 )
 
 
@@ -115,6 +131,7 @@ def status_account(status: Status, about: About) -> Account:
             Picture("outcomes", "Outcomes over the parameters that decide them"),
             table(_OUTCOME, status.outcomes, "outcomes", "The most frequent first."),
         ),
+        "Intervals of the outcomes": table(_INTERVAL, status.intervals, "intervals", _INTERVALS),
         "Influence of each number": (
             Picture("influences", "Fraction of the variance that each parameter explains"),
             RecordTable(_DECIDING, lambda: deciding, influence, most=None),

@@ -135,7 +135,7 @@ def figure(
         layout["mass"] = None if snap.mass is None else snap.mass * 1e-3
         drawn = _composed(design, panels, damping=snap.damping, **layout)
     with screen.progress(screen.WRITING):
-        sw.figures.save(drawn, out, dpi=sw.figures.PRINT_DPI, text=True)
+        sw.figures.save(drawn, out, dpi=sw.figures.PRINT_DPI)
     size = [25.4 * float(inches) for inches in drawn.get_size_inches()]
     screen.show_verbatim(f"Wrote {out}")
     screen.show_lines(f"{size[0]:.0f} mm wide, {size[1]:.0f} mm high.")

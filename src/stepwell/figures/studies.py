@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -17,6 +17,7 @@ from stepwell.base import Floats, InputError, Quantity
 from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.style import Colour
 from stepwell.figures.common.words import literal, minus, shortened
+from stepwell.figures.strips import HEAD, MISSING, ROW, draw_strip, rows_of
 
 if TYPE_CHECKING:
     from stepwell.studies import DecidingNumbers, Influence, Study
@@ -98,6 +99,7 @@ def _draw_fraction(ax: Axes, x: int, y: int, one: Influence | None) -> None:
 # Largest numbers of panels, of points in a panel, and of classes of a bar chart.
 _PANELS, _POINTS, _BARS = 8, 3000, 20
 _LEFT, _PANEL_RIGHT, _BOTTOM, _TOP, _TALL, _KEY = 19.0, 5.0, 12.0, 4.0, 38.0, 4.2
+_EDGE = 5.0  # at the sides of a strip
 # Least width of a page with two panels side by side [mm].
 _TWO = 120.0
 # Up to this number of different whole numbers, a column is drawn like one of words.
@@ -118,8 +120,10 @@ class _Column(NamedTuple):
 def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
     """Each result over its most influential parameter, or over the plane of two parameters.
 
-    With two varied parameters every panel is their plane, coloured by the result. Otherwise numbers
-    are points with their means, and words are fractions. Two columns wide.
+    With one varied parameter, words are a strip with a row for each outcome. Its boundaries are
+    lines if known in closed form, otherwise grey intervals between two designs. With two varied
+    parameters every panel is their plane, coloured by the result. Otherwise numbers are points
+    with their means, and words are fractions. Two columns wide.
 
     Args:
         study: a study with at least one finished chunk.
@@ -132,13 +136,22 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
 
     varied, results = _varied_and_found(study, names or {})
     deciding = {one.column: one.influences[0].name for one in decided(study)}
-    shown = list(results.items())[:_PANELS]
+    strips = _strips(study, varied, results)
+    shown = [one for one in results.items() if one[0] not in strips][:_PANELS]
     colours = {one.name: _colours(one.values) for _, one in shown if one.words}
     foot = sum(_KEY * (len(each) + 1) for each in colours.values()) + 2.0 * bool(colours)
     page = sheet.page_width(style.PAGE)
     columns = 2 if page >= _TWO else 1
     rows = -(-len(shown) // columns)
-    figure = sheet.blank(page, foot + rows * (_BOTTOM + _TALL + _TOP))
+    high = foot + rows * (_BOTTOM + _TALL + _TOP)
+    high += sum(_BOTTOM + one.tall for one in strips.values())
+    figure = sheet.blank(page, high)
+    for one in strips.values():
+        high -= one.tall
+        ax = sheet.place(figure, _EDGE, high, page - 2 * _EDGE, one.tall - HEAD)
+        one.draw(ax)
+        ax.set_xlabel(literal(shortened(next(iter(varied.values())).name, _NAME)))
+        high -= _BOTTOM
     pitch = page / columns, _BOTTOM + _TALL + _TOP
     corners = sheet.grid(len(shown), columns, pitch, (_LEFT, foot + _BOTTOM))
     for (name, one), corner in zip(shown, corners, strict=True):
@@ -158,6 +171,36 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
     if handles:
         legends.below(figure, handles, 1, _LEFT, labelspacing=0.35)
     return figure
+
+
+class _StripPlan(NamedTuple):
+    """A strip to draw, and its height [mm] with its title."""
+
+    tall: float
+    draw: Callable[[Axes], None]
+
+
+def _strips(
+    study: Study, varied: Mapping[str, _Column], results: Mapping[str, _Column]
+) -> dict[str, _StripPlan]:
+    """The strips of the columns of words, if only one parameter is varied."""
+    from stepwell.studies import intervals
+
+    runs = intervals(study)
+    strips: dict[str, _StripPlan] = {}
+    for name in (name for name in results if any(run.column == name for run in runs)):
+        one, (by,) = results[name], varied.values()
+        own = [run for run in runs if run.column == name]
+        known = np.isfinite(by.values)
+        designs = {
+            word or MISSING: by.values[known & (one.values == word)] for word in {*one.values}
+        }
+        designs = {word: values for word, values in designs.items() if len(values)}
+        tall = HEAD + ROW * len(rows_of(own, designs.get(MISSING, np.empty(0))))
+        colours = _colours(one.values)
+        draw = partial(draw_strip, title=one.name, runs=own, colours=colours, designs=designs)
+        strips[name] = _StripPlan(tall, draw)
+    return strips
 
 
 def _varied_and_found(
@@ -191,7 +234,8 @@ def _column(study: Study, name: str, chunks: Sequence[int], names: Mapping[str, 
             # Only designs drawn at random are a sample; a screen's choice is not.
             words[study.values("lot", chunks) != 1] = ""
         return _Column(head, words, True)
-    if name not in study.varied and not sign and _few_counts(values):
+    # Over one parameter, counts are a curve.
+    if len(study.varied) > 1 and name not in study.varied and not sign and _few_counts(values):
         return _Column(head, np.array([f"{one:.0f}" for one in values], object), True)
     return _Column(head, values * factor, False)
 

@@ -38,6 +38,7 @@ from stepwell.studies.graph_classes import (
     proved_space,
 )
 from stepwell.studies.influence import DecidingNumbers, Influence, decided
+from stepwell.studies.intervals import Interval, intervals
 from stepwell.studies.mapper import WorkerError, dashboard, mapped, mapped_on
 from stepwell.studies.run import (
     CancelledError,
@@ -85,6 +86,7 @@ __all__ = [
     "How",
     "Influence",
     "GraphClass",
+    "Interval",
     "Pace",
     "Packed",
     "SampledGraphs",
@@ -114,6 +116,7 @@ __all__ = [
     "find",
     "function_of",
     "gaps_text",
+    "intervals",
     "mapped",
     "mapped_on",
     "name_of",

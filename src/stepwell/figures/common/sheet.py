@@ -265,8 +265,11 @@ def root(ax: Axes) -> Figure:
     return parent
 
 
-def name_panel(ax: Axes, name: str, gap: float = 1.5) -> None:
-    """Write a panel's name `gap` mm above its axes."""
+def name_panel(ax: Axes, name: str, gap: float = 1.5, note: str = "") -> None:
+    """Write a panel's name `gap` mm above its axes, and a note at the right."""
     sheet = sheet_of(ax)
     box = ax.get_position()
-    sheet.text(box.x0, box.y1 + gap / size_of(sheet)[1], name, fontweight="bold", va="bottom")
+    y = box.y1 + gap / size_of(sheet)[1]
+    sheet.text(box.x0, y, name, fontweight="bold", va="bottom")
+    if note:
+        sheet.text(box.x1, y, note, ha="right", va="bottom")

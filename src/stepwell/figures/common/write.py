@@ -8,6 +8,7 @@ import os
 import re
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -47,7 +48,9 @@ def with_embedded_fonts(svg: str) -> str:
             words = html.unescape(re.sub(r"<[^>]*>", "", span["inside"]))
             for letter in set(words) - {"\n"}:
                 shown[_face_with_letter(html.unescape(span["look"]), letter)].add(letter)
-    rules = "\n".join(_font_face_rule(face, letters) for face, letters in sorted(shown.items()))
+    rules = "\n".join(
+        _font_face_rule(face, frozenset(letters)) for face, letters in sorted(shown.items())
+    )
     return svg.replace("<defs>", f'<defs>\n<style type="text/css">\n{rules}\n</style>', 1)
 
 
@@ -67,7 +70,13 @@ def _face_with_letter(look: str, letter: str) -> _Face:
     return next((face for face in faces if ord(letter) in letters_of(*face)), faces[0])
 
 
-def _font_face_rule(face: _Face, letters: set[str]) -> str:
+# Letters before this one are placed one after another, without rules of their font.
+_COMBINED = "\u0300"
+
+
+# A file and the page that shows it have the same letters.
+@lru_cache(maxsize=64)
+def _font_face_rule(face: _Face, letters: frozenset[str]) -> str:
     from fontTools import subset
 
     options: Any = subset.Options()
@@ -76,6 +85,9 @@ def _font_face_rule(face: _Face, letters: set[str]) -> str:
     # No time stamp in the file: the same figure gives the same bytes.
     options.recalc_timestamp = False
     options.layout_features = ["kern", "mark", "mkmk", "ccmp"]
+    # Reading the rules takes most of the time.
+    if max(letters) < _COMBINED:
+        options.drop_tables += ["GDEF", "GPOS", "GSUB"]
     logging.getLogger("fontTools").setLevel(logging.ERROR)
     written = io.BytesIO()
     with subset.load_font(font_file(*face), options) as font:
@@ -127,8 +139,7 @@ def _palette(pictures: Sequence[Image.Image]) -> Image.Image:
 _VECTOR: dict[Any, Any] = {
     # The same figure gives the same file, so that a diff of results shows only real changes.
     "svg.hashsalt": "stepwell",
-    # Outlines in SVG look the same everywhere, also in programs that ignore embedded fonts.
-    "svg.fonttype": "path",
+    "svg.fonttype": "none",
     # Fonts in PDF as scalable outlines, cut to the letters shown: text stays text.
     "pdf.fonttype": 42,
 }
@@ -138,7 +149,7 @@ _UNDATED = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 
 
 def save(
-    figure: Figure, file: str | os.PathLike[str], *, dpi: float = 300.0, text: bool = False
+    figure: Figure, file: str | os.PathLike[str], *, dpi: float = 300.0, text: bool = True
 ) -> None:
     """Write a figure to a .png, .svg or .pdf file, completely or not at all.
 
@@ -146,8 +157,8 @@ def save(
         figure: a figure of this package.
         file: path of the file; its suffix selects the format.
         dpi: pixels per inch of a PNG, and of images within a vector file.
-        text: keep the text of an SVG as text with embedded fonts, not as outlines. In a PDF text
-            always stays text.
+        text: whether the text of an SVG is text with embedded fonts, or outlines, for programs
+            that ignore embedded fonts. In a PDF text is always text.
 
     Raises:
         ValueError: a suffix that matplotlib cannot write.
@@ -161,17 +172,17 @@ def save(
 
 
 def svg(figure: Figure) -> str:
-    """The figure as SVG text of outlines, without an XML declaration."""
+    """The figure as SVG, without an XML declaration; its text is text with embedded fonts."""
     text = figure_bytes(figure, ".svg", 200.0).decode()
     return text[text.index("<svg") :]
 
 
-def figure_bytes(figure: Figure, suffix: str, dpi: float, *, text: bool = False) -> bytes:
+def figure_bytes(figure: Figure, suffix: str, dpi: float, *, text: bool = True) -> bytes:
     """The bytes of a file with this suffix, at `dpi` pixels per inch; `text` as in `save`."""
     buffer = io.BytesIO()
     kind = suffix.removeprefix(".")
     words = text and suffix == ".svg"
-    settings: dict[Any, Any] = {"svg.fonttype": "none"} if words else {}
+    settings: dict[Any, Any] = {} if words else {"svg.fonttype": "path"}
     with mpl.rc_context(_VECTOR | settings):
         figure.savefig(buffer, format=kind, dpi=dpi, metadata=_UNDATED.get(suffix))
     return with_embedded_fonts(buffer.getvalue().decode()).encode() if words else buffer.getvalue()

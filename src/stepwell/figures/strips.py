@@ -1,0 +1,115 @@
+"""Strip of the outcomes along one parameter: a row for each outcome, with its boundaries."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle
+
+from stepwell.base import Floats
+from stepwell.figures.common import sheet, style
+from stepwell.figures.common.style import Colour
+from stepwell.figures.common.words import literal, minus, shortened
+
+if TYPE_CHECKING:
+    from stepwell.studies import Interval
+
+# Height of a row, and of the title with the boundaries above the rows [mm].
+ROW, HEAD = 6.2, 9.0
+# Row of the designs that have no outcome.
+MISSING = "not computed"
+_BETWEEN = "grey: between two designs"
+# Top and bottom of a bar, and foot of the text above it, as fractions of the row.
+_BAR, _TEXT = (0.58, 0.94), 0.52
+# Width of a letter [mm], and the largest number of designs that are marked one by one.
+_LETTER, _MOST = 1.5, 80
+
+
+def rows_of(runs: Sequence[Interval], missing: Floats) -> list[str]:
+    """The outcomes in the order of the parameter; designs without an outcome last."""
+    return [*dict.fromkeys(run.value for run in runs), *[MISSING] * bool(len(missing))]
+
+
+def draw_strip(
+    ax: Axes,
+    title: str,
+    runs: Sequence[Interval],
+    colours: Mapping[str, Colour],
+    designs: Mapping[str, Floats],
+) -> None:
+    """Draw the intervals into axes of `ROW` mm per row.
+
+    Args:
+        ax: the axes.
+        title: name of the result, written above.
+        runs: intervals of one column, in the order of the parameter.
+        colours: by outcome.
+        designs: values of the parameter by outcome, those without an outcome under `MISSING`.
+    """
+    rows = rows_of(runs, designs.get(MISSING, np.empty(0)))
+    values = np.concatenate([*designs.values()])
+    low, high = float(values.min()), float(values.max())
+    room = 0.01 * (high - low)
+    ax.set(xlim=(low - room, high + room), ylim=(len(rows), 0.0), yticks=[])
+    ax.spines[["left", "right", "top"]].set_visible(False)
+    unknown = any(run.high is None for run in runs[:-1])
+    sheet.name_panel(ax, literal(title), 4.0, _BETWEEN if unknown else "")
+    _draw_boundaries(ax, runs)
+    few = len(values) <= _MOST
+    for k, row in enumerate(rows):
+        own = [run for run in runs if run.value == row]
+        colour = colours.get(row, colours.get(style.REST, style.FAINT))
+        top, foot = k + _BAR[0], k + _BAR[1]
+        for run in own:
+            begin, end = _ends(run)
+            look = {"facecolor": colour, "edgecolor": colour, "linewidth": 0.8, "gid": "interval"}
+            ax.add_patch(Rectangle((begin, top), end - begin, foot - top, **look, zorder=3))
+        if few or row == MISSING:
+            mark, ink = ("x", style.INK) if row == MISSING else ("|", "white")
+            at = np.full(len(designs[row]), (top + foot) / 2)
+            ax.plot(designs[row], at, mark, color=ink, markersize=3.0, zorder=4, gid="designs")
+        begin = min([designs[row].min(), *(_ends(run)[0] for run in own)])
+        _name_row(ax, float(begin), k + _TEXT, row, own)
+
+
+def _ends(run: Interval) -> tuple[float, float]:
+    """An interval up to its exact boundaries, or to its first and last design."""
+    return (run.first if run.low is None else run.low, run.last if run.high is None else run.high)
+
+
+def _draw_boundaries(ax: Axes, runs: Sequence[Interval]) -> None:
+    """Draw exact boundaries as lines with their values, the others as grey intervals."""
+    above = ax.get_xaxis_transform()
+    taken = -np.inf
+    for before, after in pairwise(runs):
+        if before.high is None:
+            look = {"color": style.pale(style.FAINT, 0.6), "linewidth": 0, "zorder": 1}
+            ax.axvspan(before.last, after.first, **look, gid="between designs")
+            continue
+        ax.axvline(before.high, color=style.INK, linewidth=0.8, zorder=5, gid="exact boundary")
+        look = {"ha": "center", "va": "bottom", "transform": above, "gid": "boundary"}
+        text = ax.text(before.high, 1.02, minus(f"{before.high:.4g}"), **look)
+        box = text.get_window_extent()
+        # A value without room is left out; the row below has it too.
+        if box.x0 < taken:
+            text.remove()
+        else:
+            taken = box.x1 + box.height / 2
+
+
+def _name_row(ax: Axes, begin: float, y: float, row: str, own: Sequence[Interval]) -> None:
+    """Write an outcome with its intervals above its bar, within the axes."""
+    box = ax.get_window_extent()
+    letters = int(box.width / sheet.root(ax).dpi * 25.4 / _LETTER)
+    spans = ", ".join("{:.4g} to {:.4g}".format(*_ends(run)) for run in own)
+    spans = f"   {spans}" if len(spans) < letters / 2 else ""
+    name = shortened(row, max(8, letters - len(spans)))
+    look = {"va": "bottom", "zorder": 6, "gid": "outcome"}
+    text = ax.text(begin, y, literal(name) + minus(spans), **look)
+    text.set_bbox(style.on_white(0.05, 0.8))
+    if text.get_window_extent().x1 > box.x1:
+        text.set(x=ax.get_xlim()[1], ha="right")
