@@ -99,7 +99,7 @@ def _draw_fraction(ax: Axes, x: int, y: int, one: Influence | None) -> None:
 # Largest numbers of panels, of points in a panel, and of classes of a bar chart.
 _PANELS, _POINTS, _BARS = 8, 3000, 20
 _LEFT, _PANEL_RIGHT, _BOTTOM, _TOP, _TALL, _KEY = 19.0, 5.0, 12.0, 4.0, 38.0, 4.2
-_EDGE = 5.0  # at the sides of a strip
+_EDGE, _LOW = 5.0, 20.0  # at the sides of a strip; height of the lowest panel
 # Least width of a page with two panels side by side [mm].
 _TWO = 120.0
 # Up to this number of different whole numbers, a column is drawn like one of words.
@@ -143,8 +143,11 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
     page = sheet.page_width(style.PAGE)
     columns = 2 if page >= _TWO else 1
     rows = -(-len(shown) // columns)
-    high = foot + rows * (_BOTTOM + _TALL + _TOP)
-    high += sum(_BOTTOM + one.tall for one in strips.values())
+    high = foot + sum(_BOTTOM + one.tall for one in strips.values())
+    # On a narrow page, panels are lower.
+    room = (style.PAGE_HEIGHT - high) / max(1, rows) - _BOTTOM - _TOP
+    panel = min(_TALL, max(_LOW, room))
+    high += rows * (_BOTTOM + panel + _TOP)
     figure = sheet.blank(page, high)
     for one in strips.values():
         high -= one.tall
@@ -152,10 +155,10 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
         one.draw(ax)
         ax.set_xlabel(literal(shortened(next(iter(varied.values())).name, _NAME)))
         high -= _BOTTOM
-    pitch = page / columns, _BOTTOM + _TALL + _TOP
+    pitch = page / columns, _BOTTOM + panel + _TOP
     corners = sheet.grid(len(shown), columns, pitch, (_LEFT, foot + _BOTTOM))
     for (name, one), corner in zip(shown, corners, strict=True):
-        ax = sheet.place(figure, *corner, pitch[0] - _LEFT - _PANEL_RIGHT, _TALL)
+        ax = sheet.place(figure, *corner, pitch[0] - _LEFT - _PANEL_RIGHT, panel)
         own = colours.get(one.name, {})
         if len(varied) == 2:
             x, y = varied.values()

@@ -152,9 +152,6 @@ def layout_of(path: Path) -> dict[str, Any]:
                 "size": plain(one.size * (travel, force)),
                 "zero": None if math.isnan(one.zero) else one.zero,
                 "curves": [
-                    np.round(curve[:: len(curve) // _CURVE + 1], 4).tolist()
-                    for curve in one.curves
-                ],
                     np.round(curve[:: len(curve) // _CURVE + 1], 4).tolist() for curve in one.curves
                 ],
             }

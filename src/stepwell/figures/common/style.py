@@ -18,6 +18,8 @@ MM, MJ, MN = (UNITS[unit].per_si for unit in ("mm", "mJ", "mN"))
 # Widths of one and of two columns of a journal page [mm].
 COLUMN = 85.0
 PAGE = 180.0
+# Height of a page for figures [mm].
+PAGE_HEIGHT = 247.0
 
 # Colours that are distinct for every kind of colour vision (Okabe & Ito 2008).
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"

@@ -176,8 +176,8 @@ def _frame_states(ax: Axes, chain: Chain, ends: Sequence[tuple[float, float]]) -
         axis.set_ticks([t for t in axis.get_ticklocs() if low - slip <= t <= high + slip])
 
 
-# Height of a page, and of the lanes of many cells on it [mm].
-_PAGE, _LANES = 247.0, 120.0
+# Height of the lanes of many cells on a page [mm].
+_LANES = 120.0
 
 
 @style.styled
@@ -191,7 +191,7 @@ def overview(cycle: Cycle) -> Figure:
     drawable = len(chain) <= MOST_CELLS
     lanes = max(46.0, min(20.0, (_LANES if drawable else 200.0) / len(chain)) * len(chain))
     body = 58.0 if len(chain) == 2 else lanes
-    tallest = _PAGE - body - 23.0
+    tallest = style.PAGE_HEIGHT - body - 23.0
     plan = arrange(chain, cycle.sequence, tallest=tallest) if drawable else None
     height = (plan.height + 3.0 if plan is not None else 0.0) + body + 20.0
     figure = blank(style.PAGE, height)
