@@ -81,6 +81,10 @@ def _ends(run: Interval) -> tuple[float, float]:
     return (run.first if run.low is None else run.low, run.last if run.high is None else run.high)
 
 
+def _span(run: Interval) -> str:
+    return " to ".join(dict.fromkeys(f"{end:.4g}" for end in _ends(run)))
+
+
 def _draw_boundaries(ax: Axes, runs: Sequence[Interval]) -> None:
     """Draw exact boundaries as lines with their values, the others as grey intervals."""
     above = ax.get_xaxis_transform()
@@ -105,7 +109,7 @@ def _name_row(ax: Axes, begin: float, y: float, row: str, own: Sequence[Interval
     """Write an outcome with its intervals above its bar, within the axes."""
     box = ax.get_window_extent()
     letters = int(box.width / sheet.root(ax).dpi * 25.4 / _LETTER)
-    spans = ", ".join("{:.4g} to {:.4g}".format(*_ends(run)) for run in own)
+    spans = ", ".join(map(_span, own))
     spans = f"   {spans}" if len(spans) < letters / 2 else ""
     name = shortened(row, max(8, letters - len(spans)))
     look = {"va": "bottom", "zorder": 6, "gid": "outcome"}
