@@ -80,7 +80,7 @@ def test_text_is_text_in_every_svg_of_a_report(tmp_path):
     embedded = re.findall(r"data:image/svg\+xml;base64,([^\"']*)", page)
     texts = [(tmp_path / name).read_text("utf-8") for name in drawings]
     texts += [base64.b64decode(data).decode() for data in embedded]
-    assert len(drawings) > 1
+    assert drawings
     assert embedded
     for text in texts:
         root = ElementTree.fromstring(text)
