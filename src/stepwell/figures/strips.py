@@ -16,7 +16,7 @@ from stepwell.figures.common.style import Colour
 from stepwell.figures.common.words import literal, minus, shortened
 
 if TYPE_CHECKING:
-    from stepwell.studies import Interval
+    from stepwell.studies import OutcomeInterval
 
 # Height of a row, and of the title with the boundaries above the rows [mm].
 ROW, HEAD = 6.2, 9.0
@@ -29,7 +29,7 @@ _BAR, _TEXT = (0.58, 0.94), 0.52
 _LETTER, _MOST = 1.5, 80
 
 
-def rows_of(runs: Sequence[Interval], missing: Floats) -> list[str]:
+def rows_of(runs: Sequence[OutcomeInterval], missing: Floats) -> list[str]:
     """The outcomes in the order of the parameter; designs without an outcome last."""
     return [*dict.fromkeys(run.value for run in runs), *[MISSING] * bool(len(missing))]
 
@@ -37,7 +37,7 @@ def rows_of(runs: Sequence[Interval], missing: Floats) -> list[str]:
 def draw_strip(
     ax: Axes,
     title: str,
-    runs: Sequence[Interval],
+    runs: Sequence[OutcomeInterval],
     colours: Mapping[str, Colour],
     designs: Mapping[str, Floats],
 ) -> None:
@@ -76,16 +76,16 @@ def draw_strip(
         _name_row(ax, float(begin), k + _TEXT, row, own)
 
 
-def _ends(run: Interval) -> tuple[float, float]:
+def _ends(run: OutcomeInterval) -> tuple[float, float]:
     """An interval up to its exact boundaries, or to its first and last design."""
     return (run.first if run.low is None else run.low, run.last if run.high is None else run.high)
 
 
-def _span(run: Interval) -> str:
+def _span(run: OutcomeInterval) -> str:
     return " to ".join(dict.fromkeys(f"{end:.4g}" for end in _ends(run)))
 
 
-def _draw_boundaries(ax: Axes, runs: Sequence[Interval]) -> None:
+def _draw_boundaries(ax: Axes, runs: Sequence[OutcomeInterval]) -> None:
     """Draw exact boundaries as lines with their values, the others as grey intervals."""
     above = ax.get_xaxis_transform()
     taken = -np.inf
@@ -105,7 +105,7 @@ def _draw_boundaries(ax: Axes, runs: Sequence[Interval]) -> None:
             taken = box.x1 + box.height / 2
 
 
-def _name_row(ax: Axes, begin: float, y: float, row: str, own: Sequence[Interval]) -> None:
+def _name_row(ax: Axes, begin: float, y: float, row: str, own: Sequence[OutcomeInterval]) -> None:
     """Write an outcome with its intervals above its bar, within the axes."""
     box = ax.get_window_extent()
     letters = int(box.width / sheet.root(ax).dpi * 25.4 / _LETTER)

@@ -38,7 +38,7 @@ from stepwell.studies.graph_classes import (
     proved_space,
 )
 from stepwell.studies.influence import DecidingNumbers, Influence, decided
-from stepwell.studies.intervals import Interval, intervals
+from stepwell.studies.intervals import OutcomeInterval, intervals
 from stepwell.studies.mapper import WorkerError, dashboard, mapped, mapped_on
 from stepwell.studies.run import (
     CancelledError,
@@ -86,7 +86,7 @@ __all__ = [
     "How",
     "Influence",
     "GraphClass",
-    "Interval",
+    "OutcomeInterval",
     "Pace",
     "Packed",
     "SampledGraphs",

@@ -18,7 +18,7 @@ _MOST = 24
 _NARROW = 1e-6
 
 
-class Interval(NamedTuple):
+class OutcomeInterval(NamedTuple):
     """Neighbouring designs with one outcome, along the varied parameter in its display unit.
 
     Attributes:
@@ -41,7 +41,7 @@ class Interval(NamedTuple):
     designs: int
 
 
-def intervals(study: Study) -> tuple[Interval, ...]:
+def intervals(study: Study) -> tuple[OutcomeInterval, ...]:
     """Intervals of equal outcomes of every column of words, in the order of the parameter.
 
     Exact boundaries are those of `design.parameter_boundaries` in the range of the closed form.
@@ -55,7 +55,7 @@ def intervals(study: Study) -> tuple[Interval, ...]:
     along = study.values(name)
     aside = {name, PROBLEM, *SCREEN_COLUMNS}
     columns = [one for one, kind in study.columns.items() if kind == TEXT and one not in aside]
-    found: list[Interval] = []
+    found: list[OutcomeInterval] = []
     order = [k for k in np.argsort(along, kind="stable").tolist() if np.isfinite(along[k])]
     for column in columns:
         words = [str(word) for word in study.values(column)]
@@ -70,7 +70,7 @@ def intervals(study: Study) -> tuple[Interval, ...]:
         for k, (run, (first, last)) in enumerate(zip(runs, ends, strict=True)):
             scaled = first * factor, last * factor
             value = words[run[0]]
-            found.append(Interval(column, value, unit, *scaled, at[k], at[k + 1], len(run)))
+            found.append(OutcomeInterval(column, value, unit, *scaled, at[k], at[k + 1], len(run)))
     return tuple(found)
 
 

@@ -15,7 +15,7 @@ from stepwell.studies.designs import Designs, Subject
 from stepwell.studies.fill import fill
 from stepwell.studies.found import Extent, Frequency, Varied, extents, frequencies, varied
 from stepwell.studies.influence import DecidingNumbers, decided
-from stepwell.studies.intervals import Interval, intervals
+from stepwell.studies.intervals import OutcomeInterval, intervals
 from stepwell.studies.mapper import WorkerError, mapped, mapped_on
 from stepwell.studies.screen import Screened, aimed, screened
 from stepwell.studies.store import PROBLEM, Gap, Study, StudyError, begun, opened
@@ -73,7 +73,7 @@ class Status(ByValue, Shown):
         return extents(self.study)
 
     @cached_property
-    def intervals(self) -> tuple[Interval, ...]:
+    def intervals(self) -> tuple[OutcomeInterval, ...]:
         """Intervals of equal outcomes along the only varied parameter, see `studies.intervals`."""
         return intervals(self.study)
 
