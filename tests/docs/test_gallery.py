@@ -112,7 +112,7 @@ def test_what_is_kept_is_what_the_engine_says_now(name, tmp_path):
 
 
 def test_all_is_small():
-    heavy = [file.name for file in FOLDER.iterdir() if file.stat().st_size > 150_000]
+    heavy = [file.name for file in FOLDER.iterdir() if file.stat().st_size > 170_000]
     assert heavy == []
     assert sum(file.stat().st_size for file in FOLDER.iterdir()) < 4_000_000
     # Three cards stand beside each other, and those below wait until they are looked for.
@@ -126,7 +126,9 @@ def test_pictures_move_and_their_stills_do_not(name):
     through = values(moving)
     assert len(through) >= 3
     assert all(len(set(frames)) > 1 for frames in through)
-    assert all(len(set(map(len, map(numbers, frames)))) == 1 for frames in through)
+    # A band that is not slack has no dashes: "none" is no number.
+    counts = [{len(numbers(one)) for one in frames if one != "none"} for frames in through]
+    assert all(len(count) == 1 for count in counts)
     still = LOOK.still(moving)
     assert "<animate" not in still
     assert len(still) < 25_000
