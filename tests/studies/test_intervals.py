@@ -5,7 +5,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
+from matplotlib.patches import Rectangle
 
 import stepwell as sw
 from figures.drawn import untidy
@@ -94,13 +96,15 @@ def test_the_record_has_the_intervals_in_their_unit(anchors):
     ]
 
 
+def rectangles(ax: Axes, kind: str) -> list[Rectangle]:
+    return [one for one in ax.patches if isinstance(one, Rectangle) and one.get_gid() == kind]
+
+
 def bars(study: Study) -> list[tuple[float, float, str]]:
     """Begin, end and colour of the bars of a strip."""
-    ax = figures.outcomes(study).axes[0]
-    patches = [one for one in ax.patches if one.get_gid() == "interval"]
     return [
         (one.get_x(), one.get_x() + one.get_width(), to_hex(one.get_facecolor()).upper())
-        for one in patches
+        for one in rectangles(figures.outcomes(study).axes[0], "interval")
     ]
 
 
@@ -119,7 +123,7 @@ def test_a_strip_has_a_bar_for_each_interval_up_to_its_exact_boundaries(anchors)
 
 def test_a_strip_without_exact_boundaries_is_grey_between_two_designs(beams):
     ax = figures.outcomes(beams).axes[0]
-    grey = [one for one in ax.patches if one.get_gid() == "between designs"]
+    grey = rectangles(ax, "between designs")
     spans = sorted((one.get_x(), one.get_x() + one.get_width()) for one in grey)
     gaps = [(a.last, b.first) for a, b in pairwise(intervals(beams))]
     assert np.array(spans) == pytest.approx(np.array(gaps))

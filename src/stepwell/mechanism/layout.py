@@ -104,8 +104,10 @@ class Pose:
         return np.concatenate([part.reshape(-1, 2) for part in parts])
 
 
-_SHAPES: dict[str, tuple[int, ...]] = {"blocks": (-1, 4), "boxes": (-1, 4), "dots": (-1, 2)}
-_SHAPES |= dict.fromkeys(("levers", "bands", "posts", "rods"), (-1, 2, 2))
+_SHAPES: dict[str, tuple[int, ...]] = {
+    **{"blocks": (-1, 4), "boxes": (-1, 4), "dots": (-1, 2)},
+    **dict.fromkeys(("levers", "bands", "posts", "rods"), (-1, 2, 2)),
+}
 
 
 class ChainLayout:
@@ -210,7 +212,9 @@ class ChainLayout:
         """Tension [N] of every band, and whether it is slack, (n, B), at travels (n, N) [m]."""
         tension, slack = np.empty((0, len(travel))), np.empty((0, len(travel)), bool)
         for cell, column in zip(self.chain.cells, travel.T, strict=True):
-            for band in cell.bands if isinstance(cell, Cell) else ():
+            if not isinstance(cell, Cell):
+                continue
+            for band in cell.bands:
                 length = band.length(cell.angle(column), cell.lever)
                 tension = np.vstack([tension, band.tension(length)])
                 slack = np.vstack([slack, (length <= band.rest_length) & (not band.two_sided)])
