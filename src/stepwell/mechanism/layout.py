@@ -105,7 +105,9 @@ class Pose:
 
 
 _SHAPES: dict[str, tuple[int, ...]] = {
-    **{"blocks": (-1, 4), "boxes": (-1, 4), "dots": (-1, 2)},
+    "blocks": (-1, 4),
+    "boxes": (-1, 4),
+    "dots": (-1, 2),
     **dict.fromkeys(("levers", "bands", "posts", "rods"), (-1, 2, 2)),
 }
 
