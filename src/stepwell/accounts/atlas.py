@@ -6,7 +6,7 @@ from operator import itemgetter
 from typing import Any
 
 from stepwell.accounts.head import About, Row, keys, recorded
-from stepwell.accounts.parts import CARD, PAGE, Account, Fact, Picture, RecordTable, Text
+from stepwell.accounts.parts import CARD, FULL, Account, Fact, Picture, RecordTable, Text
 from stepwell.accounts.study import VARIED
 from stepwell.base import Quantity, Schema, amount, counted, display_unit, number, plain, read_off
 from stepwell.design import parameter
@@ -118,11 +118,11 @@ def atlas_account(
     sections = {
         f"Graph classes, {'highest yield' if query else 'most frequent'} first": (
             Picture("graph_classes", "The most frequent graph classes, their fractions and yields"),
-            RecordTable(_CLASS_TABLE, rows, most=15, more="graph classes", level=CARD),
+            RecordTable(_CLASS_TABLE, rows, more="graph classes", level=CARD),
         ),
         "Columns of the table": Text(columns if graph_classes else "", CARD),
-        "Full cycles": RecordTable(_CYCLES, full, "The inner cell is the first.", level=PAGE),
-        "Varied parameters": RecordTable(VARIED, space, ends, level=PAGE),
+        "Full cycles": RecordTable(_CYCLES, full, "The inner cell is the first.", level=FULL),
+        "Varied parameters": RecordTable(VARIED, space, ends, level=FULL),
     }
     boundaries = [
         {**one._asdict(), "unit": unit or "1", "at": one.value * by, "step": one.step * by}

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from stepwell.accounts.head import About, Row, Shape, of_class, recorded
-from stepwell.accounts.parts import CARD, PAGE, Account, Fact, RecordTable, Sections
+from stepwell.accounts.parts import CARD, FULL, Account, Fact, RecordTable, Sections
 from stepwell.accounts.words import actuator_words, cells_of
 from stepwell.base import Columns, Quantity, Schema, counted, in_measure, read_off, record
 from stepwell.mechanism import Cell, Chain, Element
@@ -131,7 +131,7 @@ def _band_table(chain: Chain) -> RecordTable:
     ]
     about = "Bands: p is the anchor on the inner block, q on the outer block."
     schema = (BAND[0], *read_off(BAND[1:], "band"))
-    return RecordTable(schema, recorded(schema, rows), about, more="bands", level=PAGE)
+    return RecordTable(schema, recorded(schema, rows), about, more="bands", level=FULL)
 
 
 def _point(at: list[float]) -> str:

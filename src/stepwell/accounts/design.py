@@ -9,7 +9,7 @@ from stepwell import base
 from stepwell.accounts import run, yields
 from stepwell.accounts.chain import BAND, actuator_schema, cell_columns, cell_schema, named
 from stepwell.accounts.head import About, Shape, keys, of_class, recorded
-from stepwell.accounts.parts import CARD, PAGE, Account, Fact, RecordTable, Text
+from stepwell.accounts.parts import CARD, FULL, Account, Fact, RecordTable, Text
 from stepwell.accounts.words import LONGEST_IN_A_LINE, assumed, cells_of
 from stepwell.base import Quantity, Schema, amount, join_first, number, signed, to_unit
 from stepwell.design import Design, Impossible, Reprogramming
@@ -89,12 +89,12 @@ def design_account(design: Design, about: About) -> Account:
     facts = (
         *yields.counted_facts(sampled),
         yields.critical_fact(sampled),
-        *(replace(fact, level=PAGE) for fact in run.cycle_facts(design.cycle)),
+        *(replace(fact, level=FULL) for fact in run.cycle_facts(design.cycle)),
     )
     built = built_schema(Shape.of(chain))
     columns, rows = cell_columns(built, chain), recorded(built, named(chain))
     anchors = "" if chain.elements else "p is the anchor on the inner block, q on the outer block."
-    cells = RecordTable(columns, rows, anchors, most=None, more="cells", level=CARD)
+    cells = RecordTable(columns, rows, anchors, more="cells", level=CARD)
 
     def reachable() -> str:
         reached, states = design.reached, _states(design)

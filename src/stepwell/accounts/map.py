@@ -104,8 +104,8 @@ def map_view_account(view: MapView, about: About) -> Account:
     facts = [Fact(key.capitalize(), _axis_words(numbers[key])) for key in ("across", "up")]
     sections = {
         "Map": Picture("map", "Sequence at each point of the map"),
-        "Sequences": RecordTable(columns, lambda: rows, most=None, more="sequences", level=CARD),
-        "Boundaries": RecordTable(curves, "boundaries", between, most=None),
+        "Sequences": RecordTable(columns, lambda: rows, more="sequences", level=CARD),
+        "Boundaries": RecordTable(curves, "boundaries", between),
         "Method": Text(method),
     }
     return Account(view, numbers["title"] or "Map", "map/3", answer, facts, sections)

@@ -76,7 +76,7 @@ def installation_account(setup: base.Installation, about: About) -> Account:
     sections = {
         "Broken": _table(_BROKEN, setup.broken),
         "Packages": _table(_PACKAGE, setup.packages),
-        "Extras": RecordTable(extras, recorded(_EXTRA, setup.extras), most=None),
+        "Extras": RecordTable(extras, recorded(_EXTRA, setup.extras)),
         f"Extras to install{base.IN_CLONE}": Verbatim("\n".join(lacking), "commands"),
         "Tools": _table(_TOOL, setup.tools),
     }
@@ -88,7 +88,7 @@ def installation_account(setup: base.Installation, about: About) -> Account:
 
 
 def _table(columns: Schema, rows: Iterable[Any], **shown: Any) -> RecordTable:
-    return RecordTable(columns, recorded(columns, rows), most=None, **shown)
+    return RecordTable(columns, recorded(columns, rows), **shown)
 
 
 def _versions(row: Row) -> str:
@@ -108,7 +108,7 @@ def verdicts_account(verdicts: Verdicts, about: About) -> Account:
     claims, reasons = recorded(_CLAIM, verdicts), [one for one in verdicts if one.reason]
     compared, wide = (_ID, *_COMPARED), (_WITHIN, _STATEMENT)
     sections = {
-        "Claims": RecordTable(compared, claims, "", wide, None, "claims"),
+        "Claims": RecordTable(compared, claims, "", wide, "claims"),
         "Reasons and limits": _table((_ID, _REASON), reasons, more="reasons"),
     }
     answer = f"{verdicts.agreed} of {len(verdicts)} claims agree"

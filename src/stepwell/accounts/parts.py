@@ -14,11 +14,12 @@ class Level(IntEnum):
     """The shortest form in which a part of an account is shown: a card has the least."""
 
     CARD = 0
-    TERMINAL = 1
-    PAGE = 2
+    TERMINAL = 1  # If there is room on a screen.
+    FULL = 2  # On a terminal with --full.
+    PAGE = 3
 
 
-CARD, TERMINAL, PAGE = Level
+CARD, TERMINAL, FULL, PAGE = Level
 
 
 @dataclass(frozen=True)
@@ -52,10 +53,9 @@ class RecordTable:
 
     columns: Columns  # Quantities without a head are not shown.
     rows: str | Callable[[], Sequence[Row]]  # A function, or the key in the account's record.
-    about: str = ""  # How to read the table; pages alone have it.
-    wide: Columns = ()  # Further columns, which pages alone have room for.
-    most: int | None = 40  # How many rows a terminal shows; None for all.
-    more: str = "rows"  # A noun for the rows: in cut cards, and in pages if `about` is empty.
+    about: str = ""  # How to read the table; pages have it, and terminals with --full.
+    wide: Columns = ()  # Further columns of pages, and of terminals with --full.
+    more: str = "rows"  # A noun for the rows, where a table is cut.
     level: Level = TERMINAL
     # Returns the rows, given the value of the key in the record.
     pick: Callable[[Any], Sequence[Row]] | None = None

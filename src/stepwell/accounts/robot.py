@@ -2,12 +2,11 @@
 
 import math
 from collections.abc import Sequence
-from functools import partial
 
 from stepwell import base, files
 from stepwell.accounts import parts
 from stepwell.accounts.head import About, Row, keys, recorded
-from stepwell.accounts.parts import CARD, PAGE, TERMINAL, Account, Fact, Picture, RecordTable
+from stepwell.accounts.parts import CARD, FULL, TERMINAL, Account, Fact, Picture, RecordTable
 from stepwell.base import Quantity, Schema, amount, counted, number
 from stepwell.robot import Arena, DriveNeeds, Motion, Prediction, Robot
 
@@ -49,7 +48,6 @@ _LEG: Schema = (
 )
 # The depths at which a leg keeps its gait, in results of statics and of simulation.
 FEET = Quantity("feet", "mm", holds=[float], missing=True)
-_table = partial(RecordTable, most=None)
 _PREDICTION: Schema = (
     *keys(motion=Motion, advance="over_u_max", sideways="over_u_max", turn="deg"),
     *keys(first_advance="over_u_max", too_soft=str, near_boundary=bool),
@@ -115,11 +113,11 @@ def prediction_account(prediction: Prediction, about: About) -> Account:
             Picture("robot", "The robot from the side and from above"),
             Picture("prediction", "The gait that statics predicts"),
         ),
-        "Predicted gaits": _table(_LEG, recorded(_LEG, legs), gaits, more="legs", level=CARD),
+        "Predicted gaits": RecordTable(_LEG, recorded(_LEG, legs), gaits, more="legs", level=CARD),
         "Pushes": _of_legs(_PUSH, "pushes", pushes),
         "Gait changes by antennas": _of_legs(_FLIP, "flips", flips),
-        **parameter_section(robot, TERMINAL),
-        "Assumptions": parts.Notes(prediction.assumptions, PAGE),
+        **parameter_section(robot),
+        "Assumptions": parts.Notes(prediction.assumptions, FULL),
     }
     doubts = [
         f"{leg.name} may also perform {' or '.join(leg.alternatives or [leg.nearest])}."
@@ -140,7 +138,7 @@ def _of_legs(columns: Schema, key: str, about: str) -> RecordTable:
     def rows(prediction: Row) -> list[Row]:
         return [{"leg": leg["name"], **one} for leg in prediction["legs"] for one in leg[key]]
 
-    return _table((Quantity("leg", head="leg"), *columns), "prediction", about, pick=rows)
+    return RecordTable((Quantity("leg", head="leg"), *columns), "prediction", about, pick=rows)
 
 
 def _drive_needs(needs: DriveNeeds) -> str:
@@ -171,8 +169,8 @@ def assumed_fact(robot: Robot) -> Fact:
     return Fact("Assumed numbers", f"{sources.count('assumed')} of {len(sources)}", TERMINAL)
 
 
-def parameter_section(robot: Robot, level: parts.Level = PAGE) -> parts.Sections:
+def parameter_section(robot: Robot, level: parts.Level = FULL) -> parts.Sections:
     """Every number of a robot with its source."""
     about = "Every number with its source; its key is that of the design file."
     rows = recorded(PARAMETER, files.provenance(robot))
-    return {"Parameters": _table(PARAMETER, rows, about, level=level)}
+    return {"Parameters": RecordTable(PARAMETER, rows, about, level=level)}

@@ -5,7 +5,7 @@ from typing import Any
 
 from stepwell.accounts import parts
 from stepwell.accounts.head import About, keys, recorded
-from stepwell.accounts.parts import PAGE, TERMINAL, Account, Fact, Notes, Picture, RecordTable
+from stepwell.accounts.parts import FULL, TERMINAL, Account, Fact, Notes, Picture, RecordTable
 from stepwell.base import Columns, Quantity, Schema, counted, percent, read_off, record
 from stepwell.design import Fraction
 from stepwell.studies import Status, gaps_text
@@ -124,7 +124,7 @@ def status_account(status: Status, about: About) -> Account:
     )
 
     def table(columns: Schema, rows: Sequence[Any], more: str, about: str = "") -> RecordTable:
-        return RecordTable(columns, recorded(columns, rows), about, most=None, more=more)
+        return RecordTable(columns, recorded(columns, rows), about, more=more)
 
     sections = {
         "Outcomes": (
@@ -134,11 +134,11 @@ def status_account(status: Status, about: About) -> Account:
         "Intervals of the outcomes": table(_INTERVAL, status.intervals, "intervals", _INTERVALS),
         "Influence of each number": (
             Picture("influences", "Fraction of the variance that each parameter explains"),
-            RecordTable(_DECIDING, lambda: deciding, influence, most=None),
+            RecordTable(_DECIDING, lambda: deciding, influence),
         ),
         "Range of each result": table(_NUMBER, status.numbers, "results"),
         "Varied parameters": table(VARIED, status.varied, "parameters"),
-        "Assumptions": Notes(_assumptions(status), PAGE),
+        "Assumptions": Notes(_assumptions(status), FULL),
     }
     missing = [gaps_text(status.gaps, study.count)] if status.gaps else []
     warned = (

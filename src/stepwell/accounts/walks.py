@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from stepwell import base, robot as robots
 from stepwell.accounts import parts, robot as of_robot
 from stepwell.accounts.head import About, Row, digest_of, keys
-from stepwell.accounts.parts import CARD, PAGE, TERMINAL, Account, Fact, Picture, RecordTable
+from stepwell.accounts.parts import CARD, FULL, TERMINAL, Account, Fact, Picture, RecordTable
 from stepwell.accounts.words import simulation_assumptions
 from stepwell.base import Column, Quantity, Schema, amount, counted, number
 
@@ -126,7 +126,7 @@ def walk_account(walk: Walk, about: About) -> Account:
             Picture("gait", "Travels and states of the cells of every leg"),
             Picture("contacts", "Contacts, actuator force and work"),
         ),
-        "Gaits": RecordTable(_GAITS, "legs", gaits, most=None, pick=_gait_rows),
+        "Gaits": RecordTable(_GAITS, "legs", gaits, pick=_gait_rows),
         "Cycles": RecordTable(columns, lambda: each, advance, more="cycles", level=CARD),
         **_input_sections(walk),
     }
@@ -138,7 +138,7 @@ def walk_account(walk: Walk, about: About) -> Account:
 
 def _input_sections(walk: Walk) -> parts.Sections:
     """Parameters and assumptions of a simulation."""
-    assumptions = parts.Notes(simulation_assumptions(walk), PAGE)
+    assumptions = parts.Notes(simulation_assumptions(walk), FULL)
     return {**of_robot.parameter_section(walk.robot), "Assumptions": assumptions}
 
 
@@ -216,7 +216,7 @@ def maze_account(maze: Maze, about: About) -> Account:
             Picture("maze", "Path from above"),
             Picture("timeline", "Antennas, gaits and obstacles over time"),
         ),
-        "Obstacles": RecordTable(_TOUCHED, "touched", touches, most=None),
+        "Obstacles": RecordTable(_TOUCHED, "touched", touches),
         "Antenna contacts": RecordTable((*_CONTACT, leg), "contacts", contacts),
         "Gait changes": RecordTable(_CHANGE, "changes", changes, more="changes", level=CARD),
         **_input_sections(walk),
@@ -274,7 +274,7 @@ def convergence_account(convergence: Convergence, about: About) -> Account:
         "force changes by more than a fifth."
     )
     sections = {
-        "Time steps": RecordTable(columns, "time_steps", most=None, more="time steps", level=CARD),
+        "Time steps": RecordTable(columns, "time_steps", more="time steps", level=CARD),
         "Definitions": parts.Text(defined),
     }
     title = f"{convergence.robot.title or 'A robot'}, by time step"

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from stepwell.accounts.head import About
-from stepwell.accounts.parts import PAGE, Notes, Sections, Warned
+from stepwell.accounts.parts import FULL, Notes, Sections, Warned
 from stepwell.base import Quantity, amount, counted, display_unit, grouped, join_first, number
 from stepwell.mechanism import Cell, Chain, Element, Linear
 
@@ -168,8 +168,9 @@ def calibration(about: About) -> Sections:
 
 
 def assumed(chain: Chain, *more: str) -> Sections:
-    """The assumptions of a chain, and `more` of a result; terminals show `more` alone."""
-    return {"Assumptions": (Notes(assumptions(chain), PAGE), Notes([*filter(None, more)]))}
+    """The assumptions of a chain, and `more` of a result, whose parts end with semicolons."""
+    of_result = [one for text in more if text for one in text.split("; ")]
+    return {"Assumptions": Notes([*assumptions(chain), *of_result], FULL)}
 
 
 def tie_notes(ties: Iterable[Tie], chain: Chain | None) -> list[str]:

@@ -5,7 +5,7 @@ from operator import itemgetter
 from typing import Any
 
 from stepwell.accounts.head import CALIBRATED, About, Shape, keys, recorded
-from stepwell.accounts.parts import CARD, PAGE, Account, Fact, Picture, RecordTable, Text, Warned
+from stepwell.accounts.parts import CARD, FULL, Account, Fact, Picture, RecordTable, Text, Warned
 from stepwell.accounts.words import assumed, calibration, cells_of, turning_points
 from stepwell.base import Column, Quantity, Schema, in_measure, number, percent, record
 from stepwell.design import Survival, Tolerances, Yield
@@ -16,7 +16,6 @@ PICTURES = (
     Picture("yield", "Outcomes of the samples"),
     Picture("force-plane", "Switching forces of each cell, nominal and in samples"),
 )
-_MOST_ROWS = 12
 CHAIN = keys(title=(str, "chain.title"), cells=([str], "chain.names"))
 _OUTCOME = keys(outcome=(str, itemgetter(0)), count=(int, itemgetter(1)))
 _CRITICAL: Schema = (
@@ -86,7 +85,7 @@ def counted_facts(result: Yield | Survival) -> tuple[Fact, ...]:
     """The facts that yields and survivals share."""
     return (
         Fact("Yield", yield_words(result)),
-        Fact("Successes", f"{result.successes} of {result.samples}", PAGE),
+        Fact("Successes", f"{result.successes} of {result.samples}", FULL),
         Fact("Samples", sample_words(result)),
     )
 
@@ -159,7 +158,6 @@ def other_outcomes(result: Yield) -> RecordTable:
         ],
         recorded(_OUTCOME, result.outcomes.items()),
         "Outcomes of the samples that do not reproduce the target, most frequent first.",
-        most=_MOST_ROWS,
         more="outcomes",
         level=CARD,
     )
@@ -174,7 +172,7 @@ def _sensitivities(result: Yield) -> tuple[RecordTable, Text]:
     agreed = _of_gap("agreed")(result)
     fraction = "" if agreed is None else percent(agreed)
     checked = "Sign of the smallest gap agrees with the simulated outcome in"
-    table = RecordTable(_PART, recorded(_PART, rows), about, most=_MOST_ROWS)
+    table = RecordTable(_PART, recorded(_PART, rows), about)
     return table, Text(f"{checked} {fraction} of the samples" if fraction else "")
 
 

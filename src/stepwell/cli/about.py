@@ -19,7 +19,7 @@ def presets(as_json: options.Json = False) -> None:
 
     Example: stepwell presets
     """
-    screen.report(account(sw.files.presets()), as_json)
+    screen.report(account(sw.files.presets()), as_json, full=True)
 
 
 def new(
@@ -71,7 +71,7 @@ def paper(
     output.report(verdicts, how={"everything": everything})
 
 
-def validate(as_json: options.Json = False) -> None:
+def validate(display: options.Display) -> None:
     """Check published results for chains of bistable elements.
 
     Published closed forms, transition graphs and sequences are computed; the verdict is agreement
@@ -81,7 +81,7 @@ def validate(as_json: options.Json = False) -> None:
     """
     with screen.progress("claims") as tell:
         verdicts = sw.paper.validate(tell)
-    screen.report(account(verdicts), as_json)
+    display.report(verdicts)
 
 
 def schema(
@@ -107,7 +107,7 @@ def schema(
     screen.show_verbatim(json.dumps(content, indent=2))
 
 
-def doctor(as_json: options.Json = False) -> None:
+def doctor(display: options.Display) -> None:
     """List installed and missing packages, caches and devices.
 
     The list contains packages and extras with the command that installs each, compiled kernels
@@ -119,7 +119,7 @@ def doctor(as_json: options.Json = False) -> None:
     probes = {"cores": _cores, "kernels": _kernels, "OpenGL": _opengl, "display": _display}
     with screen.progress("packages"):
         installed = installation(probes)
-    screen.report(account(installed), as_json)
+    display.report(installed)
     if not installed.ok:
         raise typer.Exit(screen.FAILED)
 

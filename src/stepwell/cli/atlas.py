@@ -11,8 +11,8 @@ import typer
 import stepwell as sw
 from stepwell.accounts import account
 from stepwell.cli import options as opts, tolerances as parts
-from stepwell.cli.options import Group, Json, Output, designs
-from stepwell.cli.screen import progress, report, show_lines, subcommands, usable, warn, wrong
+from stepwell.cli.options import Display, Group, Output, designs
+from stepwell.cli.screen import progress, show_lines, subcommands, usable, warn, wrong
 from stepwell.cli.sweep import Effort, going_on, read_axes
 
 commands = subcommands("Compute and search the transition graphs of a space of designs.")
@@ -89,7 +89,7 @@ def build(
         "Drive: stroke (displacement control) or force (force control).", "DRIVE", default="stroke"
     ),
     effort: Effort,
-    as_json: Json = False,
+    display: Display,
 ) -> None:
     """Compute the transition graphs of designs sampled uniformly from a space, in closed form.
 
@@ -105,7 +105,7 @@ def build(
     with usable("--vary"), going_on(out, effort.scheduler) as tell:
         how = {"drive": drive, "seed": space.seed, "progress": tell, **vars(effort)}
         study = sw.studies.atlas(subject, axes, int(space.designs), out, **how).study
-    _show(study, _charted(study, parts.BandTolerances()), Output(as_json=as_json))
+    _show(study, _charted(study, parts.BandTolerances()), display)
 
 
 @opts.command(commands)
@@ -136,7 +136,7 @@ def find(
     ),
     *,
     within: parts.BandTolerances,
-    as_json: Json = False,
+    display: Display,
 ) -> None:
     """Search the transition graphs of a store by behaviour, highest yield first.
 
@@ -152,9 +152,9 @@ def find(
     graph_classes = sw.studies.find(chart, query, yields)
     if out is not None and graph_classes:
         sw.files.save(graph_classes[0].chain, out)
-        if not as_json:
+        if not display.as_json:
             show_lines(f"Written into {out}: {graph_classes[0].name}.")
-    report(account(chart, graph_classes=graph_classes, query=query), as_json)
+    display.report(account(chart, graph_classes=graph_classes, query=query))
 
 
 def _opened(store: Path | None) -> sw.studies.Study:
@@ -186,7 +186,7 @@ def _charted(
         )
 
 
-def _show(study: sw.studies.Study, chart: sw.studies.Atlas, output: Output) -> None:
+def _show(study: sw.studies.Study, chart: sw.studies.Atlas, display: Display) -> None:
     # The text has no neighbours: the studio shows them.
-    near = sw.studies.class_boundaries(study, chart) if output.as_json else ()
-    output.report(account(chart, class_boundaries=near))
+    near = sw.studies.class_boundaries(study, chart) if display.as_json else ()
+    display.report(account(chart, class_boundaries=near))

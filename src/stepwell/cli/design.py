@@ -14,7 +14,7 @@ from stepwell.cli import tolerances as given
 from stepwell.cli.driving import NewDrive, stiffness_of
 from stepwell.cli.options import Design, Group, Output, argument, by_name, flag, option, read_chain
 from stepwell.cli.ranges import Range, length, millimetres, span
-from stepwell.cli.screen import answered, progress, report, usable, wrong
+from stepwell.cli.screen import answered, progress, usable, wrong
 
 if TYPE_CHECKING:
     from stepwell.design import BandType
@@ -190,7 +190,7 @@ def design(
         with usable("TARGET", Impossible), progress("design") as tell:
             result = design(**how, tolerances=spread, progress=tell)
     except Impossible as why:
-        report(sw.accounts.account(why), output.as_json)
+        replace(output, out=None).report(why)
         answered(False)
     else:
         output.report(result)

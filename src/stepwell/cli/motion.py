@@ -62,7 +62,8 @@ def graph(
         callback=options.local,
     ),
     force: options.Force = False,
-    as_json: options.Json = False,
+    *,
+    display: options.Display,
 ) -> None:
     """Compute the transition graph of a chain with one actuator.
 
@@ -86,14 +87,14 @@ def graph(
             result = chain.graph(drive_of(drive, chain), start=start, progress=tell)
         reported = sw.accounts.account(result, sw.accounts.About(text, design))
     if out is None:
-        screen.report(reported, as_json)
+        display.report(reported)
         return
     with screen.usable("--out"), screen.progress(screen.WRITING):
         sw.reports.write_graph(result, out)  # type: ignore[arg-type]
-    if as_json:
+    if display.as_json:
         screen.show_json(reported.record, out)
         return
-    screen.report(reported, as_json)
+    display.report(reported)
     screen.show_lines("")
     screen.show_verbatim(f"Wrote {out}")
 

@@ -107,6 +107,7 @@ Json = Annotated[
         "--json", callback=silence, help="Print the result as JSON only; see docs/commands/."
     ),
 ]
+Full = Annotated[bool, typer.Option("--full", help="Print all lines, not one screen of them.")]
 NO_OPEN = "Do not open a browser."
 CYCLES = "Number of drive cycles."
 TIME_LIMIT = "Time limit of a simulation [s]."
@@ -192,16 +193,11 @@ def command(into: typer.Typer) -> Callable[[Callable[..., None]], Callable[..., 
     return lambda one: into.command(epilog=EXIT_CODES)(grouped(one))
 
 
-class Output(Group):
-    """Options for the output of a result: text, JSON, files in a folder."""
+class Display(Group):
+    """Options for the display of a result: a screen of text, all of its lines, or JSON."""
 
-    out: Out = None
-    force: Force = False
     as_json: Json = False
-
-    def check_output_folder(self, command: str, **texts: str) -> None:
-        """Refuse an output folder that is not usable, see the function of this name."""
-        check_output_folder(self.out, command, self.force, **texts)
+    full: Full = False
 
     def report(
         self, result: Any, *about: Any, how: Mapping[str, Any] | None = None, **more: Any
@@ -214,13 +210,29 @@ class Output(Group):
             given = sw.accounts.About(*about, **more) if about or more else None
             with progress("results"):
                 result = sw.accounts.account(result, given)
-        report(result, self.as_json, self.out, self.force, **self.writing, **(how or {}))
+        report(result, self.as_json, self.full, **self.writing, **(how or {}))
         return result
 
     @property
     def writing(self) -> dict[str, Any]:
         """The options of `reports.write` that are options of the command too."""
         return {}
+
+
+class Output(Display):
+    """Options for the output of a result: text, JSON, files in a folder."""
+
+    out: Out = None
+    force: Force = False
+
+    def check_output_folder(self, command: str, **texts: str) -> None:
+        """Refuse an output folder that is not usable, see the function of this name."""
+        check_output_folder(self.out, command, self.force, **texts)
+
+    @property
+    def writing(self) -> dict[str, Any]:
+        """The folder, and whether its files may be replaced."""
+        return {"out": self.out, "force": self.force}
 
 
 class Folder(Output):
@@ -236,8 +248,8 @@ class FilmedOutput(Output):
 
     @property
     def writing(self) -> dict[str, Any]:
-        """Whether a video is written; problems with it are warnings."""
-        return {"video": not self.no_video, "warn": warn}
+        """Whether a video is written too; problems with it are warnings."""
+        return {**super().writing, "video": not self.no_video, "warn": warn}
 
 
 Robust = Annotated[

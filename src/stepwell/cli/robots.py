@@ -81,7 +81,8 @@ def sweep(
 def converge(
     robot: options.Robot,
     cycles: int = option(options.CYCLES, "N", default=2, min=2),
-    as_json: options.Json = False,
+    *,
+    display: options.Display,
 ) -> None:
     """Simulate a walk at several time steps: deviations of advance, turning and forces.
 
@@ -92,7 +93,7 @@ def converge(
     text, design = options.read_robot(robot)
     with screen.usable(robot), screen.progress("walking") as tell:
         result = sw.simulation.convergence(design, cycles=cycles, progress=tell)
-    screen.report(sw.accounts.account(result, sw.accounts.About(text, robot)), as_json)
+    display.report(result, text, robot)
 
 
 def _ranges(texts: Sequence[str], drawn: int | None) -> list[Range]:

@@ -117,20 +117,24 @@ def show_json(record: dict[str, Any], *files: Path) -> None:
 
 
 def report(
-    account: Account, as_json: bool, out: Path | None = None, force: bool = False, **options: Any
+    account: Account,
+    as_json: bool = False,
+    full: bool = False,
+    out: Path | None = None,
+    **options: Any,
 ) -> None:
-    """Write a result into a folder, and print it as JSON or as text.
+    """Write a result into a folder, and print it as JSON, a screen of text or all of its lines.
 
     `options` are those of `reports.write`, for the kind of result.
     """
     names: Sequence[str] = ()
     if out is not None:
         with progress(WRITING) as tell:
-            names = sw.reports.write(account, out, progress=tell, force=force, **options)
+            names = sw.reports.write(account, out, progress=tell, **options)
     if as_json:
         show_json(account.record, *((out or Path()) / name for name in names))
         return
-    _print_folded(terminal(account))
+    _print_folded(terminal(account, full=full))
     if names:
         show_lines("", f"Written into {out}: {', '.join(names)}")
 

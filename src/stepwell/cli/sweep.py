@@ -12,11 +12,10 @@ from typing import Annotated, Any
 import typer
 
 import stepwell as sw
-from stepwell.accounts import account
 from stepwell.base import Measure
 from stepwell.cli import options as opts, screen, tolerances as parts
 from stepwell.cli.driving import From
-from stepwell.cli.options import Design, Folder, Group, Json
+from stepwell.cli.options import Design, Display, Folder, Group
 from stepwell.cli.ranges import length, read_range
 
 commands = screen.subcommands("Compute a parameter study in parallel; it can be resumed.")
@@ -102,7 +101,6 @@ class _Study(Effort):
     estimate: bool = opts.flag(
         "Print the estimated run time and disk space, then exit.", "--estimate"
     )
-    as_json: Json = False
 
 
 class _Drawn(Group):
@@ -177,6 +175,7 @@ def _command(what: str, doc: str) -> None:
         ),
         designs: _Drawn,
         how: _Study,
+        display: Display,
     ) -> None:
         from stepwell.kernels import cores
 
@@ -193,7 +192,7 @@ def _command(what: str, doc: str) -> None:
             return
         with screen.usable(design):
             begun = sw.studies.begun(study)
-        _resumed(begun, how, how.as_json)
+        _resumed(begun, how, display)
 
     kind, example = _OWN.get(what, (Group, _GRID))
     run.__annotations__ |= {"own": kind, "designs": _Drawn if kind in (_Walk, _Maze) else _Chosen}
@@ -220,12 +219,12 @@ for _what, _doc in {
 
 
 @opts.command(commands)
-def resume(store: _Store, effort: Effort, as_json: Json = False) -> None:
+def resume(store: _Store, effort: Effort, display: Display) -> None:
     """Compute the missing designs of a store.
 
     Example: stepwell sweep resume store
     """
-    _resumed(sw.studies.opened(store), effort, as_json)
+    _resumed(sw.studies.opened(store), effort, display)
 
 
 @opts.command(commands)
@@ -234,7 +233,7 @@ def extend(
     store: _Store,
     count: int = opts.option("Total number of designs.", "N", default=..., min=1),
     effort: Effort,
-    as_json: Json = False,
+    display: Display,
 ) -> None:
     """Add random designs to a store; existing designs are kept.
 
@@ -242,7 +241,7 @@ def extend(
     """
     with screen.usable("--count"):
         study = sw.studies.extended(sw.studies.opened(store), count)
-    _resumed(study, effort, as_json)
+    _resumed(study, effort, display)
 
 
 @opts.command(commands)
@@ -258,14 +257,14 @@ def cancel(store: _Store) -> None:
 
 
 @opts.command(commands)
-def status(store: _Store, as_json: Json = False) -> None:
+def status(store: _Store, display: Display) -> None:
     """List the progress of a study and its preliminary results.
 
     Example: stepwell sweep status store
     """
     with screen.progress("status"):
         status = sw.studies.status(store)
-    screen.report(account(status), as_json)
+    display.report(status)
     if any(gap.damaged for gap in status.gaps):
         raise typer.Exit(screen.FAILED)
 
@@ -331,7 +330,7 @@ def report(store: _Store, partial: _Partial = False, *, output: Folder) -> None:
     output.report(status, how={"partial": partial})
 
 
-def _resumed(study: sw.studies.Study, effort: Effort, as_json: bool) -> None:
+def _resumed(study: sw.studies.Study, effort: Effort, display: Display) -> None:
     if study.work.screen and effort.scheduler is None and not sw.simulation.device()[1]:
         slow = "No GPU available: Warp runs on the CPU, where --engine cpu is much faster."
         screen.warn(slow)
@@ -340,7 +339,7 @@ def _resumed(study: sw.studies.Study, effort: Effort, as_json: bool) -> None:
         status = sw.studies.resumed(
             begun, effort.workers, scheduler=where, progress=tell, problems=kinds.update
         )
-    screen.report(account(status), as_json)
+    display.report(status)
 
 
 def _so_far(kinds: Counter[str]) -> str:

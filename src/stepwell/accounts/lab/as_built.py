@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from stepwell import base
 from stepwell.accounts.head import About, Shape, keys
-from stepwell.accounts.parts import CARD, PAGE, TERMINAL, Account, Fact, Notes, RecordTable, Text
+from stepwell.accounts.parts import CARD, FULL, TERMINAL, Account, Fact, Notes, RecordTable, Text
 from stepwell.accounts.words import cells_of
 from stepwell.accounts.yields import tolerance_words
 from stepwell.base import Quantity, Schema, display_unit
@@ -91,7 +91,7 @@ def as_built_account(build: AsBuilt, about: About) -> Account:
         "As built, as far as observations identify it": RecordTable(
             _KNOWN, "known", known, more="parameters", level=CARD
         ),
-        "Assumptions": (Text(anchors if Shape.of(drawing).levers else ""), Notes(assumed, PAGE)),
+        "Assumptions": (Text(anchors if Shape.of(drawing).levers else ""), Notes(assumed, FULL)),
     }
     title, answer = drawing.title or "A first build", f"{build.advice}."
     origin, seed = f"{cells_of(drawing)}.", build.seed

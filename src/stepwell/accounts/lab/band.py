@@ -86,7 +86,7 @@ def band_fit_account(fit: BandFit, about: About) -> Account:
     sections = {
         "Force laws": (
             Picture("laws", "Force against stroke, and the laws"),
-            RecordTable(_law_columns(fit), "laws", laws, most=None),
+            RecordTable(_law_columns(fit), "laws", laws),
         ),
         "Choice of the law": Notes([choice.reason, choice.rest_length_reason()]),
         "Stiffness [N/m] by window: from (down) and to (across) [mm]": _window_table(fit),
@@ -167,4 +167,4 @@ def _window_table(fit: BandFit) -> RecordTable:
         Column(end, lambda row, end=end: number(row.get(end)), True)
         for end in (["from", *ends] if ends else [])
     ]
-    return RecordTable(columns, lambda: [*rows.values()], most=None)
+    return RecordTable(columns, lambda: [*rows.values()])

@@ -134,12 +134,12 @@ def calibration_account(model: Calibration, about: About) -> Account:
     sections = {
         "Predictions": Notes(rest, CARD),
         "Parameters, each with its 95 % interval by leaving out a geometry": RecordTable(
-            _PARAMETER, "parameters", most=None, more="parameters", level=CARD
+            _PARAMETER, "parameters", more="parameters", level=CARD
         ),
-        "First snaps": RecordTable(_SNAP, "snaps", snaps, most=None, pick=_snapping),
+        "First snaps": RecordTable(_SNAP, "snaps", snaps, pick=_snapping),
         "Root mean square errors in k r": (
             Picture("calibration", "Fitted and measured forces"),
-            RecordTable(_ERROR, "errors", most=None, more="curves"),
+            RecordTable(_ERROR, "errors", more="curves"),
         ),
         "Correlated parameters": Text(
             correlated if tied else "The data identify each parameter by itself."

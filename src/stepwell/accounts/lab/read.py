@@ -54,7 +54,7 @@ def batch_account(batch: Batch, about: About) -> Account:
     ignored = ", ".join(f"{count} {ending}" for ending, count in sorted(endings.items()))
     hint = f"{ignored}. A file that is named is always tried."
     sections = {
-        "Recordings": RecordTable(_COLUMNS, "recordings", most=None, more="recordings", level=CARD),
+        "Recordings": RecordTable(_COLUMNS, "recordings", more="recordings", level=CARD),
         "Oddities": Notes(odd),
         "Not read": Notes([str(one) for one in batch.refused]),
         "Not tried": Notes([hint] if ignored else []),

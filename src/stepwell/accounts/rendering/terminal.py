@@ -1,5 +1,6 @@
 """An account on the terminal: lines and tables, folded to its width."""
 
+import math
 import os
 import re
 import shutil
@@ -9,13 +10,17 @@ from textwrap import TextWrapper
 from typing import NamedTuple
 
 from stepwell.accounts import parts
-from stepwell.accounts.parts import TERMINAL, Account
-from stepwell.base import headed, printable, shown
+from stepwell.accounts.parts import FULL, TERMINAL, Account, Level
+from stepwell.base import counted, headed, printable, shown
 
 # The width of pipes, files and pages; longer lines are hard to read, and shorter ones hold no
 # table.
 _USUAL, _LEAST, _MOST = 80, 40, 100
-_GAP, _HANG = "  ", "  "
+_GAP, _HANG, _BULLET = "  ", "  ", "- "
+# Lines of an answer: a screen of usual height has room for them and the command.
+SCREEN = 25
+# A table is cut to no fewer rows; with less room it is left out.
+_FEWEST = 3
 # Where a cell of a table may be folded: behind a comma outside of brackets, or else at a space or
 # between two states, or else between the parts of a key. A number is never cut, nor parted from
 # its unit.
@@ -166,35 +171,80 @@ class Line(NamedTuple):
 
 
 _EMPTY = Line("")
+_ASSUMPTIONS = "Assumptions"
 
 
-def terminal(account: Account) -> list[Line]:
-    """What the terminal shows of a result.
+def terminal(account: Account, *, full: bool = False) -> list[Line]:
+    """What the terminal shows of a result: the answer first, and a screen of lines at most.
+
+    Answer, warnings, facts and hints are always shown. Sections fill the screen in their order; the
+    last line counts the lines that are left out.
+
+    Args:
+        account: of the result.
+        full: whether all lines are shown.
 
     Returns:
         Lines as `folded` folds them; what would move, hide or recolour other text is escaped.
     """
-    lines = [*paragraph(account.title), _EMPTY] if account.title else []
+    hints = [line for hint in account.hints for line in (_EMPTY, *paragraph(hint))]
+    whole = [*_summary(account, FULL), *_sections(account, FULL), *hints]
+    if full or len(whole) <= SCREEN:
+        return whole
+    lines = _summary(account, TERMINAL)
+    # The last two lines are the count of the others.
+    room = SCREEN - 2 - len(lines) - len(hints)
+    lines += [*_sections(account, TERMINAL, room), *hints]
+    notes = dict(account.within(FULL)).get(_ASSUMPTIONS, ())
+    among = ", assumptions among them" * any(map(parts.lines_of, notes))
+    left = counted(len(whole) - len(lines), "more line")
+    return [*lines, _EMPTY, *paragraph(f"{left} with --full{among}; everything with --json")]
+
+
+def _summary(account: Account, level: Level) -> list[Line]:
+    """The answer, the title, the warnings and the facts."""
+    lines = [*paragraph(account.answer), *paragraph(account.title)]
+    if level == FULL:
+        lines += paragraph(account.origin)
     for warned in account.warnings:
         if warned.lines:
-            lines += [*heading(warned.heading), *paragraph(*warned.lines), _EMPTY]
-    lines += paragraph(account.answer)
-    facts = account.known(TERMINAL)
+            about = [warned.text] * (level == FULL)
+            lines += [_EMPTY, *heading(warned.heading), *paragraph(*about, *warned.lines)]
+    facts = account.known(level)
     label = 2 + max(map(len, facts), default=0)
+    lines += [_EMPTY] * bool(facts)
     for name, text in facts.items():
         lines += map(Line, folded(f"{name:<{label}}{escaped(text)}"))
-    for title, shown_here in account.within(TERMINAL):
+    return lines
+
+
+def _sections(account: Account, level: Level, room: float = math.inf) -> list[Line]:
+    """The sections in their order, as far as there is room for them [lines]."""
+    lines: list[Line] = []
+    for title, shown_here in account.within(level):
+        above = [_EMPTY, *heading(title)]
         for part in shown_here:
+            left = room - len(lines) - len(above)
             if isinstance(part, parts.RecordTable):
-                lines += _records(account, title, part)
-                continue
-            under = paragraph(*parts.lines_of(part))
-            if isinstance(part, parts.Verbatim) and part.text:
-                under = [*map(Line, escaped(part.text).split("\n"))]
-            lines += [_EMPTY, *heading(title), *under] if under else []
-    for hint in account.hints:
-        lines += [_EMPTY, *paragraph(hint)]
-    return lines[1:] if lines[:1] == [_EMPTY] else lines
+                under = _records(account, part, level, left)
+            elif isinstance(part, parts.Verbatim):
+                under = [*map(Line, escaped(part.text).split("\n"))] if part.text else []
+            else:
+                under = _sentences(parts.lines_of(part))
+            if under is None or len(under) > left:
+                return lines
+            if under:
+                lines += [*above, *under]
+                above = [_EMPTY]
+    return lines
+
+
+def _sentences(texts: Sequence[str]) -> list[Line]:
+    """A sentence as a paragraph, several as a list."""
+    if len(texts) < 2:
+        return paragraph(*texts)
+    wrapped = (_wrap(f"{_BULLET}{escaped(headed(text))}", width(), _HANG, _WORDS) for text in texts)
+    return [Line(line) for lines in wrapped for line in lines]
 
 
 def escaped(text: str) -> str:
@@ -224,24 +274,37 @@ def table(
         rows: text.
         left: columns that start at the left; the others hold numbers.
     """
-    lines = [_EMPTY, *heading(title)]
+    return [_EMPTY, *heading(title), *_grid(head, rows, left)]
+
+
+def _grid(head: Cells, rows: Iterable[Cells], left: Sequence[int]) -> list[Line]:
     # Escaped here: a column is as wide as what is shown.
     names, cells = [*map(escaped, head)], [[*map(escaped, row)] for row in rows]
+    lines: list[Line] = []
     for k, (heads, body) in enumerate(blocks(names, cells, left)):
         lines += [_EMPTY] if k else []
         lines += [*(Line(line, bold=True) for line in heads), *map(Line, body)]
     return lines
 
 
-def _records(account: Account, title: str, part: parts.RecordTable) -> list[Line]:
+def _records(
+    account: Account, part: parts.RecordTable, level: Level, room: float
+) -> list[Line] | None:
+    """As many rows of a table as there is room for; None if there is none for the first ones."""
     if not (rows := account.rows(part)):
         return []
-    columns = shown(part.columns)
-    lines = table(
-        title,
-        [column.heading for column in columns],
-        [[column.cell(row) for column in columns] for row in rows[: part.most]],
-        [k for k, column in enumerate(columns) if not column.numeric],
-    )
-    hidden = 0 if part.most is None else len(rows) - part.most
-    return [*lines, Line(f"and {hidden} more; --json shows all")] if hidden > 0 else lines
+    everything = level == FULL
+    columns = shown((*part.columns, *(part.wide if everything else ())))
+    left = [k for k, column in enumerate(columns) if not column.numeric]
+    cells = [
+        [column.cell(row) for column in columns]
+        for row in rows[: max(0, int(min(room, len(rows))))]
+    ]
+    about = paragraph(part.about) if everything else []
+    for count in range(len(cells), min(_FEWEST, len(rows)) - 1, -1):
+        lines = _grid([column.heading for column in columns], cells[:count], left)
+        if more := len(rows) - count:
+            lines.append(Line(f"and {more} more of the {part.more}"))
+        if len(about) + len(lines) <= room:
+            return [*about, *lines]
+    return None
