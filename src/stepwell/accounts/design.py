@@ -16,6 +16,8 @@ from stepwell.design import Design, Impossible, Reprogramming
 
 # More states than these are not read in a line.
 _MOST_STATES = 16
+# More anchors than these are not read in a line.
+_MOST_ANCHORS = 2
 _ROBUSTNESS: Schema = (
     *keys(radius="mm", fraction=float, limit=str),
     Quantity("meet", read=lambda one: one.meeting and one.meeting[1:3], holds=[int], missing=True),
@@ -89,6 +91,7 @@ def design_account(design: Design, about: About) -> Account:
     facts = (
         *yields.counted_facts(sampled),
         yields.critical_fact(sampled),
+        Fact("Cycle", run.cycle_words(design.cycle), FULL),
         *(replace(fact, level=FULL) for fact in run.cycle_facts(design.cycle)),
     )
     built = built_schema(Shape.of(chain))
@@ -111,7 +114,11 @@ def design_account(design: Design, about: About) -> Account:
         **assumed(chain, design.assumptions),
     }
     spelled = len(chain) <= LONGEST_IN_A_LINE
-    answer = design.sequence if spelled else f"{len(chain)} cells in the target order"
+    target = design.sequence if spelled else f"{len(chain)} cells in the target order"
+    answer = f"{target}, yield {base.percent(sampled.share)}"
+    if len(chain) <= _MOST_ANCHORS and not chain.elements:
+        anchors = (f"{row['name']} q ({BAND[2].cell(row)}) mm" for row in rows())
+        answer += f": {', '.join(anchors)}"
     title, origin = chain.title or "A design", f"Found by search. {cells_of(chain)}."
     warned, seed = [yields.advised(sampled)], sampled.seed
     return Account(design, title, "design/2", answer, facts, sections, warned, origin, seed=seed)

@@ -8,7 +8,7 @@ from stepwell.accounts.events import way
 from stepwell.accounts.head import About, Row, Shape, keys
 from stepwell.accounts.parts import Account, Fact, RecordTable, Text
 from stepwell.accounts.words import LONGEST_IN_A_LINE, degenerate, tie_notes
-from stepwell.base import Column, Columns, Quantity, Schema, join_first, read_off
+from stepwell.base import Column, Columns, Quantity, Schema, counted, join_first, read_off
 from stepwell.sequences import ImplicitGraph, MemoryReading, Sequence, TransitionGraph, Walked
 
 # Letters of the longest sequence that a card spells out.
@@ -22,6 +22,7 @@ _SCRAMBLING: Schema = (
     *keys(by_hand=(bool, lambda pair: not pair.reachable)),
 )
 _FEW = 4  # cells of a row
+_MOST_IN_ANSWER = 60  # letters of a loop
 # What is shown of a cell that has moved; of a cell with two phases the name is enough.
 _PLACE = {"01": "", "11": "", **{f"-{last}": " in transit" for last in "123456789"}}
 
@@ -98,10 +99,14 @@ def _title(graph: TransitionGraph | ImplicitGraph) -> str:
 def transition_graph_account(value: TransitionGraph | MemoryReading, about: About) -> Account:
     """What is reported of a graph, or of what is read off it."""
     graph = value.graph if isinstance(value, MemoryReading) else value
-    facts = [Fact(*one) for one in graph.reading.facts.items()]
+    known, answer = graph.reading.facts, graph.reading.summary
+    if len(loop := known["main loop"]) <= _MOST_IN_ANSWER:
+        known = {"graph": answer, **known}
+        del known["main loop"]
+        answer = f"main loop {loop}, {counted(graph.reading.sub_loop_count, 'sub-loop')}"
+    facts = [Fact(*one) for one in known.items()]
     sections = {"Nodes": Text(f"{len(graph)} nodes, {graph.transition_count} transitions.")}
     ties, schema = [degenerate(graph.ties, graph.chain)], graph_schema(shape_of(graph))
-    answer = graph.reading.summary
     return Account(graph, _title(graph), "graph/2", answer, facts, sections, ties, schema=schema)
 
 

@@ -5,7 +5,7 @@ from stepwell.accounts.chain import actuator_schema, cell_schema, cell_section, 
 from stepwell.accounts.head import About, Shape, keys
 from stepwell.accounts.parts import PAGE, Account, Fact, Picture, Replay, Text
 from stepwell.accounts.yields import PICTURES, sample_words, yield_words
-from stepwell.base import Quantity, Schema, in_measure, number, read_off
+from stepwell.base import Quantity, Schema, counted, in_measure, number, read_off
 from stepwell.design import Run
 from stepwell.sequences import Cycle, Pathway
 from stepwell.statics import EventKind, Path
@@ -55,7 +55,7 @@ def cycle_schema(shape: Shape) -> Schema:
 
 def cycle_account(cycle: Cycle, about: About) -> Account:
     """What a notebook shows of a cycle."""
-    return _motion(cycle, cycle.path, "Cycle", _answer(cycle), cycle_facts(cycle))
+    return _motion(cycle, cycle.path, "Cycle", cycle_words(cycle), cycle_facts(cycle))
 
 
 def run_account(run: Run, about: About) -> Account:
@@ -90,29 +90,30 @@ def run_account(run: Run, about: About) -> Account:
         "Figures": [Picture(*one) for one in captions.items()],
         **words.assumed(chain),
     }
-    title, answer = chain.title or about.source or "Untitled chain", _answer(cycle)
+    title, answer = chain.title or about.source or "Untitled chain", cycle_words(cycle)
     warned = [words.degenerate(cycle.degenerate, chain)]
     hints = [_CHECK] if landings == events.NOT_CHECKED else []
     return Account(run, title, "run/2", answer, facts, sections, warned, origin, hints=hints)
 
 
-def _answer(cycle: Cycle) -> str:
-    sequence = cycle.sequence
+def cycle_words(cycle: Cycle) -> str:
+    """The sequence of a cycle, its pathway and the number of its snaps."""
+    sequence, pathway = cycle.sequence, cycle.pathway
+    states = f"{len(sequence)} states of {len(cycle.chain)} cells"
     if len(sequence) * len(cycle.chain) <= _MOST_LETTERS:
-        return str(sequence)
-    return f"{len(sequence)} states of {len(cycle.chain)} cells"
+        states = str(sequence)
+    snaps = sum(event.kind is EventKind.SNAP for event in cycle.events)
+    shape = [] if pathway is None else [pathway.label]
+    return ", ".join([states, *shape, counted(snaps, "snap")])
 
 
 def cycle_facts(cycle: Cycle) -> list[Fact]:
     """What a chain does in a full cycle."""
     chain, names = cycle.chain, cycle.chain.names
     lost, peak, full, *driven = texts(cycle_schema(Shape.of(chain)), cycle)
-    snaps = sum(event.kind is EventKind.SNAP for event in cycle.events)
     return [
-        Fact("Pathway", cycle.pathway.label if cycle.pathway is not None else ""),
         Fact("Loading", words.listed([names[cell] for cell in cycle.loading_order])),
         Fact("Unloading", words.listed([names[cell] for cell in cycle.unloading_order])),
-        Fact("Snaps", str(snaps)),
         Fact(f"Peak {chain.measure.force}", peak),
         Fact("Turning points", "".join(driven)),
         Fact(f"Full {chain.measure.stroke}", "" if driven else full),

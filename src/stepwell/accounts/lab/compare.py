@@ -135,10 +135,10 @@ def comparison_account(compared: Comparison, about: About) -> Account:
             Picture("pairs", "Forces of pairs, measured and modelled"),
         ),
         "Unit cells: measured (model); errors in k r and k r²": RecordTable(
-            (*_EACH, *_CELL), "series", "", (), None, "unit cells", CARD, of_kind("cell")
+            (*_EACH, *_CELL), "series", "", (), "unit cells", CARD, of_kind("cell")
         ),
         "Pairs: errors in k r; ratio of the errors against the two orders": RecordTable(
-            _PAIR_COLUMNS, "series", "", (), None, "pairs", level, of_kind("pair")
+            _PAIR_COLUMNS, "series", "", (), "pairs", level, of_kind("pair")
         ),
         "Rig": Text(_rig_words(compared.rig) if pairs else ""),
         "Used, dropped and odd": Notes([*odd, *compared.notes]),

@@ -304,7 +304,7 @@ def _records(
     for count in range(len(cells), min(_FEWEST, len(rows)) - 1, -1):
         lines = _grid([column.heading for column in columns], cells[:count], left)
         if more := len(rows) - count:
-            lines.append(Line(f"and {more} more of the {part.more}"))
+            lines.append(Line(f"and {counted(more, 'more row')}"))
         if len(about) + len(lines) <= room:
             return [*about, *lines]
     return None
