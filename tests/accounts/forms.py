@@ -37,8 +37,8 @@ if SIZE == "full":
 
 
 def shown(found: Account) -> str:
-    """What the terminal shows."""
-    return "\n".join(line.text for line in terminal(found))
+    """What the terminal shows with --full."""
+    return "\n".join(line.text for line in terminal(found, full=True))
 
 
 def plain(html: str) -> str:

@@ -19,7 +19,7 @@ def made(tmp_path_factory):
 
 
 def _text(found) -> str:
-    return "\n".join(line.text for line in terminal(found))
+    return "\n".join(line.text for line in terminal(found, full=True))
 
 
 def test_the_record_keeps_to_the_generated_schema_and_has_borders_where_they_are_asked_for(made):

@@ -21,7 +21,7 @@ PARTS = "BandTest", "CellTest", "PairTest", "Recording"
 
 
 def _text(found) -> str:
-    return "\n".join(line.text for line in terminal(found))
+    return "\n".join(line.text for line in terminal(found, full=True))
 
 
 @pytest.mark.slow

@@ -194,7 +194,7 @@ def test_every_form_has_what_the_record_holds(measure, monkeypatch):
     found = account_.record
     unit = Quantity(f"peak_{measure.force}", display_unit(measure.force_unit)[0])
     arrivals = [arrival for event in found["events"] for arrival in event["arrivals"]]
-    assert len(re.findall(" at [01]", shown(account_))) == len(arrivals)
+    assert len(re.findall(r" at [01]\b", shown(account_))) == len(arrivals)
     for form in forms(account_):
         assert f"Peak {measure.force}" in form
         assert f"{number(found[unit.key])} {unit.sign}" in form

@@ -11,7 +11,7 @@ def test_the_record_of_verdicts_keeps_to_the_schema_and_every_form_has_the_count
     assert violations(found.record) == []
     assert len(found.record["claims"]) == len(verdicts)
     agreed = sum(one["verdict"] == "agrees" for one in found.record["claims"])
-    text = "\n".join(line.text for line in terminal(found))
+    text = "\n".join(line.text for line in terminal(found, full=True))
     for form in (text, card(found), page(found)):
         assert f"{agreed} of {len(verdicts)} claims agree" in form
 

@@ -13,7 +13,7 @@ def test_the_presets_keep_to_the_schema_and_every_form_has_their_count():
     assert violations(found.record) == []
     assert [one["name"] for one in found.record["presets"]] == list(sw.presets())
     count = f"{len(sw.presets())} designs"
-    text = "\n".join(line.text for line in terminal(found))
+    text = "\n".join(line.text for line in terminal(found, full=True))
     assert all(count in form for form in (text, card(found), page(found)))
     assert all(name in text for name in sw.presets())
 

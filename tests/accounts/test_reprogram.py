@@ -19,7 +19,7 @@ def moved():
 
 
 def _forms(found) -> tuple[str, ...]:
-    screen = "\n".join(line.text for line in terminal(found))
+    screen = "\n".join(line.text for line in terminal(found, full=True))
     made = page(found).replace(" → ", ">").replace("\N{MINUS SIGN}", "-")
     return screen, card(found).replace("&gt;", ">"), made
 

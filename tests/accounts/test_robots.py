@@ -52,7 +52,7 @@ def convergence():
 
 
 def text_of(found) -> str:
-    return "\n".join(line.text for line in terminal(found))
+    return "\n".join(line.text for line in terminal(found, full=True))
 
 
 @pytest.mark.slow

@@ -8,7 +8,8 @@ import pytest
 import stepwell as sw
 from accounts.forms import PRESETS, SHAPES, forms, sealed, shapes, shown
 from accounts.schemas import violations
-from stepwell.accounts import account, card, page
+from stepwell.accounts import account, card, page, terminal
+from stepwell.accounts.rendering.terminal import SCREEN
 from stepwell.base import number
 from stepwell.design import Run
 from stepwell.mechanism import Cell
@@ -121,11 +122,12 @@ def test_a_tie_is_warned_of_before_the_numbers():
     assert made.index('class="warning"') < made.index("<main>")
 
 
-def test_samples_and_assumptions_are_on_the_page_alone(forward):
-    screen, small, made = forms(account(forward))
-    for text in ("95 % confidence", "Quasi-static"):
-        assert text in made
-        assert text not in screen and text not in small
+def test_samples_are_on_the_page_alone_and_assumptions_with_full_too(forward):
+    whole, small, made = forms(account(forward))
+    screen = " ".join(line.text for line in terminal(account(forward)))
+    assert "95 % confidence" in made and "95 % confidence" not in whole
+    assert "Quasi-static" in made and "Quasi-static" in whole
+    assert "Quasi-static" not in screen and "Quasi-static" not in small
     assert f"{forward.built.samples} samples" in made
 
 
@@ -151,8 +153,9 @@ def test_long_chains_are_cut_in_every_form_and_whole_in_the_record(monkeypatch):
     assert len(record["cells"]) == 100 and len(record["margin"]["changes"]) == 200
     assert record["sequence"] is record["landings"] is None
     assert len(card(found)) < 40_000
-    assert "and 60 more; --json" in shown(found)
-    assert "--mobility-ratio" in shown(found) and "--mobility-ratio" not in card(found)
+    screen = [line.text for line in terminal(found)]
+    assert len(screen) <= SCREEN and len(shown(found).split("\n")) > 700
+    assert "--mobility-ratio" in " ".join(screen) and "--mobility-ratio" not in card(found)
 
 
 def test_the_account_of_a_run_computes_nothing(monkeypatch):

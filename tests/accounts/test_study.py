@@ -19,7 +19,7 @@ def study(tmp_path_factory):
 
 
 def _text(found) -> str:
-    return "\n".join(line.text for line in terminal(found))
+    return "\n".join(line.text for line in terminal(found, full=True))
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ def loose():
 
 
 def _forms(found) -> tuple[str, ...]:
-    screen = "\n".join(line.text for line in terminal(found))
+    screen = "\n".join(line.text for line in terminal(found, full=True))
     return (
         screen,
         card(found).replace("&gt;", ">"),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from stepwell import base
 from stepwell.accounts.head import About, Row, keys, recorded
-from stepwell.accounts.parts import CARD, Account, Fact, RecordTable, Verbatim
+from stepwell.accounts.parts import CARD, TERMINAL, Account, Fact, RecordTable, Verbatim
 from stepwell.base import Quantity, Schema
 
 if TYPE_CHECKING:
@@ -75,10 +75,10 @@ def installation_account(setup: base.Installation, about: About) -> Account:
     extras = (_NAME, _USED_FOR, base.Column("installed", _versions))
     sections = {
         "Broken": _table(_BROKEN, setup.broken),
-        "Packages": _table(_PACKAGE, setup.packages),
         "Extras": RecordTable(extras, recorded(_EXTRA, setup.extras)),
         f"Extras to install{base.IN_CLONE}": Verbatim("\n".join(lacking), "commands"),
         "Tools": _table(_TOOL, setup.tools),
+        "Packages": _table(_PACKAGE, setup.packages),
     }
     title, hint = "Installation", "No other part is examined before the packages are installed."
     answer, hints = "All packages that Stepwell needs are installed", [hint] if missing else ()
@@ -112,5 +112,8 @@ def verdicts_account(verdicts: Verdicts, about: About) -> Account:
         "Reasons and limits": _table((_ID, _REASON), reasons, more="reasons"),
     }
     answer = f"{verdicts.agreed} of {len(verdicts)} claims agree"
+    others = base.grouped((str(one.verdict), one.claim.id) for one in verdicts)
+    others.pop("agrees", None)
+    facts = [Fact(base.headed(kind), ", ".join(ids), TERMINAL) for kind, ids in others.items()]
     title = "Validation against published claims"
-    return Account(verdicts, title, "paper/1", answer, sections=sections)
+    return Account(verdicts, title, "paper/1", answer, facts, sections)

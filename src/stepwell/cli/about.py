@@ -126,11 +126,15 @@ def doctor(display: options.Display) -> None:
 
 # Each imports its package when it is called: a broken package is reported, the others are examined.
 def _cores() -> int:
-    return sw.kernels.cores()
+    from stepwell.kernels import cores
+
+    return cores()
 
 
 def _kernels() -> object:
-    return sw.kernels.kept()
+    from stepwell.kernels import kept
+
+    return kept()
 
 
 def _opengl() -> str | None:
