@@ -40,7 +40,7 @@ _GAITS = (
     Quantity("states", head="states"),
     Quantity("slip", "mm", "slip per cycle", form=3),
 )
-_SOURCES = "`stepwell robot show` lists every number of a robot with its source."
+_SOURCES = "`stepwell robot show --full` lists every number of a robot with its source."
 _SIMULATED: dict[str, Any] = {"hints": [_SOURCES], "packages": ["mujoco"]}
 _TOUCHED: Schema = (
     Quantity("obstacle", head="obstacle", read=lambda touch: touch[0]),

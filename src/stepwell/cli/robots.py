@@ -27,10 +27,11 @@ commands = screen.subcommands(
 
 @options.command(commands)
 def show(robot: options.Robot, output: options.Output) -> None:
-    """List the parameters of a robot with their sources, and compute its gait by statics.
+    """Compute the gait of a robot by statics, and list its parameters with their sources.
 
-    The gait is computed without a simulation. With --out, drawings (top and side view), the gait
-    and all parameters as JSON are written into a folder, together with the design.
+    The gait is computed without a simulation. The parameters are listed with --full. With --out,
+    drawings (top and side view), the gait and all parameters as JSON are written into a folder,
+    together with the design.
 
     Example: stepwell robot show robot-forward
     """
@@ -45,7 +46,7 @@ def show(robot: options.Robot, output: options.Output) -> None:
 def sweep(
     robot: options.Robot,
     ranges: list[str] = argument(
-        "Parameter to vary: a key of `stepwell robot show`, with values in its unit.",
+        "Parameter to vary: a key of `stepwell robot show --full`, with values in its unit.",
         "KEY=FROM:TO:COUNT...",
     ),
     random: int | None = option(
