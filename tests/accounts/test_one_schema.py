@@ -96,8 +96,8 @@ def _same(
     lines = [re.split(r"\s{2,}", line.strip()) for line in screen.split("\n")]
     wide = shown_columns(table.wide)
     assert [*heads, *(column.heading for column in wide)] in lines
-    for row, record in zip(cells, rows, strict=True):
-        every = [*row, *(column.cell(record) for column in wide)]
+    for row, one in zip(cells, rows, strict=True):
+        every = [*row, *(column.cell(one) for column in wide)]
         assert [text for text in every if text] in lines
     on_page = next(one for one in made if _heads(one, heads))
     assert [row[: len(heads)] for row in on_page[1:]] == cells[:200]

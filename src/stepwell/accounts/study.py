@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from stepwell.accounts import parts
-from stepwell.accounts.head import About, keys, recorded
+from stepwell.accounts.head import About, Row, keys, recorded
 from stepwell.accounts.parts import FULL, TERMINAL, Account, Fact, Notes, Picture, RecordTable
-from stepwell.base import Columns, Quantity, Schema, counted, percent, read_off, record
+from stepwell.base import Columns, Quantity, Schema, counted, number, percent, read_off, record
 from stepwell.design import Fraction
 from stepwell.studies import Status, gaps_text
 
@@ -101,15 +101,6 @@ def status_account(status: Status, about: About) -> Account:
         for each in one.sure[:5]
     ]
     problems = [f"{counted(n, 'design')}: {kind}" for kind, n in status.problems.items()]
-    answer = ""
-    if status.outcomes:
-        first = status.outcomes[0]
-        fraction = _fraction(first.fraction, first.sampled, " of the designs")
-        answer = f"{fraction} have {first.column} {first.value}"
-    elif deciding:
-        first = deciding[0]
-        variance = f"{percent(first['fraction'])} of the variance of {first['column']}"
-        answer = f"{first['parameter']} explains {variance}"
     computed = f"{study.what} of {counted(study.count, 'design')}, {study.designs.how}"
     done = "all of it" if status.finished else f"{status.done} of {study.chunks} chunks"
     facts = (
@@ -148,7 +139,27 @@ def status_account(status: Status, about: About) -> Account:
     hints = [] if status.finished else [f"Continue with: stepwell sweep resume {study.folder}"]
     options = {"seed": study.designs.seed, "packages": ["zarr"], "hints": hints}
     title = study.subject.title or "A study"
-    return Account(status, title, "study/1", answer, facts, sections, warned, **options)
+    return Account(
+        status, title, "study/1", _answer(status, deciding), facts, sections, warned, **options
+    )
+
+
+def _answer(status: Status, deciding: Sequence[Row]) -> str:
+    """The most frequent outcome; or else the strongest influence, or the range of a result."""
+    if status.outcomes:
+        first = status.outcomes[0]
+        fraction = _fraction(first.fraction, first.sampled, " of the designs")
+        return f"{fraction} have {first.column} {first.value}"
+    if deciding:
+        row = deciding[0]
+        variance = f"{percent(row['fraction'])} of the variance of {row['column']}"
+        return f"{row['parameter']} explains {variance}"
+    for one in status.numbers:
+        if one.designs:
+            low, middle, high = map(number, (one.least, one.median, one.most))
+            unit = f" {one.unit}" * (one.unit not in ("", "1"))
+            return f"{one.column} {low} to {high}{unit}, median {middle}{unit}"
+    return f"{status.done} of {counted(status.study.chunks, 'chunk')} done, no results"
 
 
 def _fraction(fraction: Fraction, sampled: bool = True, of: str = "") -> str:
