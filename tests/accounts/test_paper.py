@@ -3,6 +3,7 @@
 from accounts.schemas import violations
 from claims import committed
 from stepwell.accounts import account, card, page, terminal
+from stepwell.accounts.rendering.terminal import SCREEN
 
 
 def test_the_record_of_verdicts_keeps_to_the_schema_and_every_form_has_the_count():
@@ -14,6 +15,14 @@ def test_the_record_of_verdicts_keeps_to_the_schema_and_every_form_has_the_count
     text = "\n".join(line.text for line in terminal(found, full=True))
     for form in (text, card(found), page(found)):
         assert f"{agreed} of {len(verdicts)} claims agree" in form
+
+
+def test_verdicts_fit_a_screen_and_their_count_is_the_first_line():
+    verdicts = committed()
+    for some in (verdicts, verdicts[:17]):
+        lines = [line.text for line in terminal(account(some))]
+        assert len(lines) <= SCREEN
+        assert lines[0].endswith(f"of {len(some)} claims agree")
 
 
 def test_a_page_has_every_statement_and_every_reason():

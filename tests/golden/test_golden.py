@@ -22,6 +22,7 @@ from stepwell.studies import WORKS
 # Digits and the places of ticks are those of the locked dependencies.
 pytestmark = pytest.mark.shown
 _SHOWN = 60
+_EVERYWHERE = {"--force", "--full"}
 # The claims that take minutes, what is said of this machine alone, what needs a cluster, and what
 # has tests of its own: the demo, and the claims as JSON.
 _NOT_FROZEN = {
@@ -123,8 +124,8 @@ def _shared(word: str) -> str:
 
 
 def _is_option(parameter: Any) -> bool:
-    # What means the same to every command that writes is shown once.
-    return parameter.param_type_name == "option" and parameter.opts[0] != "--force"
+    # What means the same to every command is shown once.
+    return parameter.param_type_name == "option" and parameter.opts[0] not in _EVERYWHERE
 
 
 def _asked(line: str) -> set[str]:

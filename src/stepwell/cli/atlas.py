@@ -152,9 +152,9 @@ def find(
     graph_classes = sw.studies.find(chart, query, yields)
     if out is not None and graph_classes:
         sw.files.save(graph_classes[0].chain, out)
-        if not display.as_json:
-            show_lines(f"Written into {out}: {graph_classes[0].name}.")
     display.report(account(chart, graph_classes=graph_classes, query=query))
+    if out is not None and graph_classes and not display.as_json:
+        show_lines("", f"Written into {out}: {graph_classes[0].name}.")
 
 
 def _opened(store: Path | None) -> sw.studies.Study:
