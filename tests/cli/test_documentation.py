@@ -44,7 +44,7 @@ from stepwell.sequences import Unreachable
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 FENCE = re.compile(r'^```(\w+)(?: title="([^"]+)")?\n(.*?)^```$', re.M | re.S)
 
-VERDICT: Any = MagicMock()
+VERDICT: Any = MagicMock(**{"claim.id": "claim"})
 
 
 COMMANDS = typer.main.get_command(app)
