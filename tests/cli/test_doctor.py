@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def test_it_says_what_is_here_and_ends_with_0(stepwell):
-    result = stepwell("doctor")
+    result = stepwell("doctor", "--full")
     assert result.exit_code == 0
     assert "All packages that Stepwell needs are installed" in result.stdout
     for name in (*installed.NEEDED, *EXTRAS, "H.264 encoder", "OpenGL"):
@@ -33,7 +33,7 @@ def test_it_says_what_is_here_and_ends_with_0(stepwell):
 def test_the_json_says_all_that_the_screen_says(stepwell):
     record = json.loads(stepwell("doctor", "--json").stdout)
     assert violations(record) == []
-    shown = " ".join(stepwell("doctor").stdout.split())
+    shown = " ".join(stepwell("doctor", "--full").stdout.split())
     for one in record["packages"]:
         assert f"{one['name']} {one['version']}" in shown
     assert f"{record['kernels']['compiled']} compiled" in shown
@@ -56,7 +56,7 @@ def test_it_knows_the_packages_and_extras_of_the_project():
 def test_a_missing_extra_comes_with_the_command_that_adds_it(stepwell, monkeypatch):
     known = installed._version
     monkeypatch.setattr(installed, "_version", lambda name: None if name == "av" else known(name))
-    result = stepwell("doctor")
+    result = stepwell("doctor", "--full")
     assert result.exit_code == 0
     assert install("video") in result.stdout
     assert re.search(r"^H\.264 encoder .* no$", result.stdout, re.M)
@@ -67,7 +67,7 @@ def test_a_missing_package_is_named_and_ends_with_1(stepwell, monkeypatch):
     monkeypatch.setattr(
         installed, "_version", lambda name: None if name == "scipy" else known(name)
     )
-    result = stepwell("doctor")
+    result = stepwell("doctor", "--full")
     assert result.exit_code == 1
     assert re.search(r"^Missing +scipy$", result.stdout, re.M)
     assert "pip install" in result.stdout
@@ -89,7 +89,7 @@ def test_what_is_broken_is_listed_with_the_reason_and_the_rest_is_still_looked_a
     monkeypatch.setattr(installed, "import_module", broken)
     monkeypatch.setattr(about, "_opengl", failing)
     monkeypatch.setenv("MUJOCO_GL", "bogus")
-    result = stepwell("doctor")
+    result = stepwell("doctor", "--full")
     assert result.exit_code == 1  # for networkx, without which nothing goes
     assert "Packages are broken" in result.stdout
     record = json.loads(stepwell("doctor", "--json").stdout)
@@ -98,7 +98,7 @@ def test_what_is_broken_is_listed_with_the_reason_and_the_rest_is_still_looked_a
     ]  # fmt: skip
     assert record["broken"][0]["reason"] == "AttributeError: networkx has no such thing"
     monkeypatch.setattr(installed, "import_module", kept)
-    assert stepwell("doctor").exit_code == 0  # drawing is no more than an extra
+    assert stepwell("doctor", "--full").exit_code == 0  # drawing is no more than an extra
 
 
 def test_an_installation_without_packages_keeps_to_the_schema_and_has_every_form(monkeypatch):

@@ -18,7 +18,7 @@ from stepwell.simulation.simulator import mujoco
 def test_show_lists_every_number_with_unit_and_source_draws_the_robot_and_keeps_its_design(
     stepwell, tmp_path
 ):
-    result = stepwell("robot", "show", "robot-explorer", "--out", "out")
+    result = stepwell("robot", "show", "robot-explorer", "--full", "--out", "out")
     assert result.exit_code == 0
     names = written(tmp_path / "out")
     drawn = {f"{name}{kind}" for name in ("robot", "prediction") for kind in (".png", ".svg")}

@@ -28,10 +28,10 @@ WIDTHS = cases((40, 60, 72, 80, 100), (40, 60, 100))
     ],
 )
 def test_a_screen_fits_the_terminal_and_tells_the_same_numbers(stepwell, monkeypatch, command):
-    screens = {}
+    screens, full = {}, [] if command == ("presets",) else ["--full"]
     for width in WIDTHS[1:]:
         monkeypatch.setenv("COLUMNS", str(width))
-        screens[width] = stepwell(*command).stdout
+        screens[width] = stepwell(*command, *full).stdout
         lines = screens[width].split("\n")
         assert [line for line in lines if len(line) > width and " " in line.strip()] == []
     # In a table of several blocks the first columns are there again.
