@@ -166,7 +166,7 @@ def test_robust_counts_what_works_for_all_mobilities_and_says_how_that_is_known(
     assert (record["robust"], record["proved"]) == (10, record["successes"])
     # Of concave cells end forces decide, whatever the mobilities.
     assert record["successes"] == plain["successes"]
-    shown = " ".join(stepwell(*arguments).stdout.split())
+    shown = " ".join(stepwell(*arguments, "--full").stdout.split())
     assert f"up to 10 ({record['proved']} proved" in shown
 
 
