@@ -1,8 +1,11 @@
 """Slips of unit in the files of robots and arenas, and in their values."""
 
+import itertools
 from dataclasses import replace
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import stepwell as sw
 from facts import says
@@ -100,6 +103,30 @@ def test_a_slip_in_an_arenas_file_is_answered_with_what_was_meant(text, told):
 def test_an_arena_in_millimetres_is_refused_in_python():
     with pytest.raises(SlipError, match=r"Did you mean \(2, 0\) m\?"):
         sw.Arena([Wall((500, -600), (500, 600))], goal=Goal((2000, 0)))
+
+
+def test_an_arena_with_one_far_goal_or_wall_is_no_slip():
+    near = Wall((0.5, -0.6), (0.5, 0.6))
+    assert not sw.Arena([near], goal=Goal((200.0, 0.0))).unusual
+    assert not sw.Arena([near, Wall((150.0, -1.0), (150.0, 1.0))], goal=Goal((2.0, 0.0))).unusual
+
+
+_PLACE = st.tuples(st.floats(100.0, 5000.0), st.floats(-5000.0, 5000.0))
+
+
+@given(ends=st.lists(_PLACE, min_size=2, max_size=8, unique=True), goal=_PLACE)
+def test_every_arena_in_another_unit_is_refused(ends, goal):
+    """Thickness and radius are left in metres, so that the places alone decide."""
+
+    def arena(scale):
+        places = [tuple(scale * x for x in point) for point in ends]
+        walls = [Wall(*pair, thickness=1e-3) for pair in itertools.pairwise(places)]
+        return sw.Arena(walls, goal=Goal(tuple(scale * x for x in goal)))
+
+    assert not arena(1e-3).unusual
+    for scale in (1.0, 1e-6):
+        with pytest.raises(SlipError):
+            arena(scale)
 
 
 def test_a_drawn_arena_of_small_letters_is_no_slip():

@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
 
 import stepwell as sw
 from chains import any_chain
@@ -21,7 +23,8 @@ LEG = sw.Chain([PAPER, PAPER.with_anchors(q=(0.020, 0.0))])
     [
         (lambda: sw.Cell(sw.Band((-10, 0), Q)), "p", (-0.010, 0.0)),
         (lambda: sw.Cell(sw.Band(P, (0, -15))), "q", (0.0, -0.015)),
-        (lambda: sw.Cell(sw.Band((-1e-5, 0), Q)), "p", (-0.010, 0.0)),
+        (lambda: sw.Cell(sw.Band((-1e-5, 0), (1e-5, 0))), "p", (-0.010, 0.0)),
+        (lambda: sw.Cell(sw.Band((0, 0), (1e-5, 0))), "q", (0.010, 0.0)),
         (lambda: sw.Cell(sw.Band(P, Q), lever=14.142), "lever", 0.014142),
         (lambda: sw.Cell(sw.Band(P, Q), lever=1.4142e-5), "lever", 0.014142),
         (lambda: sw.Cell(sw.Band(P, Q, rest_length=10)), "rest_length", 0.010),
@@ -58,6 +61,46 @@ def test_a_size_far_off_the_mechanism_is_refused_with_what_was_meant(slipped, na
     (slip,) = (one for one in refused.value.slips if one.name == name)
     assert slip.meant == (None if meant is None else pytest.approx(meant))
     assert "Did you mean" in str(refused.value) or meant is None
+
+
+@pytest.mark.parametrize(
+    "ordinary",
+    [
+        lambda: sw.Cell(sw.Band(P, (-1.45e-5, 1.3e-5))),
+        lambda: sw.Cell(sw.Band((1e-12, -3e-9), Q)),
+        lambda: replace(PAPER, load=sw.Load((0.99e-6,), (0.1,))),
+        lambda: sw.Cell(sw.Band(P, Q), load=sw.Load((0.99e-6,), (0.1,))),
+        lambda: sw.Cell(sw.Band(P, Q), load=sw.Load((0.0, 0.99e-6, 0.01), (0.1, 0.2, 0.1))),
+    ],
+)
+def test_a_small_part_of_an_ordinary_geometry_is_no_slip(ordinary):
+    assert not slips(ordinary())
+
+
+_MM = st.floats(0.5, 20.0) | st.floats(-20.0, -0.5)
+
+
+@given(p=st.tuples(_MM, _MM), q=st.tuples(_MM, _MM), scale=st.sampled_from([1e3, 1e-3]))
+def test_anchors_in_another_unit_are_refused_for_every_geometry(p, q, scale):
+    """A d below 1 mm is that of no band: the anchors then coincide."""
+    ordinary = sw.Band(*(tuple(1e-3 * x for x in anchor) for anchor in (p, q)))
+    assume(math.hypot(*ordinary.d) > 1e-3)
+    assert not slips(sw.Cell(ordinary))
+    with pytest.raises(SlipError):
+        sw.Cell(sw.Band(*(tuple(1e-3 * scale * x for x in anchor) for anchor in (p, q))))
+
+
+@given(st.lists(st.tuples(st.floats(1.0, 40.0), st.floats(-1.0, 1.0)), min_size=2, max_size=9))
+def test_a_load_in_another_unit_is_refused_for_every_table(points):
+    table = dict(points)
+    assume(len(set(table.values())) > 1)
+    travel = np.array(sorted(table))
+    assume(np.all(np.diff(travel) > 1e-6))
+    force = tuple(table[x] for x in travel)
+    sw.Cell(sw.Band(P, Q), load=sw.Load(tuple(1e-3 * travel), force))
+    for scale in (1.0, 1e-6):
+        with pytest.raises(SlipError):
+            sw.Cell(sw.Band(P, Q), load=sw.Load(tuple(scale * travel), force))
 
 
 def test_a_mechanism_all_in_millimetres_is_reported_every_slip_once():

@@ -196,16 +196,17 @@ def _slips(cell: Cell) -> Iterator[Slip]:
     if not soft:
         yield from force("friction", cell.friction, own_force(cell, lever))
     if cell.load is not None:
-        farthest = max(cell.load.travel, key=abs)
-        yield from length("load.travel", farthest, lever)
+        if len(set(cell.load.force)) > 1:  # The travels of a constant load have no effect.
+            farthest = max(cell.load.travel, key=abs)
+            yield from length("load.travel", farthest, lever)
         if not soft:
             largest = max(cell.load.force, key=abs)
             yield from force("load.force", largest, own_force(cell, lever))
 
 
 def _of_band(band: Band, lever: float, index: int) -> Iterator[Slip]:
-    for name in ("p", "q", "rest_length"):
-        yield from length(name, getattr(band, name), lever, index)
+    yield from _of_anchors(band, lever, index)
+    yield from length("rest_length", band.rest_length, lever, index)
     if isinstance(band.law, Table):
         yield from _of_table(band, band.law, lever, index)
     else:
@@ -218,6 +219,13 @@ def _of_band(band: Band, lever: float, index: int) -> Iterator[Slip]:
                 likely = value / STEP**power
                 why = f"bends a band far within a lever of {to_unit(lever, 'mm'):.4g} mm"
                 yield Slip(name, value, likely if abs(likely) <= most else None, unit, why, index)
+
+
+def _of_anchors(band: Band, lever: float, index: int) -> Iterator[Slip]:
+    """Slips of p and q: a motion depends on d = q - p, so one of both may be small or zero."""
+    odd = {name: [*length(name, getattr(band, name), lever)] for name in ("p", "q")}
+    if any(length("d", band.d, lever)) or all(odd.values()):
+        yield from (slip._replace(band=index) for slips in odd.values() for slip in slips)
 
 
 def _of_table(band: Band, law: Table, lever: float, index: int) -> Iterator[Slip]:
