@@ -21,7 +21,11 @@ def answer(text: str) -> str:
 @pytest.mark.parametrize(
     ("text", "key", "meant"),
     [
-        (CHAIN.replace("[-10, 0]", "[-0.010, 0]"), "p_mm = [-0.01, 0]", "[-10, 0] mm"),
+        (
+            CHAIN.replace("[-10, 0]", "[-0.010, 0]").replace("[10, 0]", "[0, 0]"),
+            "p_mm = [-0.01, 0]",
+            "[-10, 0] mm",
+        ),
         (CHAIN.replace("[10, 0]", "[5000, 0]"), "q_mm = [5000, 0]", "[5, 0] mm"),
         (f"{CHAIN}limit_deg = 0.785", "limit_deg = 0.785", "44.9772 deg"),
         (f"{CHAIN}lever_mm = 14142", "lever_mm = 14142", "14.142 mm"),
@@ -53,7 +57,7 @@ def test_a_slip_of_unit_is_answered_with_its_key_and_what_was_meant(text, key, m
 
 
 def test_one_of_several_bands_is_reported_by_its_place():
-    bands = "bands = [{ p_mm = [-10, 0], q_mm = [10, 0] }, { p_mm = [-10, 0], q_mm = [0.01, 0] }]"
+    bands = "bands = [{ p_mm = [-10, 0], q_mm = [10, 0] }, { p_mm = [0, 0], q_mm = [0.01, 0] }]"
     told = answer(f"[chain]\n[[chain.cell]]\n{bands}")
     assert told.startswith("leg.toml: chain.cell[0].bands[1].q_mm = [0.01, 0]: ")
 
@@ -81,7 +85,7 @@ def test_a_program_in_metres_is_asked_and_one_of_small_strokes_has_a_way_through
 
 def test_what_the_program_made_is_read_again_however_odd():
     cell = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0)))
-    chain = sw.Chain([cell.with_anchors(q=(1e-5, 0.0)), cell])
+    chain = sw.Chain([cell.with_anchors(p=(0.0, 0.0), q=(1e-5, 0.0)), cell])
     text = dumps(chain)
     assert text.count("unusual = true") == 1
     assert loads(text).subject == chain
