@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
-from hypothesis import strategies as st
+from hypothesis import assume, given, strategies as st
 
 import stepwell as sw
 from chains import any_chain
@@ -93,7 +92,7 @@ def test_anchors_in_another_unit_are_refused_for_every_geometry(p, q, scale):
 @given(st.lists(st.tuples(st.floats(1.0, 40.0), st.floats(-1.0, 1.0)), min_size=2, max_size=9))
 def test_a_load_in_another_unit_is_refused_for_every_table(points):
     table = dict(points)
-    assume(len(set(table.values())) > 1)
+    assume(len(table) > 1)
     travel = np.array(sorted(table))
     assume(np.all(np.diff(travel) > 1e-6))
     force = tuple(table[x] for x in travel)

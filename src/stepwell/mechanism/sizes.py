@@ -196,7 +196,7 @@ def _slips(cell: Cell) -> Iterator[Slip]:
     if not soft:
         yield from force("friction", cell.friction, own_force(cell, lever))
     if cell.load is not None:
-        if len(set(cell.load.force)) > 1:  # The travels of a constant load have no effect.
+        if len(cell.load.travel) > 1:  # The travel of a constant load has no effect.
             farthest = max(cell.load.travel, key=abs)
             yield from length("load.travel", farthest, lever)
         if not soft:
