@@ -109,8 +109,8 @@ def band_test(
 
     Args:
         recordings: tension tests, each one or more cycles long.
-        window: range of stroke for the fit [m]; by default the paper's 5 to 35 mm, or all strokes
-            in tension if a recording does not cover these or has few readings in them.
+        window: range of stroke for the fit [m], where the band is used; by default the whole test,
+            from the onset of tension on.
         cycles: first and last cycle for the fit, from 1; by default the paper's 5 to 9, or all but
             the first if a sample has none of these.
         drop: numbers of samples to leave out.
@@ -125,12 +125,12 @@ def band_test(
     if cycles is not None and not 1 <= cycles[0] <= cycles[1]:
         raise LabError("cycles", f"{cycles[0]} to {cycles[1]}: must be two rising numbers >= 1.")
     loops, gauge, notes = halves.loops_of(recordings, set(drop), cycles_per_sample)
-    other_cycles = other_window = ""
+    other_cycles = ""
     if cycles is None:
         cycles, other_cycles = halves.usual_cycles(loops)
     if window is None:
         used = [loop for loop in loops if cycles[0] <= loop.cycle <= cycles[1]]
-        window, other_window = halves.usual_window(used)
+        window = halves.whole_window(used or loops) if loops else (0.0, 0.0)
     test = BandTest(loops, window, cycles, notes, gauge)
     _check_reach(test)
     apart, warnings = _apart(test)
@@ -142,7 +142,7 @@ def band_test(
                 f"has fewer than 2 readings of a band in tension between {_mm(test.window)} mm of "
                 f"stroke: pass another window, or drop it.",
             )
-    adapted = filter(None, (other_cycles, other_window))
+    adapted = filter(None, [other_cycles])
     return replace(test, notes=(*adapted, *_used_lines(test), *notes))
 
 

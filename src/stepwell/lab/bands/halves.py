@@ -206,11 +206,8 @@ def _order(recording: Recording) -> tuple[str, ...]:
     return ()
 
 
-# The paper's stiffness is that of cycles 5 to 9 from 5 to 35 mm.
-WINDOW = (0.005, 0.035)
-CYCLES = (5, 9)
+CYCLES = (5, 9)  # of the paper's stiffness
 REACH = 1e-4  # tolerance of a stroke at the end of a window [m]
-_FEW = 20  # readings of a loading half, below which all readings are used
 _SLACK = 0.02  # fraction of the largest force, below which a band counts as slack
 
 
@@ -227,19 +224,9 @@ def usual_cycles(loops: Sequence[Hysteresis]) -> tuple[tuple[int, int], str]:
     return (begin, top), f"{shown} fitted: {why}"
 
 
-def usual_window(used: Sequence[Hysteresis]) -> tuple[tuple[float, float], str]:
-    """The paper's window [m], or all strokes of a band in tension; the reason."""
-    low, high = WINDOW
-    inside = [np.sum((loop.stroke >= low) & (loop.stroke <= high)) for loop in used]
-    over = all(np.min(o.stroke) <= low + REACH and np.max(o.stroke) >= high - REACH for o in used)
-    few = bool(inside) and min(inside) < _FEW
-    if not used or (over and not few):
-        return WINDOW, ""
-    usual = f"the usual {to_unit(low, 'mm'):g} to {to_unit(high, 'mm'):g} mm"
-    why = f"{usual} contain few readings" if over else f"the stroke does not cover {usual}"
-    window = max(map(_taut_from, used)), min(float(np.max(loop.stroke)) for loop in used)
-    shown = " to ".join(f"{to_unit(edge, 'mm'):.4g}" for edge in window)
-    return window, f"{shown} mm of stroke are fitted, from the onset of tension on: {why}"
+def whole_window(used: Sequence[Hysteresis]) -> tuple[float, float]:
+    """All strokes that every loading half covers with the band in tension [m]."""
+    return max(map(_taut_from, used)), min(float(np.max(loop.stroke)) for loop in used)
 
 
 def taut(force: Floats, step: float) -> Bools:
@@ -248,10 +235,10 @@ def taut(force: Floats, step: float) -> Bools:
 
 
 def _taut_from(loop: Hysteresis) -> float:
-    """Stroke of the last slack reading before the onset of tension, or of the first [m]."""
-    pulls = np.flatnonzero(taut(loop.force, loop.steps[1]))
-    first = int(pulls[0]) if len(pulls) else 0
-    return float(loop.stroke[max(first - 1, 0)])
+    """Stroke of the last slack reading before the largest force, or of the first reading [m]."""
+    top = int(np.argmax(loop.force))
+    slack = np.flatnonzero(~taut(loop.force, loop.steps[1])[:top])
+    return float(loop.stroke[slack[-1] if len(slack) else 0])
 
 
 # Bands of a kind differ by 10 %, seldom by 15 %. If two differ by more than this factor, with none
