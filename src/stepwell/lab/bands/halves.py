@@ -3,7 +3,7 @@
 import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import accumulate, chain, pairwise
 from typing import NamedTuple, TypeVar
 
@@ -117,7 +117,7 @@ def loops_of(
     by_sample: dict[int, list[Recording]] = defaultdict(list)
     numbers: dict[str, int | None] = {}
     odd = batch_warnings(recordings)
-    for recording, sample, number in _sorted(recordings, per_sample):
+    for recording, sample, number in _sorted(map(_positive, recordings), per_sample):
         if recorded.is_baseline(recording.name):
             notes.append(f"{recording.source}: left out, a run without a band by its name")
         elif sample in left_out:
@@ -141,6 +141,16 @@ def loops_of(
             lines = (*recording.remarks, *_order(recording), *odd.get(recording.source, ()))
             notes += [f"{recording.source}: {line}" for line in lines]
     return tuple(loops), gauge, tuple(notes)
+
+
+def _positive(recording: Recording) -> Recording:
+    """The recording with tension and its stroke positive, where both are counted negative."""
+    stroke, force = recording.stroke, recording.force
+    far = stroke < 0.5 * float(np.min(stroke))
+    if -np.min(stroke) <= np.max(stroke) or np.mean(force[far]) >= 0 or np.max(stroke) > REACH:
+        return recording
+    why = "stroke and tension are counted negative: both signs are changed"
+    return replace(recording, stroke=-stroke, force=-force, remarks=(*recording.remarks, why))
 
 
 def _gauge(gauges: Sequence[float | None], notes: list[str]) -> float | None:
