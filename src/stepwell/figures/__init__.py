@@ -26,6 +26,7 @@ from stepwell.figures.measured import (
     measured_forces,
     measured_pairs,
     recording,
+    recordings,
 )
 from stepwell.figures.motion.animation import animation
 from stepwell.figures.motion.moving import moving
@@ -73,6 +74,7 @@ __all__ = [
     "plot",
     "prediction",
     "recording",
+    "recordings",
     "robot_above",
     "robot_drawing",
     "robot_side",

@@ -14,7 +14,15 @@ from matplotlib.lines import Line2D
 from stepwell.base import Floats, InputError, grouped
 from stepwell.figures.common import legends, marks, sheet, style, words
 from stepwell.figures.common.style import FAINT
-from stepwell.lab import BandTest, Calibration, CellTest, Choice, PairTest, Recording
+from stepwell.lab import (
+    BandTest,
+    Calibration,
+    CellTest,
+    Choice,
+    PairTest,
+    Recording,
+    half_cycles,
+)
 
 T = TypeVar("T")
 
@@ -207,6 +215,43 @@ def recording(result: Recording) -> Figure:
     legends.above(ax, ways.values())
     figure.text(0.98, 0.965, words.literal(result.name), ha="right", va="top")
     return figure
+
+
+_MOST_PANELS, _MOST_POINTS = 12, 4000
+
+
+@style.styled
+def recordings(results: Sequence[Recording]) -> Figure:
+    """Force against stroke of the first 12 recordings, a panel each, with the jumps of the force.
+
+    Loading and unloading halves have their colours. Two columns wide.
+
+    Raises:
+        ValueError: no recordings.
+    """
+    if not results:
+        raise InputError("results is empty: give one recording or more.")
+
+    def draw(ax: Axes, result: Recording) -> None:
+        marks.zero_line(ax)
+        for half, cycle in zip(result.halves, half_cycles(result), strict=True):
+            colour = style.direction_colour(1 if cycle.direction == "loading" else -1)
+            step = max(1, (half.stop - half.start) // _MOST_POINTS)
+            u, force = result.stroke[half][::step] * style.MM, result.force[half][::step]
+            ax.plot(u, force, color=colour, linewidth=0.8)
+            at = np.array([snap.stroke for snap in cycle.snaps])
+            order = np.argsort(u)
+            there = np.interp(at * style.MM, u[order], force[order])
+            ax.plot(at * style.MM, there, "v", color=colour, markersize=4.0, gid="jumps")
+        sheet.name_panel(ax, words.literal(result.name))
+
+    occur = {result.direction_of(half) for result in results for half in result.halves}
+    looks = {"loading": style.LOADING, "unloading": style.UNLOADING}
+    handles: list[Artist] = [legends.line(way, looks[way]) for way in looks if way in occur]
+    handles.append(legends.mark("jump of the force", "v", 4.0, color=FAINT))
+    sizes = (3 if len(results) > 2 else 2, 50.0, 16.0, 18.5, 16.0)
+    stroke = "Stroke of the testing machine [mm]"
+    return _panels(results[:_MOST_PANELS], draw, sizes, handles, stroke, "Force [N]")
 
 
 # A colour and a dash for each law; either is unique.

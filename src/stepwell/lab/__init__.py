@@ -20,9 +20,10 @@ from stepwell.lab.first_build import (
 )
 from stepwell.lab.fit_model import SnapPrediction
 from stepwell.lab.fit_samples import Prepared, Sample, Weighing, prepare
+from stepwell.lab.half_cycles import HalfCycle, half_cycles
 from stepwell.lab.pair_test import PairTest
 from stepwell.lab.recordings.curve import Curve, MeasuredCurve, mean_curve, read_curve
-from stepwell.lab.recordings.read import Batch, hashes, read, read_all, read_bytes, table, to_csv
+from stepwell.lab.recordings.read import SAMPLE, Batch, hashes, read, read_all, read_bytes, table, to_csv
 from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.lab.recordings.recording_warnings import batch_warnings, recording_warnings
 from stepwell.lab.rig import NOT_JUDGED, PAPER_RIG, Rig
@@ -48,6 +49,7 @@ __all__ = [
     "Fitted",
     "FittedParameter",
     "ForceLaw",
+    "HalfCycle",
     "Hysteresis",
     "LAWS",
     "LabError",
@@ -68,6 +70,7 @@ __all__ = [
     "Rise",
     "Sample",
     "Series",
+    "SAMPLE",
     "SnapPrediction",
     "Sorted",
     "AnchorMove",
@@ -85,6 +88,7 @@ __all__ = [
     "find_snaps",
     "fit",
     "fit_bands",
+    "half_cycles",
     "hashes",
     "hysteresis",
     "mean_curve",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -141,7 +141,23 @@ def _batch(batch: sw.lab.Batch, _: Account) -> Contents:
         "recordings.csv": partial(sw.lab.to_csv, recordings),
         "recordings.nc": lambda file: write_netcdf(file, sw.lab.table(recordings)),
     }
-    return Contents("lab read", "recordings.json", files)
+    if have("parquet"):
+        files["recordings.parquet"] = partial(_parquet, recordings)
+    draws = {"recordings": partial(figures.recordings, recordings)}
+    return Contents("lab read", "recordings.json", files, draws)
+
+
+def _parquet(recordings: Sequence[sw.lab.Recording], file: Path) -> None:
+    """The tidy table of recordings with the columns of the CSV file."""
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    table = sw.lab.table(recordings)
+    names = np.array([recording.name for recording in recordings])[table["of"].values]
+    columns: dict[str, Any] = {"recording": names}
+    for quantity in sw.lab.SAMPLE:
+        columns[quantity.key] = table[quantity.name].values * quantity.factor
+    parquet.write_table(pa.table(columns), file)
 
 
 def _band(fit: sw.lab.BandFit, account: Account) -> Contents:

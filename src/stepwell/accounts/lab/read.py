@@ -3,12 +3,14 @@
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import PurePath
+from typing import Any
 
 from stepwell import base
 from stepwell.accounts.chain import label_of, with_sign
 from stepwell.accounts.head import About, Row, keys
-from stepwell.accounts.parts import CARD, Account, Fact, Notes, RecordTable
-from stepwell.lab import Batch, Recording, hashes
+from stepwell.accounts.lab.folding import folded_notes
+from stepwell.accounts.parts import CARD, PAGE, Account, Fact, Notes, Picture, RecordTable
+from stepwell.lab import Batch, Recording, half_cycles, hashes
 
 _RECORDING: base.Schema = (
     base.Quantity("source", head="file"),
@@ -25,9 +27,24 @@ _RECORDING: base.Schema = (
         "turns", "mm", read=lambda one: [one.stroke[i] for i in one.turns], holds=[float]
     ),
 )
-_READ: base.Schema = (*base.read_off(_RECORDING, "recording"), base.Quantity("odd", holds=[str]))
+_EXTREME = keys(stroke="mm", force="N")
+_JUMP = keys(stroke="mm", jump="N")
+_HALF: base.Schema = (
+    base.Quantity("half", head="half", read="number", holds=int),
+    *keys(direction=str, stroke_from=("mm", "start"), stroke_to=("mm", "end")),
+    *keys(force_least=("N", "least"), force_most=("N", "most")),
+    *keys(peaks=[_EXTREME], valleys=[_EXTREME], snaps=[_JUMP], work="mJ", loss=float),
+    *keys(stiffness_0="N/m", stiffness_1="N/m", noise="N"),
+)
+_READ: base.Schema = (
+    *base.read_off(_RECORDING, "recording"),
+    base.Quantity("half_cycles", holds=[_HALF], read=lambda row: half_cycles(row["recording"])),
+    base.Quantity("odd", holds=[str]),
+)
 _REFUSED = keys(source=(str, "name"), problem=str)
 _SHOWN = [quantity for quantity in _RECORDING if quantity.head]
+# Half cycles that a terminal shows; more than one leave less room for extremes and jumps.
+_SHOWN_HALVES, _PLACES = 3, {1: 4, 2: 2}
 
 
 def _rows(batch: Batch) -> Sequence[Row]:
@@ -41,27 +58,49 @@ READ: base.Schema = (
 
 
 def batch_account(batch: Batch, about: About) -> Account:
-    """Recordings that were read, their oddities, and files that could not be read."""
+    """Recordings that were read, the extremes, work and stiffness of each half, and oddities."""
     odd = [f"{one['recording'].source}: {line}" for one in _rows(batch) for line in one["odd"]]
     read, refused = len(batch.recordings), len(batch.refused)
     not_read = f"; {base.counted(refused, 'file')} could not be read" * (refused > 0)
-    facts = (
-        Fact("Samples", f"{sum(map(len, batch.recordings))}"),
-        Fact("Oddities", f"{len(odd)}"),
-        Fact("Not read", f"{refused}"),
-    )
     endings = Counter(PurePath(name).suffix or PurePath(name).name for name in batch.ignored)
     ignored = ", ".join(f"{count} {ending}" for ending, count in sorted(endings.items()))
     hint = f"{ignored}. A file that is named is always tried."
+    halves = [
+        f"{k} {one.direction_of(half)}"
+        for one in batch.recordings
+        for k, half in enumerate(one.halves, 1)
+    ]
+    few = halves[:_SHOWN_HALVES]
+    first = f": the first {len(few)} of {len(halves)}" * (len(halves) > len(few))
+    how = "Forces at strokes [mm]; k at the onset of force, and at the largest stroke."
     sections = {
-        "Recordings": RecordTable(_COLUMNS, "recordings", more="recordings", level=CARD),
-        "Oddities": Notes(odd),
-        "Not read": Notes([str(one) for one in batch.refused]),
-        "Not tried": Notes([hint] if ignored else []),
+        f"Half cycles{first}": RecordTable(
+            _across(few), "recordings", level=CARD, pick=_transposed
+        ),
+        "All half cycles": RecordTable(
+            _HALF_COLUMNS, "recordings", how, most=None, level=PAGE, pick=_halves
+        ),
+        "Recordings": (
+            Picture("recordings", "Force against stroke"),
+            RecordTable(_COLUMNS, "recordings", more="recordings", most=None, level=PAGE),
+        ),
+        **folded_notes("Oddities", odd, 2 + (not refused)),
+        **folded_notes("Not read", [str(one) for one in batch.refused]),
+        "Not tried": Notes([hint] if ignored else [], PAGE),
     }
-    answer = f"{base.counted(read, 'recording')} read{not_read}"
+    samples = base.counted(sum(map(len, batch.recordings)), "sample")
+    answer = f"{base.counted(read, 'recording')} with {samples} read{not_read}"
     origin = f"{base.counted(read + refused, 'file')} tried."
-    return Account(batch, "Recordings", "lab.read/1", answer, facts, sections, origin=origin)
+    return Account(batch, "Recordings", "lab.read/1", answer, (), sections, origin=origin)
+
+
+def _halves(recordings: Sequence[Row]) -> list[dict[str, Any]]:
+    """The half cycles of all recordings, with the name of the recording."""
+    return [
+        {"name": PurePath(one["source"]).stem, **half}
+        for one in recordings
+        for half in one["half_cycles"]
+    ]
 
 
 def recording_account(recording: Recording, about: About) -> Account:
@@ -90,3 +129,48 @@ _COLUMNS = (
     ),
     *_SHOWN[4:],
 )
+
+
+def _range(row: Row, low: str, high: str) -> str:
+    return f"{base.number(row[low], 3)} to {base.number(row[high], 3)}"
+
+
+def _places(row: Row, name: str, value: str) -> str:
+    """Forces at strokes of the first extremes or jumps, and the number of the others."""
+    each = [f"{base.number(x[value], 3)} at {base.number(x['stroke_mm'], 3)}" for x in row[name]]
+    return base.join_first(each, row.get("places", len(each))) or "-"
+
+
+_HALF_COLUMNS = (
+    base.Column("recording", lambda row: row["name"]),
+    base.Column("half", lambda row: f"{row['half']} {row['direction']}"),
+    base.Column("stroke [mm]", lambda row: _range(row, "stroke_from_mm", "stroke_to_mm"), True),
+    base.Column("force [N]", lambda row: _range(row, "force_least_N", "force_most_N"), True),
+    base.Column("peak [N at mm]", lambda row: _places(row, "peaks", "force_N"), True),
+    base.Column("valley [N at mm]", lambda row: _places(row, "valleys", "force_N"), True),
+    base.Column("jump [N at mm]", lambda row: _places(row, "snaps", "jump_N"), True),
+    base.Column("work [mJ]", lambda row: base.number(row["work_mJ"]), True),
+    base.Column("loss", lambda row: "" if row["loss"] is None else base.percent(row["loss"]), True),
+    base.Column("k at onset [N/m]", lambda row: base.number(row["stiffness_0_N_per_m"]), True),
+    base.Column("k at end [N/m]", lambda row: base.number(row["stiffness_1_N_per_m"]), True),
+    base.Column("noise [N]", lambda row: base.number(row["noise_N"], 2), True),
+)
+
+
+def _across(halves: Sequence[str]) -> tuple[base.Column, ...]:
+    """A column for each of the first half cycles, after the names of their quantities."""
+    each = (base.Column(one, lambda row, k=k: row[k], True) for k, one in enumerate(halves))
+    return (base.Column("half", lambda row: row["quantity"]), *each)
+
+
+def _transposed(recordings: Sequence[Row]) -> list[dict[Any, str]]:
+    """A row for each quantity of the first half cycles; quantities without a text are left out."""
+    halves = _halves(recordings)
+    few = halves[:_SHOWN_HALVES]
+    room = {"places": _PLACES.get(len(few), 1)}
+    names = [*_HALF_COLUMNS[: len(recordings) > 1], *_HALF_COLUMNS[2:]]
+    rows = [
+        {"quantity": column.heading, **{k: column.cell(half | room) for k, half in enumerate(few)}}
+        for column in names
+    ]
+    return [row for row in rows if any(row[k] not in ("", "-") for k in range(len(few)))]
