@@ -165,7 +165,7 @@ def test_no_figure_is_left_out_here(chains, robots, tmp_path):
         "band_laws", "calibration", "graph_classes",
         # Below.
         "animation", "moving", "measured_forces", "measured_energies", "measured_pairs",
-        "recording", "outcomes",
+        "recording", "recordings", "outcomes",
     }  # fmt: skip
     assert tried | elsewhere == set(figures.__all__), "draw it with names in `of_chains` or below"
     cycle = named(sw.preset("paper-forward"), ALL).cycle()
@@ -187,6 +187,7 @@ def test_no_figure_is_left_out_here(chains, robots, tmp_path):
     study = sweep(named(cycle.chain, other), "cycle", space, tmp_path / "s.zarr", workers=1).study
     assert check(partial(figures.outcomes, study), f"{other}1.q.x") > 0
     assert check(partial(figures.recording, replace(runs[0], source=ALL)), ALL) == 1
+    assert check(partial(figures.recordings, [replace(runs[0], source=ALL)]), ALL) == 1
 
 
 @pytest.mark.slow

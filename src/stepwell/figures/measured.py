@@ -14,15 +14,7 @@ from matplotlib.lines import Line2D
 from stepwell.base import Floats, InputError, grouped
 from stepwell.figures.common import legends, marks, sheet, style, words
 from stepwell.figures.common.style import FAINT
-from stepwell.lab import (
-    BandTest,
-    Calibration,
-    CellTest,
-    Choice,
-    PairTest,
-    Recording,
-    half_cycles,
-)
+from stepwell.lab import BandTest, Calibration, CellTest, Choice, PairTest, Recording, half_cycles
 
 T = TypeVar("T")
 
@@ -250,8 +242,7 @@ def recordings(results: Sequence[Recording]) -> Figure:
     handles: list[Artist] = [legends.line(way, looks[way]) for way in looks if way in occur]
     handles.append(legends.mark("jump of the force", "v", 4.0, color=FAINT))
     sizes = (3 if len(results) > 2 else 2, 50.0, 16.0, 18.5, 16.0)
-    stroke = "Stroke of the testing machine [mm]"
-    return _panels(results[:_MOST_PANELS], draw, sizes, handles, stroke, "Force [N]")
+    return _panels(results[:_MOST_PANELS], draw, sizes, handles, "Stroke [mm]", "Force [N]")
 
 
 # A colour and a dash for each law; either is unique.

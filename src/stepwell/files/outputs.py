@@ -35,10 +35,7 @@ _OF_COMMANDS = {
     "atlas show": ("atlas.json", "graph_classes"),
     "walk": ("robot.toml walk.json walk.nc walk.mp4 walk.gif", "gait trajectory contacts"),
     "maze": ("robot.toml arena.toml maze.json walk.nc maze.mp4 maze.gif", "maze timeline"),
-    "lab read": (
-        "recordings.csv recordings.nc recordings.parquet recordings.json",
-        "recordings",
-    ),
+    "lab read": ("recordings.csv recordings.nc recordings.parquet recordings.json", "recordings"),
     "lab band": ("band.toml band.json", "laws"),
     "lab compare": ("compare.json curves.csv", "forces energies pairs"),
     "lab as-built": ("built.toml moved.toml built.json", ""),

@@ -23,7 +23,16 @@ from stepwell.lab.fit_samples import Prepared, Sample, Weighing, prepare
 from stepwell.lab.half_cycles import HalfCycle, half_cycles
 from stepwell.lab.pair_test import PairTest
 from stepwell.lab.recordings.curve import Curve, MeasuredCurve, mean_curve, read_curve
-from stepwell.lab.recordings.read import SAMPLE, Batch, hashes, read, read_all, read_bytes, table, to_csv
+from stepwell.lab.recordings.read import (
+    SAMPLE,
+    Batch,
+    hashes,
+    read,
+    read_all,
+    read_bytes,
+    table,
+    to_csv,
+)
 from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.lab.recordings.recording_warnings import batch_warnings, recording_warnings
 from stepwell.lab.rig import NOT_JUDGED, PAPER_RIG, Rig

@@ -193,6 +193,11 @@ class PairTest(ByValue, Drawn):
         return tuple(run.name for run, snaps in runs if len(snaps) != expected)
 
     @property
+    def agrees(self) -> bool:
+        """Whether order and snaps are the predicted ones."""
+        return bool(self.right_order) and bool(self.right_snaps)
+
+    @property
     def warning(self) -> str:
         """Warning about runs that differ from the others; "" for none."""
         warnings: list[str] = []

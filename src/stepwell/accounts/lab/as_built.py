@@ -22,6 +22,7 @@ _MOVE: Schema = (
     Quantity("share", head="yield", form=base.percent, left=False, holds=float),
 )
 _WRONG: Schema = (Quantity("wrong", read=str), *_PLACED, Quantity("share", holds=float))
+_ROWS = 8  # parameters that a terminal shows
 _PULL = keys(direction=int, stroke="mm", force="N")
 
 
@@ -91,7 +92,10 @@ def as_built_account(build: AsBuilt, about: About) -> Account:
         "As built, as far as observations identify it": RecordTable(
             _KNOWN, "known", known, more="parameters", level=CARD
         ),
-        "Assumptions": (Text(anchors if Shape.of(drawing).levers else ""), Notes(assumed, FULL)),
+        "Assumptions": (
+            Text(anchors if Shape.of(drawing).levers else "", FULL),
+            Notes(assumed, FULL),
+        ),
     }
     title, answer = drawing.title or "A first build", f"{build.advice}."
     origin, seed = f"{cells_of(drawing)}.", build.seed

@@ -5,8 +5,9 @@ from typing import Any
 
 from stepwell.accounts import parts
 from stepwell.accounts.head import About, Row, keys
-from stepwell.accounts.parts import CARD, Account, Fact, Notes, Picture, RecordTable, Text
-from stepwell.base import Column, Quantity, Schema, number, percent, read_off
+from stepwell.accounts.lab.folding import folded_notes
+from stepwell.accounts.parts import CARD, FULL, Account, Fact, Notes, Picture, RecordTable, Text
+from stepwell.base import Column, Quantity, Schema, join_first, number, percent, read_off
 from stepwell.lab import BandFit, BandTest, Estimate, band_table, stiffness
 
 _MM, _MN = Quantity("stroke", "mm").factor, Quantity("force", "mN").factor
@@ -21,6 +22,7 @@ _ALONE: Schema = (
     Quantity("stiffness", "N/m", holds=_INTERVAL),
     Quantity("rest_length", "mm", holds=_INTERVAL, missing=True),
 )
+_WRONG = keys(law=str, stroke="mm", measured="N", predicted="N", error="N", start="mm", end="mm")
 _WINDOW = keys(**{"from": ("mm", "start")}, to=("mm", "end"), k=("N/m", "stiffness"))
 _LOSS = keys(sample=int, cycle=int, loss=float)
 _LAW: Schema = (
@@ -39,7 +41,7 @@ def _losses(fit: BandFit) -> list[Any]:
 
 
 BAND: Schema = (
-    *keys(data_sha256={str: str}, warnings=([str], "test.warnings")),
+    *keys(data_sha256={str: str}, warnings=[str]),
     Quantity("window", "mm", holds=[float], read="test.window"),
     *read_off(keys(cycles=[int], samples=[int], notes=[str]), "test"),
     Quantity("stiffness", "N/m", holds=_ESTIMATE),
@@ -50,6 +52,7 @@ BAND: Schema = (
     *keys(law_chosen=(str, "choice.chosen.law.name"), left_out=(str, "choice.folds")),
     *keys(law_reason=(str, "choice.reason"), rest_length=("mm", "choice.rest_length")),
     *keys(rest_length_reason=(str, lambda fit: fit.choice.rest_length_reason()), table=str),
+    Quantity("law_wrong", holds=_WRONG, read="wrong", missing=True),
 )
 
 
@@ -65,13 +68,12 @@ def band_fit_account(fit: BandFit, about: About) -> Account:
     lost = f"{percent(loss.value)}; by sample {_each(loss, '.1%')}" if loss else ""
     facts = (
         Fact("This band, 95 %", alone_ends),
-        Fact("Rest length", rest),
-        Fact("Mean of bands, 95 %", _between(mean.low, mean.high, "N/m", _ONE_SAMPLE)),
-        Fact("Next band, 95 %", _between(mean.next_low, mean.next_high, "N/m", _ONE_SAMPLE)),
-        Fact("By sample", f"{_each(mean, '.4g')} N/m"),
+        Fact("Rest length", rest or ("" if choice.gauge else "not known: give --gauge LENGTH")),
+        *_interval_facts(mean),
+        Fact("By sample", f"{_each(mean, '.4g')} N/m" if len(mean.each) > 1 else ""),
         Fact("Work lost in a cycle", lost),
-        Fact("Force law", choice.chosen.law.name),
-        *_window_facts(fit.test),
+        Fact("Force law", _law_words(fit)),
+        _window_fact(fit.test),
     )
     laws = (
         "Residual force of each law, and its error in predicting the data left out; laws with "
@@ -84,18 +86,19 @@ def band_fit_account(fit: BandFit, about: About) -> Account:
     if alone:
         scatter = "the scatter of the readings around the law and the digits of the readings."
     sections = {
+        "For a design file": parts.Verbatim(table.splitlines()[-1], "Band table"),
         "Force laws": (
             Picture("laws", "Force against stroke, and the laws"),
-            RecordTable(_law_columns(fit), "laws", laws),
+            RecordTable(_law_columns(fit), "laws", laws, level=FULL),
         ),
-        "Choice of the law": Notes([choice.reason, choice.rest_length_reason()]),
+        **folded_notes("Used and dropped", fit.test.notes),
+        "Choice of the law": Notes([choice.reason, choice.rest_length_reason()], FULL),
         "Stiffness [N/m] by window: from (down) and to (across) [mm]": _window_table(fit),
-        "For a design file": parts.Verbatim(table.rstrip(), "Band table"),
-        "Used and dropped": Notes(fit.test.notes),
-        "Assumptions": Text(f"Intervals are Student's, from {scatter}"),
+        "Band table with its source": parts.Verbatim(table.rstrip(), "Band table", FULL),
+        "Assumptions": Text(f"Intervals are Student's, from {scatter}", FULL),
     }
     title, answer = "Stiffness of bands", f"Stiffness {number(mean.value)} N/m"
-    warned = [parts.Warned("Check the recordings", "", fit.test.warnings)]
+    warned = [parts.Warned("Check the recordings", "", fit.warnings)]
     given = {"data_sha256": about.data_sha256, "table": table}
     return Account(fit, title, "lab.band/2", answer, facts, sections, warned, given=given)
 
@@ -105,9 +108,9 @@ def band_test_account(test: BandTest, about: About) -> Account:
     mean = stiffness(test)
     facts = (
         Fact("Stiffness", f"{number(mean.value)} N/m"),
-        Fact("Mean of bands, 95 %", _between(mean.low, mean.high, "N/m", _ONE_SAMPLE)),
+        _interval_facts(mean)[0],
         Fact("Samples", ", ".join(map(str, test.samples))),
-        *_window_facts(test),
+        _window_fact(test),
     )
     warnings = [parts.Warned("Check the recordings", "", test.warnings)]
     sections = {"Used and dropped": Notes(test.notes[:3], CARD)}
@@ -115,10 +118,28 @@ def band_test_account(test: BandTest, about: About) -> Account:
     return Account(test, title, facts=facts, warnings=warnings, sections=sections)
 
 
-def _window_facts(test: BandTest) -> tuple[Fact, Fact]:
+def _window_fact(test: BandTest) -> Fact:
     low, high = (number(edge * _MM) for edge in test.window)
-    window = Fact("Window", f"{low} to {high} mm of stroke, loading")
-    return window, Fact("Cycles", f"{test.cycles[0]} to {test.cycles[1]}")
+    cycles = " to ".join(map(str, dict.fromkeys(test.cycles)))
+    return Fact("Window", f"{low} to {high} mm of stroke, loading, cycles {cycles}")
+
+
+def _interval_facts(mean: Estimate) -> list[Fact]:
+    """Intervals of the mean of bands and of one more band; one fact if they are not known."""
+    ends = {"Mean of bands": (mean.low, mean.high), "Next band": (mean.next_low, mean.next_high)}
+    facts = [
+        Fact(f"{name}, 95 %", _between(*two, "N/m", _ONE_SAMPLE)) for name, two in ends.items()
+    ]
+    return facts[: 1 if math.isnan(mean.low) else 2]
+
+
+def _law_words(fit: BandFit) -> str:
+    """The chosen law, and the residual of every law."""
+    chosen = fit.choice.chosen
+    others = [one for one in fit.choice.candidates if one is not chosen]
+    left = {one.law.name: number(one.fitted.rmse * _MN, 3) for one in (chosen, *others)}
+    rest = ", ".join(f"{one.law.name} {left[one.law.name]}" for one in others)
+    return f"{chosen.law.name}, leaves {left[chosen.law.name]} mN" + (f" ({rest})" if rest else "")
 
 
 def _between(low: float, high: float, unit: str, lacking: str = "too few readings") -> str:
@@ -126,10 +147,11 @@ def _between(low: float, high: float, unit: str, lacking: str = "too few reading
 
 
 def _each(estimate: Estimate, form: str) -> str:
-    return ", ".join(f"{sample}: {value:{form}}" for sample, value in estimate.each.items())
+    return join_first([f"{sample}: {value:{form}}" for sample, value in estimate.each.items()], 6)
 
 
 def _law_columns(fit: BandFit) -> list[Quantity | Column]:
+    """The columns of the table of laws, the fitted values last."""
     choice = fit.choice
     chosen, left_out = choice.chosen.law.name, choice.folds
     # Laws of a single curve are compared by a criterion, else by the error in data left out.
@@ -167,4 +189,4 @@ def _window_table(fit: BandFit) -> RecordTable:
         Column(end, lambda row, end=end: number(row.get(end)), True)
         for end in (["from", *ends] if ends else [])
     ]
-    return RecordTable(columns, lambda: [*rows.values()])
+    return RecordTable(columns, lambda: [*rows.values()], level=FULL)

@@ -4,11 +4,26 @@ from collections.abc import Callable, Sequence
 
 from stepwell import base
 from stepwell.accounts.head import About, Row, keys, of_class
-from stepwell.accounts.parts import CARD, TERMINAL, Account, Fact, Notes, Picture, RecordTable, Text
+from stepwell.accounts.lab.folding import clipped, folded_notes
+from stepwell.accounts.parts import (
+    CARD,
+    FULL,
+    TERMINAL,
+    Account,
+    Fact,
+    Notes,
+    Picture,
+    RecordTable,
+    Sections,
+    Text,
+)
 from stepwell.base import Quantity, Schema, amount, counted, number
 from stepwell.lab import NOT_JUDGED, RISE, CellTest, Comparison, PairTest, Rig
 
 _MM = Quantity("stroke", "mm").factor
+
+# Verdicts that a terminal shows in full, and lines of those that do not agree.
+_FEW, _ODD = 3, 10
 
 _RIG = keys(
     stretch=float, start_loading="mm", start_unloading="mm", compliance="mm/N", friction="N"
@@ -120,33 +135,46 @@ def comparison_account(compared: Comparison, about: About) -> Account:
     ]
     no_rise = f"in no series, to {RISE:g} k r" * bool(cells)
     facts = (
-        Fact("Unit cells", f"{len(cells) or ''}"),
-        Fact("Pairs", f"{len(pairs) or ''}"),
         Fact("Mean RMSE of unit cells", "; ".join(means)),
-        Fact("Force rises", "; ".join(rises) or no_rise, TERMINAL),
+        Fact("Force rises", base.join_first(rises, 1) or no_rise, TERMINAL),
     )
     odd = [f"{test.series.name}: {line}" for test in tests for line in test.series.notes]
-    level = TERMINAL if cells else CARD
+    verdicts = [f"{test.series.name}: {test.verdict}" for test in tests]
     sections = {
-        "Verdicts": (
-            Notes([f"{test.series.name}: {test.verdict}" for test in tests]),
+        **_verdicts(tests, verdicts),
+        "Figures": (
             Picture("forces", "Forces of unit cells, measured and modelled"),
             Picture("energies", "Energies of unit cells, measured and modelled"),
             Picture("pairs", "Forces of pairs, measured and modelled"),
         ),
         "Unit cells: measured (model); errors in k r and k r²": RecordTable(
-            (*_EACH, *_CELL), "series", "", (), "unit cells", CARD, of_kind("cell")
+            (*_EACH, *_CELL), "series", "", (), "unit cells", FULL, of_kind("cell")
         ),
         "Pairs: errors in k r; ratio of the errors against the two orders": RecordTable(
-            _PAIR_COLUMNS, "series", "", (), "pairs", level, of_kind("pair")
+            _PAIR_COLUMNS, "series", "", (), "pairs", FULL, of_kind("pair")
         ),
-        "Rig": Text(_rig_words(compared.rig) if pairs else ""),
-        "Used, dropped and odd": Notes([*odd, *compared.notes]),
-        "Assumptions": Text(NOT_JUDGED),
+        "Rig": Text(_rig_words(compared.rig) if pairs else "", FULL),
+        **folded_notes("Used, dropped and odd", [*odd, *compared.notes]),
+        "Assumptions": Text(NOT_JUDGED, FULL),
     }
     given = {"data_sha256": about.data_sha256, "designs_sha256": about.designs_sha256}
     title, answer = "Measured against model", _agreement(compared)
     return Account(compared, title, "lab.compare/2", answer, facts, sections, given=given)
+
+
+def _verdicts(tests: Sequence[CellTest | PairTest], verdicts: Sequence[str]) -> Sections:
+    """The verdicts; of many, a terminal shows the first ones of those that do not agree."""
+    if len(tests) <= _FEW:
+        return {"Verdicts": Notes(verdicts, CARD)}
+    pairs = zip(tests, verdicts, strict=True)
+    odd = [clipped(verdict) for test, verdict in pairs if not test.agrees]
+    more = [f"and {len(odd) - _ODD} more"] * (len(odd) > _ODD)
+    return {
+        f"Differ or undecided: {len(odd)} of {len(tests)} series": Notes(
+            [*odd[:_ODD], *more], CARD
+        ),
+        "Verdicts": Notes(verdicts, FULL),
+    }
 
 
 def _agreement(compared: Comparison) -> str:

@@ -9,7 +9,7 @@ from stepwell.base import counted, grouped
 # Letters of a line; the rest of a longer one is on the page and in JSON.
 _WIDE = 96
 # A word that names one file, run or number, and is not the kind of a note.
-_OWN = re.compile(r"^['(]*[\w./\\-]*[\d_/\\][\w./\\%-]*[',);]*$")
+_OWN = re.compile(r"^['(+-]*[\w./\\-]*[\d_/\\][\w./\\%-]*[',);]*$")
 
 
 def folded_notes(

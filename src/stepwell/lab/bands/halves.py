@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Floats, grouped, join_first, to_unit
+from stepwell.base import Bools, ByValue, Floats, grouped, join_first
 from stepwell.lab.recordings import recording as recorded
 from stepwell.lab.recordings.read import natural
 from stepwell.lab.recordings.recording import Recording
