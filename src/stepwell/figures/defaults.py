@@ -40,7 +40,7 @@ def plot(value: Any, **options: Any) -> Figure:
     | a walk, a path through an arena, a sweep | `trajectory`, `maze`, `sweep` |
     | a recording, a test of bands | `recording`, `band_laws` |
     | an atlas | `graph_classes` |
-    | a measured cell, a measured pair | `measured_forces`, `measured_pairs` |
+    | a measured cell, a measured pair or chain | `measured_forces`, `measured_pairs` |
     | a comparison | `measured_forces`, or `measured_pairs` without unit cells |
     | a calibration | `calibration` |
 
@@ -99,11 +99,12 @@ _USUAL: dict[str, Callable[..., Figure]] = {
     "Calibration": measured.calibration,
     "Cell": lambda cell, **options: unit_cell_force([cell], **options),
     "CellTest": lambda test: measured.measured_forces([test]),
+    "ChainTest": lambda test: measured.measured_pairs([test]),
     "Chain": _chain,
     "Comparison": lambda comparison: (
         measured.measured_forces(comparison.cells)
         if comparison.cells
-        else measured.measured_pairs(comparison.pairs)
+        else measured.measured_pairs(comparison.pairs or comparison.chains)
     ),
     "Cycle": overview,
     "Design": _designed,

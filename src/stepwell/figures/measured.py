@@ -14,7 +14,16 @@ from matplotlib.lines import Line2D
 from stepwell.base import Floats, InputError, grouped
 from stepwell.figures.common import legends, marks, sheet, style, words
 from stepwell.figures.common.style import FAINT
-from stepwell.lab import BandTest, Calibration, CellTest, Choice, PairTest, Recording, half_cycles
+from stepwell.lab import (
+    BandTest,
+    Calibration,
+    CellTest,
+    ChainTest,
+    Choice,
+    PairTest,
+    Recording,
+    half_cycles,
+)
 
 T = TypeVar("T")
 
@@ -66,8 +75,8 @@ def measured_energies(tests: Sequence[CellTest]) -> Figure:
 
 
 @style.styled
-def measured_pairs(tests: Sequence[PairTest]) -> Figure:
-    """Actuator force of measured pairs against stroke, with the model as a line and snaps marked.
+def measured_pairs(tests: Sequence[PairTest | ChainTest]) -> Figure:
+    """Actuator force of measured pairs or chains against stroke, with model and snaps.
 
     The measured mean has its baseline subtracted (blue loading, vermillion unloading) and is pale
     outside the range of comparison. Triangles mark the measured snaps, above, and the snaps of the
@@ -168,7 +177,7 @@ def _cell(ax: Axes, group: list[CellTest], curves: list[tuple[Floats, Floats]]) 
     sheet.name_panel(ax, f"{words.literal(first.series.code)}{way}, $d$ = {place_of} mm")
 
 
-def _pair(ax: Axes, test: PairTest) -> None:
+def _pair(ax: Axes, test: PairTest | ChainTest) -> None:
     colour = style.UNLOADING if test.series.unloading else style.LOADING
     u = test.stroke * style.MM
     marks.zero_line(ax)
@@ -186,8 +195,10 @@ def _pair(ax: Axes, test: PairTest) -> None:
     ax.plot(seen, above, "v", color=colour, markersize=4.0, zorder=5, gid="snaps")
     ax.plot(wanted, below, "^", **style.hollow(4.0), zorder=5, gid="snaps predicted")
     mechanism = test.series.name.removesuffix(", loading").removesuffix(", unloading")
-    order = "tie" if test.tie else " then ".join(test.series.chain.names[c] for c in test.shown)
-    sheet.name_panel(ax, words.literal(f"{mechanism}: {order}"))
+    order = ": tie" if test.tie else ""
+    if isinstance(test, PairTest) and not test.tie:
+        order = f": {' then '.join(test.names(test.shown))}"
+    sheet.name_panel(ax, words.literal(f"{mechanism}{order}"))
 
 
 @style.styled

@@ -8,6 +8,7 @@ from stepwell.lab.bands.laws import LAWS, Fitted, ForceLaw, fit
 from stepwell.lab.builds import Observed, Pull, WrongHole, pulls_of
 from stepwell.lab.calibration import Calibration, Correlated, FittedParameter, calibrate
 from stepwell.lab.cell_test import RISE, CellReading, CellTest, Rise
+from stepwell.lab.chain_test import ChainTest, SnapComparison
 from stepwell.lab.comparison import Comparison, Refit, compare, refit
 from stepwell.lab.first_build import (
     FIRST_BUILD,
@@ -49,6 +50,7 @@ __all__ = [
     "Candidate",
     "CellReading",
     "CellTest",
+    "ChainTest",
     "Choice",
     "Comparison",
     "Correlated",
@@ -80,6 +82,7 @@ __all__ = [
     "Sample",
     "Series",
     "SAMPLE",
+    "SnapComparison",
     "SnapPrediction",
     "Sorted",
     "AnchorMove",

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stepwell import base
+from stepwell.base import grouped
 from stepwell.lab.cell_test import CellTest, cell_test
+from stepwell.lab.chain_test import ChainTest, chain_test
 from stepwell.lab.pair_test import PairTest, pair_tests
 from stepwell.lab.recordings.curve import rms
 from stepwell.lab.recordings.recording import LabError, Recording
@@ -25,7 +27,8 @@ class Comparison(base.ByValue, base.Drawn):
     """Comparison of a batch of recordings with the models.
 
     Attributes:
-        cells, pairs: unit cells, and two-cell mechanisms.
+        cells, pairs, chains: unit cells, two-cell mechanisms, and chains of elements or of more
+            cells.
         notes: a line for every recording that is in no series.
         rig: the test rig.
     """
@@ -34,11 +37,12 @@ class Comparison(base.ByValue, base.Drawn):
     pairs: tuple[PairTest, ...]
     notes: tuple[str, ...]
     rig: Rig
+    chains: tuple[ChainTest, ...] = ()
 
     @property
-    def tests(self) -> tuple[CellTest | PairTest, ...]:
-        """Unit cells, then pairs."""
-        return (*self.cells, *self.pairs)
+    def tests(self) -> tuple[CellTest | PairTest | ChainTest, ...]:
+        """Unit cells, then pairs, then chains."""
+        return (*self.cells, *self.pairs, *self.chains)
 
     def mean_rmse(self, bands: int) -> float:
         """Mean over the geometries of unit cells of the RMSE in k r, for that number of bands."""
@@ -83,7 +87,8 @@ class Comparison(base.ByValue, base.Drawn):
         return series, [np.concatenate(column) for column in zip(*rows, strict=True)]
 
     def __repr__(self):
-        return f"Comparison({len(self.cells)} unit cells, {len(self.pairs)} pairs)"
+        chains = f", {len(self.chains)} chains" if self.chains else ""
+        return f"Comparison({len(self.cells)} unit cells, {len(self.pairs)} pairs{chains})"
 
 
 def compare(
@@ -97,7 +102,7 @@ def compare(
     """Compare recordings with the models of the tested mechanisms: a verdict for every series.
 
     Args:
-        recordings: tests of unit cells and pairs, baselines among them.
+        recordings: tests of unit cells, pairs and chains, baselines among them.
         designs: what file names leave open; see `sort_series`.
         baseline: runs without a band; by default found by name, empty for none.
         as_designed: use the design unchanged and ignore the names.
@@ -106,22 +111,24 @@ def compare(
             the plain result.
 
     Raises:
-        LabError: nothing to compare, or a chain of more than two cells.
+        LabError: nothing to compare.
     """
     sorted_series = sort_series(recordings, designs, baseline=baseline, as_designed=as_designed)
-    longer = [one for one in sorted_series.series if len(one.chain) > 2]
-    if longer:
-        raise LabError(
-            longer[0].code,
-            f"its design has {len(longer[0].chain)} cells: only one or two can be compared.",
-        )
-    cells = tuple(cell_test(one, rig) for one in sorted_series.series if len(one.chain) == 1)
-    pairs = tuple(pair_tests([one for one in sorted_series.series if len(one.chain) == 2], rig))
-    return Comparison(cells, pairs, sorted_series.notes, rig)
+    kinds = grouped((_kind(one.chain), one) for one in sorted_series.series)
+    cells = tuple(cell_test(one, rig) for one in kinds.get("cell", ()))
+    pairs = tuple(pair_tests(kinds.get("pair", ()), rig))
+    chains = tuple(map(chain_test, kinds.get("chain", ())))
+    return Comparison(cells, pairs, sorted_series.notes, rig, chains)
 
 
-def _rows(test: CellTest | PairTest) -> tuple[Any, Any, Any, Any]:
-    if isinstance(test, PairTest):
+def _kind(chain: Chain) -> str:
+    """Whether a chain is compared as a unit cell, as a pair, or by its force alone."""
+    kinds = {1: "cell", 2: "pair"}
+    return "chain" if chain.elements else kinds.get(len(chain), "chain")
+
+
+def _rows(test: CellTest | PairTest | ChainTest) -> tuple[Any, Any, Any, Any]:
+    if not isinstance(test, CellTest):
         return test.stroke, test.force, test.model, test.inside
     reading = test.plain
     return test.cell.travel(reading.theta), reading.force, test.model, reading.inside
@@ -185,6 +192,10 @@ def refit(comparison: Comparison) -> Refit:
     chain = comparison.tests[0].series.chain
     if any(test.series.chain != chain for test in comparison.tests):
         raise LabError("design", "recordings of several designs: fit one at a time.")
+    if comparison.chains:
+        raise LabError(
+            "design", "a chain of elements or of more than two cells: nothing is fitted."
+        )
     bands = [band for cell in chain.levers for band in cell.bands]
     kinds = {(band.stiffness, band.rest_length) for band in bands}
     if len(kinds) > 1 or not all(type(band.law) is Linear for band in bands):
@@ -193,7 +204,7 @@ def refit(comparison: Comparison) -> Refit:
             "its bands differ or do not follow the linear law: stiffness and rest length "
             "are fitted where all bands share them.",
         )
-    points = [_points(test) for test in comparison.tests]
+    points = [_points(test) for test in (*comparison.cells, *comparison.pairs)]
 
     def gap(x: base.Floats) -> base.Floats:
         model = _with_bands(chain, float(x[0]), float(x[1]))

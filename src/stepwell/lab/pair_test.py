@@ -409,10 +409,10 @@ def _zones(series: Series, order: Order) -> list[tuple[float, float]]:
 
 def _jumps(series: Series, order: Order) -> _Snaps:
     zones, runs = _zones(series, order), series.recordings
-    return [find_snaps(series.placed(run), run.force, zones, _time(run)) for run in runs]
+    return [find_snaps(series.placed(run), run.force, zones, time_of(run)) for run in runs]
 
 
-def _time(run: Recording) -> Floats | None:
+def time_of(run: Recording) -> Floats | None:
     """Time of a run if recorded and non-decreasing, else None."""
     time = run.time
     return time if np.all(np.isfinite(time)) and np.all(np.diff(time) >= 0) else None
@@ -425,7 +425,7 @@ def _step(run: Recording) -> float:
 
 def _jump_width(series: Series) -> float:
     """Largest stroke over which a jump is detected in the runs [m]."""
-    return max(_step(run) * samples_of_jump(_time(run)) for run in series.recordings)
+    return max(_step(run) * samples_of_jump(time_of(run)) for run in series.recordings)
 
 
 def _snap_events(path: Path) -> list[Event]:
@@ -447,7 +447,8 @@ def _snaps_of_runs(series: Series, jumps: _Snaps) -> _Snaps:
     At a snap the cell that was ahead moves back, so the force jumps against the direction of the
     drive. In a slip within a cell it jumps the other way.
     """
-    predicted = _snap_events(series.path)
+    events = _snap_events(series.path)
+    predicted = [MeasuredSnap(e.stroke, e.force_after - e.force_before) for e in events]
     if predicted:
         return [tuple(filter(None, matched(run, predicted))) for run in jumps]
     sign = -1.0 if series.unloading else 1.0

@@ -8,7 +8,6 @@ import numpy as np
 from stepwell.base import Bools, ByValue, Floats, to_unit
 from stepwell.lab.recordings.recording import Recording, without_spikes
 from stepwell.lab.rig import judged
-from stepwell.statics import Event
 
 # A jump is the difference of two means over 0.1 s, 0.12 s apart: snaps of the paper's rig take 40
 # to 80 ms. The trend over 2 s is subtracted. Faster recordings are averaged to 50 Hz first. In
@@ -90,20 +89,19 @@ def find_snaps(
 
 
 def matched(
-    jumps: Sequence[MeasuredSnap], predicted: Sequence[Event]
+    jumps: Sequence[MeasuredSnap], predicted: Sequence[MeasuredSnap]
 ) -> tuple[MeasuredSnap | None, ...]:
     """For every predicted snap the nearest unused jump of its sign and size, or None."""
     left = list(jumps)
     matches: list[MeasuredSnap | None] = []
-    for event in predicted:
-        size = event.force_after - event.force_before
+    for one in predicted:
 
-        def deviation(jump: MeasuredSnap, size: float = size, event: Event = event) -> float:
-            return abs(np.log(jump.jump / size)) + abs(jump.stroke - event.stroke) / _FAR
+        def deviation(jump: MeasuredSnap, one: MeasuredSnap = one) -> float:
+            return abs(np.log(jump.jump / one.jump)) + abs(jump.stroke - one.stroke) / _FAR
 
-        fitting = [one for one in left if _SIZES[0] <= one.jump / size <= _SIZES[1]]
+        fitting = [jump for jump in left if _SIZES[0] <= jump.jump / one.jump <= _SIZES[1]]
         matches.append(min(fitting, key=deviation, default=None))
-        left = [one for one in left if one is not matches[-1]]
+        left = [jump for jump in left if jump is not matches[-1]]
     return tuple(matches)
 
 

@@ -172,6 +172,8 @@ def _comparison(comparison: sw.lab.Comparison, _: Account) -> Contents:
         draws["energies"] = partial(figures.measured_energies, comparison.cells)
     if comparison.pairs:
         draws["pairs"] = partial(figures.measured_pairs, comparison.pairs)
+    if comparison.chains:
+        draws["chains"] = partial(figures.measured_pairs, comparison.chains)
     return Contents("lab compare", "compare.json", {"curves.csv": comparison.to_csv}, draws)
 
 

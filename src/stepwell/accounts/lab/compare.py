@@ -18,10 +18,12 @@ from stepwell.accounts.parts import (
     Text,
 )
 from stepwell.base import Quantity, Schema, amount, counted, number
-from stepwell.lab import NOT_JUDGED, RISE, CellTest, Comparison, PairTest, Rig
+from stepwell.lab import NOT_JUDGED, RISE, CellTest, ChainTest, Comparison, PairTest, Rig
 
 _MM = Quantity("stroke", "mm").factor
 
+# Notes of every series, which are listed last.
+_USUAL = "runs", "baseline", "configuration"
 # Verdicts that a terminal shows in full, and lines of those that do not agree.
 _FEW, _ODD = 3, 10
 
@@ -41,16 +43,33 @@ def _measured_and_model(name: str, unit: str, read: str, kind: type = float) -> 
     return Quantity(name, unit, name * bool(unit), both, text, holds=holds)
 
 
+_Test = CellTest | PairTest | ChainTest
+
+
+def _in_kr(name: str, head: str, read: str) -> Quantity:
+    """A number of a unit cell or a pair in units of k r; a chain has none."""
+
+    def value(test: _Test) -> float | None:
+        return None if isinstance(test, ChainTest) else getattr(test, read)
+
+    return Quantity(name, "over_kr", head, value, ".3f", missing=True)
+
+
+def _k_r(test: _Test) -> float | None:
+    return None if isinstance(test, ChainTest) else test.series.scale
+
+
+_KINDS = {CellTest: "cell", PairTest: "pair", ChainTest: "chain"}
 _EACH: Schema = (
     Quantity("series", head="series", read="series.name"),
-    Quantity("kind", read=lambda test: "cell" if isinstance(test, CellTest) else "pair"),
+    Quantity("kind", read=lambda test: _KINDS[type(test)]),
     *keys(runs=([str], lambda test: [one.source for one in test.series.recordings])),
     *keys(baseline=([str], lambda test: [one.source for one in test.series.baseline])),
-    *keys(notes=([str], "series.notes"), k_r=("N", "series.scale")),
-    Quantity("rmse", "over_kr", "RMSE", form=".3f"),
-    Quantity("rmse_bar_corrected", "over_kr", "bar corr.", "rmse_corrected", ".3f"),
-    Quantity("max", "over_kr", "max", "worst", ".3f"),
-    Quantity("spread", "over_kr", read=lambda test: test.spread / test.series.scale),
+    *keys(notes=([str], "series.notes"), k_r=("N", _k_r)),
+    _in_kr("rmse", "RMSE", "rmse"),
+    _in_kr("rmse_bar_corrected", "bar corr.", "rmse_corrected"),
+    _in_kr("max", "max", "worst"),
+    Quantity("spread", "over_kr", read=lambda t: t.spread / k if (k := _k_r(t)) else None),
     Quantity("verdict"),
 )
 _CELL = of_class(
@@ -88,7 +107,20 @@ _PAIR = of_class(
         *keys(hold=("N", lambda test: test.hold if test.held else None)),
     ),
 )
-_SERIES: Schema = (*_EACH, *_CELL, *_PAIR)
+_CHAIN = of_class(
+    ChainTest,
+    (
+        Quantity("force_rmse", "N", "RMSE", "rmse"),
+        *keys(force_range=("N", "range"), force_off=("N", lambda test: test.worst[1])),
+        *keys(force_off_at=("mm", lambda test: test.worst[0])),
+        Quantity(
+            "jumps",
+            holds=[keys(predicted="mm", jump="N", measured="mm", error="mm", doubt="mm", runs=int)],
+        ),
+        *keys(agrees=bool, motion_tie=(bool, "tie")),
+    ),
+)
+_SERIES: Schema = (*_EACH, *_CELL, *_PAIR, *_CHAIN)
 _PAIR_COLUMNS: base.Columns = tuple(
     base.Column(one.head, lambda pair, one=one: "a tie" if pair["order_tie"] else one.cell(pair))
     if one.name == "order_predicted"
@@ -103,12 +135,12 @@ def _means(compared: Comparison) -> Sequence[Row]:
     return base.rows_of({"bands": counts, "rmse": map(compared.mean_rmse, counts)})
 
 
-def cell_test_account(test: CellTest | PairTest, about: About) -> Account:
+def cell_test_account(test: _Test, about: About) -> Account:
     """Card of a single series in a notebook."""
     return Account(test, test.series.name, answer=f"{test.verdict}.")
 
 
-pair_test_account = cell_test_account
+pair_test_account = chain_test_account = cell_test_account
 
 
 COMPARE: Schema = (
@@ -138,7 +170,8 @@ def comparison_account(compared: Comparison, about: About) -> Account:
         Fact("Mean RMSE of unit cells", "; ".join(means)),
         Fact("Force rises", base.join_first(rises, 1) or no_rise, TERMINAL),
     )
-    odd = [f"{test.series.name}: {line}" for test in tests for line in test.series.notes]
+    notes = [f"{test.series.name}: {line}" for test in tests for line in test.series.notes]
+    odd = sorted(notes, key=lambda line: any(f": {name}: " in line for name in _USUAL))
     verdicts = [f"{test.series.name}: {test.verdict}" for test in tests]
     sections = {
         **_verdicts(tests, verdicts),
@@ -146,6 +179,7 @@ def comparison_account(compared: Comparison, about: About) -> Account:
             Picture("forces", "Forces of unit cells, measured and modelled"),
             Picture("energies", "Energies of unit cells, measured and modelled"),
             Picture("pairs", "Forces of pairs, measured and modelled"),
+            Picture("chains", "Forces of chains, measured and modelled"),
         ),
         "Unit cells: measured (model); errors in k r and k r²": RecordTable(
             (*_EACH, *_CELL), "series", "", (), "unit cells", FULL, of_kind("cell")
@@ -162,7 +196,7 @@ def comparison_account(compared: Comparison, about: About) -> Account:
     return Account(compared, title, "lab.compare/2", answer, facts, sections, given=given)
 
 
-def _verdicts(tests: Sequence[CellTest | PairTest], verdicts: Sequence[str]) -> Sections:
+def _verdicts(tests: Sequence[_Test], verdicts: Sequence[str]) -> Sections:
     """The verdicts; of many, a terminal shows the first ones of those that do not agree."""
     if len(tests) <= _FEW:
         return {"Verdicts": Notes(verdicts, CARD)}
@@ -184,7 +218,12 @@ def _agreement(compared: Comparison) -> str:
     of_pairs = f"{right} of {counted(len(ordered), 'pair')} in the predicted order"
     agreed = sum(cell.agrees for cell in cells)
     of_cells = f"{agreed} of {counted(len(cells), 'unit cell')} agree with the model"
-    return "; ".join([of_pairs] * bool(ordered) + [of_cells] * bool(cells))
+    chains = compared.chains
+    of_chains = (
+        f"{sum(one.agrees for one in chains)} of {counted(len(chains), 'chain')} as predicted"
+    )
+    known = (of_pairs, ordered), (of_cells, cells), (of_chains, chains)
+    return "; ".join(text for text, tests in known if tests) or "No series is decided"
 
 
 def _rig_words(rig: Rig) -> str:
