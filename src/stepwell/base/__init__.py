@@ -4,7 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from stepwell.base import check, limits
-from stepwell.base.bar import Progress, Shows, bar, notify, on_terminal, tracked
+from stepwell.base.bar import Progress, Shows, bar, in_lines, notify, on_terminal, tracked
 from stepwell.base.check import (
     ONE_BY_ONE,
     QUICKLY,

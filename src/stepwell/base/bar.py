@@ -29,6 +29,8 @@ def tracked(items: Collection[T], progress: Progress) -> Iterator[T]:
 # Time between two updates of the bar [s], and the window over which the pace is averaged [s]: long
 # enough for work in large pieces.
 _EVERY, _REMEMBERED = 0.1, 600.0
+# Time between two lines of progress where there is no terminal [s].
+_LINE_EVERY = 30.0
 
 
 @contextmanager
@@ -59,6 +61,22 @@ def on_terminal(label: str | Callable[[], str]) -> Iterator[Shows | None]:
                 last = now
 
         yield update
+
+
+def in_lines(label: Callable[[], str]) -> Shows:
+    """A function to call with (done, total) for a line on standard error every half minute."""
+    begun = last = monotonic()
+
+    def update(done: float, total: float) -> None:
+        nonlocal last
+        now = monotonic()
+        if now - last >= _LINE_EVERY and 0 < done < total and sys.stderr is not None:
+            left = _span((now - begun) * (total / done - 1.0))
+            sys.stderr.write(f"{label()}: {done / total:.0%}, about {left} left\n")
+            sys.stderr.flush()
+            last = now
+
+    return update
 
 
 class _Bar:

@@ -19,7 +19,7 @@ from typer.core import TyperGroup
 
 import stepwell as sw
 from stepwell.accounts import Account, Line, escaped, folded, heading, paragraph, table, terminal
-from stepwell.base import ExtraError, SettingError, Shows, on_terminal
+from stepwell.base import ExtraError, SettingError, Shows, in_lines, on_terminal
 
 WRITING = "writing"
 # Whether the command prints JSON, and thus no progress.
@@ -31,12 +31,10 @@ class Interrupted(KeyboardInterrupt):
 
 
 @contextmanager
-def progress(
-    label: str, *, kept: str = "", note: Callable[[], str] = str
-) -> Iterator[Shows | None]:
-    """A function of (done, total) that shows a bar on standard error.
+def progress(label: str, *, kept: str = "", note: Callable[[], str] = str) -> Iterator[Shows]:
+    """A function of (done, total) that shows a bar on standard error, or lines without a terminal.
 
-    None, and no bar, without a terminal or with --json.
+    With --json it shows nothing.
 
     `note` is a text after the label, updated with the bar. `kept` is the text after an interruption
     about the results that are kept.
@@ -46,7 +44,9 @@ def progress(
     """
     reached = ""
     try:
-        with nullcontext() if _SILENT.get() else on_terminal(lambda: label + note()) as shown:
+        silent = _SILENT.get()
+        with nullcontext() if silent else on_terminal(lambda: label + note()) as bar:
+            shown = None if silent else bar or in_lines(lambda: label + note())
 
             def update(done: float, total: float) -> None:
                 nonlocal reached
@@ -54,7 +54,7 @@ def progress(
                 if shown is not None:
                     shown(done, total)
 
-            yield None if shown is None else update
+            yield update
     except Interrupted:
         raise
     except KeyboardInterrupt:

@@ -29,6 +29,10 @@ LEAST_ERROR_RATIO = 1.25
 _COVER = (0.97, 1.1)
 # Bounds of a band's force over the model's force; near a bound the count of bands is doubtful.
 _STRONG, _WEAK, _NEAR_BOTH = 1.4, 0.7, 0.1
+# Repeats whose forces differ by more than this factor have different bands; the number of bands in
+# a name of a file or folder, such as "2bands" or "2 bands".
+_APART = 1.3
+_SAID = re.compile(r"(?<![\d.])([1-9])[ _-]?bands?(?![a-z])", re.IGNORECASE)
 TENSION_TEST = re.compile(r"band|rubber|samp", re.IGNORECASE)
 # Bounds of a recording's stroke over the design's stroke. The last one is the least stroke of a
 # repeat over the longest repeat: a mean curve ends where its shortest run ends.
@@ -127,7 +131,8 @@ class Series(ByValue):
         base = self.baseline_curve
         if base is None:
             return force
-        weight = carried(self.chain.levers[0], stroke) if len(self.chain) == 1 else 0.0
+        single = len(self.chain) == 1 and self.chain.levers
+        weight = carried(self.chain.levers[0], stroke) if single else 0.0
         return force - base.at(stroke) + weight
 
     def judged(self) -> Bools:
@@ -180,8 +185,10 @@ def sort_series(
     """Sort recordings into series.
 
     A name such as 1unit_MLT_3 or 2unit_TMTBM_5 gives the anchors. The design with that number of
-    cells gives the rest; without one, the paper's cell does. Names do not contain the number of
-    bands: it is estimated from the force. Other names need one design, which is used unchanged.
+    cells gives the rest; without one, the paper's cell does. The number of bands is that in the
+    name of the file or its folder ("2 bands"), or else estimated from the force over that of the
+    design with its own number. Other names need one design, which is used unchanged; repeats with
+    a clearly different force are then a series apart.
 
     Args:
         recordings: loading or unloading tests, baselines and others among them.
@@ -324,8 +331,21 @@ def _series(group: _Group, designs: Sequence[Chain]) -> tuple[list[Series], list
     whole, left_out = _over_stroke(group.runs, designs[0])
     if not whole:
         return [], left_out
-    notes, base = ["configuration: that of the design"], group.base(whole[0])
-    return [group.series(group.stem, designs[0], 1, whole, base, notes)], left_out
+    base = group.base(whole[0])
+    single = group.series("", designs[0], 1, whole, base)
+    own, *others = _design_first([(_ratio(single, run), run) for run in whole])
+    kept = [run for run in whole if any(run is mine for _, mine in own)]
+    notes = ["configuration: that of the design"]
+    series = [group.series(group.stem, designs[0], 1, kept, base, notes)]
+    for cluster in others:
+        times = f"{_median(cluster):.2f} times the force"
+        apart = (
+            f"{times} of the design, the other repeats {_median(own):.2f} times: check the number "
+            "of bands"
+        )
+        name, runs = f"{group.stem}, {times}", [run for _, run in cluster]
+        series.append(group.series(name, designs[0], 1, runs, base, [*notes, apart]))
+    return series, left_out
 
 
 def _series_of_names(
@@ -350,10 +370,14 @@ def _series_of_names(
         return [], left_out
     base = group.base(runs[0])
     single = group.series("", Chain(cells), 1, runs, base)
+    own = max(len(cell.bands) for cell in cells)
+    ratios = [(own * _ratio(single, run), run) for run in runs]
     series: list[Series] = []
-    for bands, mine, ratio in _by_bands([(_ratio(single, run), run) for run in runs]):
-        chain = Chain([_with_bands(cell, bands) for cell in cells])
-        name, lines = f"{setup.code}, {counted(bands, 'band')}", _band_lines(bands, ratio)
+    for bands, mine, ratio in _by_bands(ratios):
+        chain = Chain([_with_bands(cell, bands / own) for cell in cells])
+        said = sum(_said(run) == bands for run in mine) == len(mine)
+        lines = [f"{counted(bands, 'band')}, by the names"] if said else _band_lines(bands, ratio)
+        name = f"{setup.code}, {counted(bands, 'band')}"
         series.append(group.series(name, chain, bands, mine, base, lines))
     return series, left_out
 
@@ -444,17 +468,72 @@ def _ratio(series: Series, run: Recording) -> float:
 
 
 def _by_bands(runs: list[tuple[float, Recording]]) -> list[tuple[int, list[Recording], float]]:
-    """Groups of runs by number of bands: the number, the runs, their median force ratio."""
+    """Groups of runs by number of bands: the number, the runs, their median force ratio.
+
+    The number is that in the names of file or folder, or else follows from the force. Repeats with
+    clearly different forces have different numbers, so that softer bands are not taken for fewer.
+    """
     ordered = sorted(runs, key=lambda one: natural(one[1].source))
-    groups = grouped((max(1, math.ceil(one[0] / _STRONG)), one) for one in ordered)
+    counts = {one[1].source: _said(one[1]) for one in ordered}
+    unsaid = [one for one in ordered if not counts[one[1].source]]
+    below, weaker = 0, math.nan
+    for cluster in _by_force(unsaid):
+        ratio = _median(cluster)
+        count = max(1, math.ceil(ratio / _STRONG))
+        if not _is_odd(cluster, unsaid):
+            # Soft bands are not taken for fewer: more force means more bands.
+            if count == below and weaker > 0 and round(below * ratio / weaker) > below:
+                count += 1
+            below, weaker = count, ratio
+        counts |= dict.fromkeys((run.source for _, run in cluster), count)
+    groups = grouped((counts[one[1].source] or 1, one) for one in ordered)
     return [
-        (count, [run for _, run in group], float(np.median([ratio for ratio, _ in group])))
+        (count, [run for _, run in group], _median(group))
         for count, group in sorted(groups.items())
     ]
 
 
-def _with_bands(cell: Cell, count: int) -> Cell:
-    bands = tuple(replace(band, stiffness=band.stiffness * count) for band in cell.bands)
+def _by_force(runs: list[tuple[float, Recording]]) -> list[list[tuple[float, Recording]]]:
+    """Runs with their force ratios in clusters of similar forces, the weakest first."""
+    clusters: list[list[tuple[float, Recording]]] = []
+    for one in sorted(runs, key=lambda one: one[0]):
+        if clusters and (clusters[-1][-1][0] <= 0 or one[0] <= _APART * clusters[-1][-1][0]):
+            clusters[-1].append(one)
+        else:
+            clusters.append([one])
+    return clusters
+
+
+def _design_first(runs: list[tuple[float, Recording]]) -> list[list[tuple[float, Recording]]]:
+    """Clusters of runs by force: first those nearest to the design, with single odd repeats."""
+    clusters = _by_force(runs)
+    odd = [cluster for cluster in clusters if _is_odd(cluster, runs)]
+    if len(odd) == len(clusters):
+        return [runs]
+    sound = [cluster for cluster in clusters if not _is_odd(cluster, runs)]
+    own = min(sound, key=lambda cluster: abs(math.log(max(_median(cluster), 1e-9))))
+    others = [cluster for cluster in sound if cluster is not own]
+    return [own + [one for cluster in odd for one in cluster], *others]
+
+
+def _is_odd(cluster: Sequence[object], every: Sequence[object]) -> bool:
+    """Whether a cluster is one repeat of three or more, which may be damaged."""
+    return len(cluster) == 1 and len(every) >= _REPEATS
+
+
+def _median(cluster: list[tuple[float, Recording]]) -> float:
+    return float(np.median([ratio for ratio, _ in cluster]))
+
+
+def _said(run: Recording) -> int:
+    """The number of bands in the name of the file or its folder; 0 if there is none."""
+    folder, _, name = run.source.replace("\\", "/").rpartition("/")
+    found = _SAID.search(name) or _SAID.search(folder.rpartition("/")[2])
+    return int(found[1]) if found else 0
+
+
+def _with_bands(cell: Cell, factor: float) -> Cell:
+    bands = tuple(replace(band, stiffness=band.stiffness * factor) for band in cell.bands)
     return replace(cell, band=bands)
 
 
