@@ -2,15 +2,16 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, Floats, need, notify
+from stepwell.base import ByValue, Drawn, Floats, grouped, need, notify
 from stepwell.lab import comparison, fit_model
+from stepwell.lab.bands.choice import independent
 from stepwell.lab.bands.halves import student
 from stepwell.lab.fit_samples import Prepared, Sample, Weighing, handovers, rubber_name, weigh
 from stepwell.lab.pair_test import PairTest
@@ -18,6 +19,7 @@ from stepwell.lab.recordings.curve import rms
 from stepwell.lab.recordings.recording import LabError
 from stepwell.lab.rig import Rig
 from stepwell.lab.series import Geometry, Series, geometry_of, over_geometries
+from stepwell.lab.tension_curve import TensionCurve, measured_law, tension_curve
 from stepwell.mechanism import Band, Cell, Chain, Law
 
 if TYPE_CHECKING:
@@ -31,6 +33,7 @@ _HANDOVER = 200.0
 _STROKE = 0.05e-3  # uncertainty of a recorded stroke [m]
 _WHOLE = 0.05  # tolerance of a whole number of bands
 _LATE = 4  # the last quarter of the used travel
+_NARROW = 0.5  # half width of the interval of an identified parameter, over its value
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +50,11 @@ class FittedParameter(ByValue):
     value: float
     low: float
     high: float
+
+    @property
+    def known(self) -> bool:
+        """Whether its interval is narrow: at most half of the value to either side."""
+        return (self.high - self.low) / 2.0 <= _NARROW * abs(self.value)
 
     def __repr__(self):
         return (
@@ -75,6 +83,7 @@ class Calibration(ByValue, Drawn):
         correlations: (m, m) of the parameters, from the Jacobian of the fit.
         reference: stiffness of one band by which errors are scaled [N/m].
         shape: the fitted law of a band.
+        tensions: of a band of each kind, at the lengths in the data.
         weighing: results of runs of pairs without bands.
         compliance: of the rig [m/N]; NaN where no pair identifies it.
         pairs, snaps: series of pairs with their model without a fit; their predicted snaps.
@@ -94,6 +103,7 @@ class Calibration(ByValue, Drawn):
     snaps: tuple[fit_model.SnapPrediction, ...] = field(repr=False, default=())
     pairs: tuple[PairTest, ...] = field(repr=False, default=())
     notes: tuple[str, ...] = field(repr=False, default=())
+    tensions: tuple[TensionCurve, ...] = field(repr=False, default=())
 
     def __getitem__(self, name: str) -> FittedParameter:
         by_name = {parameter.name: parameter for parameter in self.parameters}
@@ -135,10 +145,39 @@ class Calibration(ByValue, Drawn):
             Correlated(names[j], names[i], float(self.correlations[i, j])) for i, j in tied
         )
 
+    @property
+    def unknown(self) -> tuple[str, ...]:
+        """Names of stiffnesses and of numbers of the law that the data do not identify."""
+        names = {"rest_length", *fit_model.LAWS.get(self.law, ())}
+        return tuple(
+            one.name
+            for one in self.parameters
+            if (one.name in names or one.name.startswith("stiffness")) and not one.known
+        )
+
+    @cached_property
+    def written(self) -> Law:
+        """The law for a design: a table over the lengths in the data if its numbers are unknown."""
+        if not self.unknown or not self.tensions:
+            return self.shape
+        return measured_law(self.shape, self["rest_length"].value, self.tensions)
+
+    @property
+    def missing(self) -> str:
+        """Why no band can be written; "" if the tension of every band is known."""
+        wide = [one for one in self.tensions if not one.known]
+        if not wide:
+            return ""
+        worst = max(wide, key=lambda one: one.width)
+        return (
+            f"the tension of {worst.rubber.removeprefix('stiffness_')} is known to ±"
+            f"{worst.width:.0%} only (95 %): add tension tests of the bands or other geometries"
+        )
+
     def band(self, bands: int = 1, in_pair: bool = False) -> Band:
         """Loading law of one band on a cell with this number of bands, without hysteresis loss."""
         k = self[rubber_name(bands, in_pair)].value
-        return Band((-0.010, 0.0), (0.010, 0.0), k, self["rest_length"].value, self.shape)
+        return Band((-0.010, 0.0), (0.010, 0.0), k, self["rest_length"].value, self.written)
 
     def applied(self, chain: Chain, bands: int | None = None) -> Chain:
         """A chain with the calibrated bands, and with weight and friction where they are known.
@@ -152,8 +191,11 @@ class Calibration(ByValue, Drawn):
             bands: number on each cell; by default its stiffness over that of the softest band.
 
         Raises:
-            LabError: the stiffness of a cell is no whole multiple of one band's.
+            LabError: the stiffness of a cell is no whole multiple of one band's, or the tension of
+                the bands is not known.
         """
+        if self.missing:
+            raise LabError("calibration", f"{self.missing}.")
         kinds = [kind for kind in self.kinds if kind[1] == (len(chain) > 1)] or list(self.kinds)
         softest = min(band.stiffness for cell in chain.levers for band in cell.bands)
 
@@ -170,7 +212,7 @@ class Calibration(ByValue, Drawn):
             nearest = min(kinds, key=lambda kind: abs(kind[0] - count))
             return count * self.band(*nearest).stiffness
 
-        return self._model.applied(chain, stiffness)
+        return replace(self._model, law=self.written).applied(chain, stiffness)
 
     @property
     def weight(self) -> float:
@@ -344,6 +386,7 @@ def calibrate(
         tuple(map(best.predict, data.pairs)),
         data.pairs,
         data.notes,
+        best.tensions(),
     )
 
 
@@ -389,6 +432,53 @@ class _Fit:
         values = (one.tolist() for one in (self.whole, self.whole - wide, self.whole + wide))
         return tuple(map(FittedParameter, self.names, units, *values))
 
+    def tensions(self) -> tuple[TensionCurve, ...]:
+        """Tension of one band of each kind at the lengths in its data."""
+
+        def tension(numbers: Floats, rubber: str) -> Callable[[Floats], Floats]:
+            model = self.model(numbers)
+            rest, k = model.values["rest_length"], model.values[rubber]
+            return Band((0.0, 0.0), (1.0, 0.0), k, rest, model.law).tension
+
+        each = grouped((sample.rubber, sample) for sample in self.data.samples)
+        return tuple(
+            tension_curve(
+                rubber,
+                samples,
+                tension(self.whole, rubber),
+                [tension(numbers, rubber) for numbers in self.left.values()],
+            )
+            for rubber, samples in sorted(each.items())
+        )
+
+    @cached_property
+    def axes(self) -> Floats:
+        """(m, m) half axes of the covariance of the fitted numbers, a row each.
+
+        From the Jacobian and the residual, which has as many independent readings as its
+        correlation leaves.
+        """
+        forces = [(self.model(self.whole).force(one) - one.force) for one in self.data.samples]
+        residual = np.concatenate(forces) / np.concatenate(
+            [np.full(len(one.force), one.bands) for one in self.data.samples]
+        )
+        worth = max(sum(map(independent, forces)) - len(self.names), 1.0)
+        size = np.array([fit_model.number(name).size for name in self.names])
+        scaled = np.linalg.pinv(self.jacobian.T @ self.jacobian)
+        power, ways = np.linalg.eigh(scaled * float(residual @ residual) / worth)
+        return (ways * np.sqrt(np.maximum(power, 0.0))).T * size
+
+    def _law_doubt(self, series: Series, stroke: float) -> float:
+        """Standard deviation of a snap from the covariance of the fitted numbers [m]."""
+        low, high = np.array([fit_model.number(name)[2:4] for name in self.names]).T
+        squares = 0.0
+        for axis in self.axes:
+            ends = (np.clip(self.whole + sign * axis, low, high) for sign in (1.0, -1.0))
+            moved = [abs(self.model(x).snap_of(series)[0] - stroke) for x in ends]
+            known = [one for one in moved if not math.isnan(one)]
+            squares += float(np.mean(known)) ** 2 if known else 0.0
+        return math.sqrt(squares)
+
     def predict(self, test: PairTest) -> fit_model.SnapPrediction:
         """Snaps and order of a pair, from all samples and from the other geometries."""
         series = test.series
@@ -400,6 +490,9 @@ class _Fit:
         strokes = strokes[~np.isnan(strokes)]
         n = max(len(strokes), 1)
         moved = (n - 1) / n * float(np.sum((strokes - np.mean(strokes)) ** 2)) if n > 1 else 0.0
+        plain, _ = whole.snap_of(series)
+        if not math.isnan(plain):
+            moved = max(moved, self._law_doubt(series, plain) ** 2)
         off = [
             error * self._scale(sample)
             for sample, error in zip(self.data.samples, self.errors[1], strict=True)

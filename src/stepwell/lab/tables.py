@@ -129,13 +129,18 @@ def calibrated_table(calibration: Calibration, source: str = "") -> str:
         pairs = ", ".join(f"{a} and {b} ({c:+.2f})" for a, b, c in calibration.tied[:4])
         comments.append(f"The data do not identify these numbers separately: {pairs}.")
     comments += [f"Not identified: {line}." for line in calibration.open]
+    if calibration.unknown:
+        comments.append(_unknown_text(calibration))
     text = "".join(f"# {line}\n" for one in comments for line in wrap(one, 98))
+    if calibration.missing:
+        return f"{text}# No band is written: {calibration.missing}.\n"
     for k, (bands, pair) in enumerate(calibration.kinds):
         value = calibration[rubber_name(bands, pair)]
-        text += (
-            f"# Each band of {_kind(bands, pair)}: k = {value.value:.4g} N/m "
-            f"({value.low:.4g} to {value.high:.4g})\n"
-        )
+        if value.name not in calibration.unknown:
+            text += (
+                f"# Each band of {_kind(bands, pair)}: k = {value.value:.4g} N/m "
+                f"({value.low:.4g} to {value.high:.4g})\n"
+            )
         text += f"{'# ' if k else ''}{band_line(_calibrated_keys(calibration, bands, pair))}"
     if calibration.weight:
         text += (
@@ -151,6 +156,18 @@ def calibrated_table(calibration: Calibration, source: str = "") -> str:
                 f"# friction_N = {friction_N:.3g}\n"
             )
     return text
+
+
+def _unknown_text(calibration: Calibration) -> str:
+    """What the data do not identify, and where the written table holds."""
+    ends = [end for one in calibration.tensions for end in (one.length[0], one.length[-1])]
+    low, high = (to_unit(end, "mm") for end in (min(ends), max(ends)))
+    worst = max(one.width for one in calibration.tensions)
+    return (
+        f"The data do not identify {', '.join(calibration.unknown)}, so none is written. The band "
+        f"is the tension at the distances of the anchors in the data, {low:.3g} to {high:.3g} mm, "
+        f"known to ±{worst:.0%} of its largest value (95 %). Shorter bands are a straight line."
+    )
 
 
 def _kind(bands: int, pair: bool) -> str:

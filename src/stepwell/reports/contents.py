@@ -182,7 +182,7 @@ def _calibration(calibration: sw.lab.Calibration, account: Account) -> Contents:
         "band.toml": account.record["table"],
         "calibration.nc": _netcdf(calibration),
     }
-    if calibration.pairs:
+    if calibration.pairs and not calibration.missing:
         first = calibration.pairs[0].series
         files["pair.toml"] = dumps(calibration.applied(first.chain, first.bands))
         files["rig.toml"] = rig_toml(calibration.rig)

@@ -4,9 +4,25 @@ import math
 from collections.abc import Sequence
 from operator import itemgetter
 
+import numpy as np
+
+from stepwell import base
 from stepwell.accounts.head import About, Row, keys
-from stepwell.accounts.parts import CARD, Account, Fact, Notes, Picture, RecordTable, Text, Verbatim
-from stepwell.base import Quantity, Schema, counted, number, rows_of
+from stepwell.accounts.lab.folding import folded_notes
+from stepwell.accounts.parts import (
+    CARD,
+    FULL,
+    TERMINAL,
+    Account,
+    Fact,
+    Notes,
+    Picture,
+    RecordTable,
+    Text,
+    Verbatim,
+    Warned,
+)
+from stepwell.base import Column, Quantity, Schema, counted, headed, number, rows_of
 from stepwell.lab import Calibration, calibrated_table
 
 _MM = Quantity("stroke", "mm").factor
@@ -36,6 +52,17 @@ _ERROR: Schema = (
     Quantity("fit", "over_kr", "fit", form=".3f"),
     Quantity("left_out", "over_kr", "left out", form=".3f"),
 )
+_TENSION: Schema = (
+    *keys(rubber=str, known=bool),
+    Quantity("width", "percent"),
+    Quantity("length", "mm", holds=[float], read=lambda one: one.length.tolist()),
+    *(
+        Quantity(name, "N", holds=[float], read=lambda one, name=name: getattr(one, name).tolist())
+        for name in ("tension", "low", "high")
+    ),
+)
+# Rows of a curve of tension in its table.
+_EVERY = 4
 _MEAN = keys(bands=int, in_pair=bool, fit="over_kr", left_out="over_kr")
 _CORRELATED = keys(parameter=str, other=str, correlation=float)
 
@@ -112,6 +139,8 @@ CALIBRATE: Schema = (
     *keys(errors=([_ERROR], _errors), mean_errors=([_MEAN], _means)),
     *keys(correlations=({str: {str: float}}, _correlations)),
     *keys(strongly_correlated=([_CORRELATED], "tied"), open=[str], notes=[str], table=str),
+    *keys(unknown=[str], missing=str),
+    Quantity("tensions", holds=[_TENSION]),
 )
 
 
@@ -119,38 +148,78 @@ def calibration_account(model: Calibration, about: About) -> Account:
     """Parameters of bands and rig, fitted to all cells, and errors of their predictions."""
     answer, *rest = summary(model)
     table = calibrated_table(model, about.source or "")
+    tied = ", ".join(f"{it.parameter} and {it.other} ({it.correlation:+.2f})" for it in model.tied)
+    correlated = f"The data do not identify these parameters separately: {tied}."
+    written = (
+        "no band" if model.missing else "the law" if not model.unknown else "the tension table"
+    )
     facts = (
         Fact("Force law", model.law),
         Fact("Unit of errors", f"k r, with k = {number(model.reference)} N/m a band"),
+        Fact("Not identified", base.join_first(model.unknown, 5)),
+        Fact("For a design file", f"{written}, written with --out", TERMINAL),
     )
-    tied = ", ".join(f"{it.parameter} and {it.other} ({it.correlation:+.2f})" for it in model.tied)
-    correlated = f"The data do not identify these parameters separately: {tied}."
     assumed = (
         "Intervals are those of the jackknife over geometries, taken as independent; samples along "
         "a stroke are not independent."
     )
     snaps = "Measured and predicted; snaps are not fitted."
     title = "Bands calibrated on cells"
+    warned = Warned("No band can be written", "", [headed(model.missing)] if model.missing else [])
     sections = {
         "Predictions": Notes(rest, CARD),
-        "Parameters, each with its 95 % interval by leaving out a geometry": RecordTable(
-            _PARAMETER, "parameters", more="parameters", level=CARD
+        "Tension of one band [N] by the distance of its anchors, with its 95 % band": RecordTable(
+            _tension_columns(model), "tensions", level=CARD, pick=_tension_rows
         ),
-        "First snaps": RecordTable(_SNAP, "snaps", snaps, pick=_snapping),
+        **folded_notes("Used, dropped and odd", model.notes, 2),
+        "Parameters, each with its 95 % interval by leaving out a geometry": RecordTable(
+            _PARAMETER, "parameters", more="parameters", level=FULL
+        ),
+        "First snaps": RecordTable(_SNAP, "snaps", snaps, level=FULL, pick=_snapping),
         "Root mean square errors in k r": (
             Picture("calibration", "Fitted and measured forces"),
-            RecordTable(_ERROR, "errors", more="curves"),
+            RecordTable(_ERROR, "errors", more="curves", level=FULL),
         ),
         "Correlated parameters": Text(
-            correlated if tied else "The data identify each parameter by itself."
+            correlated if tied else "The data identify each parameter by itself.", FULL
         ),
-        "Not identified by these recordings": Notes(model.open),
-        "For a design file": Verbatim(table.rstrip(), "Band table"),
-        "Used, dropped and odd": Notes(model.notes),
-        "Assumptions": Text(assumed),
+        "Not identified by these recordings": Notes(model.open, FULL),
+        "Band table": Verbatim(table.rstrip(), "Band table", FULL),
+        "Assumptions": Text(assumed, FULL),
     }
     given = {"data_sha256": about.data_sha256, "table": table}
-    return Account(model, title, "lab.calibrate/2", answer, facts, sections, given=given)
+    return Account(model, title, "lab.calibrate/2", answer, facts, sections, [warned], given=given)
+
+
+def _tension_columns(model: Calibration) -> list[Column]:
+    """A column of lengths, and one of tensions for each kind of bands."""
+    names = [one.rubber.removeprefix("stiffness_").replace("_", " ") for one in model.tensions]
+    each = [Column(f"bands: {name}", lambda row, k=k: row[k], True) for k, name in enumerate(names)]
+    return [Column("mm", lambda row: row["mm"], True), *each] if each else []
+
+
+def _tension_rows(tensions: Sequence[Row]) -> list[dict[str | int, str]]:
+    """Tensions at a few lengths; a kind without this length in its data has no text."""
+    lengths = sorted(
+        {one["length_mm"][k] for one in tensions for k in (0, len(one["length_mm"]) - 1)}
+    )
+    if not lengths:
+        return []
+    at = np.linspace(lengths[0], lengths[-1], _EVERY)
+
+    def text(one: Row, length: float) -> str:
+        known = one["length_mm"]
+        if not known[0] - 1e-9 <= length <= known[-1] + 1e-9:
+            return "-"
+        value, low, high = (
+            float(np.interp(length, known, one[key])) for key in ("tension_N", "low_N", "high_N")
+        )
+        return f"{value:.3g} ({low:.3g} to {high:.3g})"
+
+    return [
+        {"mm": f"{length:.3g}", **{k: text(one, length) for k, one in enumerate(tensions)}}
+        for length in at.tolist()
+    ]
 
 
 def _snapping(rows: Sequence[Row]) -> list[Row]:
