@@ -12,7 +12,6 @@ from stepwell.accounts.lab.folding import folded_notes
 from stepwell.accounts.parts import (
     CARD,
     FULL,
-    TERMINAL,
     Account,
     Fact,
     Notes,
@@ -61,8 +60,7 @@ _TENSION: Schema = (
         for name in ("tension", "low", "high")
     ),
 )
-# Rows of a curve of tension in its table.
-_EVERY = 4
+_FEW = 3  # rows of the table of tensions
 _MEAN = keys(bands=int, in_pair=bool, fit="over_kr", left_out="over_kr")
 _CORRELATED = keys(parameter=str, other=str, correlation=float)
 
@@ -150,14 +148,11 @@ def calibration_account(model: Calibration, about: About) -> Account:
     table = calibrated_table(model, about.source or "")
     tied = ", ".join(f"{it.parameter} and {it.other} ({it.correlation:+.2f})" for it in model.tied)
     correlated = f"The data do not identify these parameters separately: {tied}."
-    written = (
-        "no band" if model.missing else "the law" if not model.unknown else "the tension table"
-    )
+    unit = f"errors are in k r, with k = {number(model.reference)} N/m a band"
+    instead = "; its tension is written" if model.unknown and not model.missing else ""
     facts = (
-        Fact("Force law", model.law),
-        Fact("Unit of errors", f"k r, with k = {number(model.reference)} N/m a band"),
-        Fact("Not identified", base.join_first(model.unknown, 5)),
-        Fact("For a design file", f"{written}, written with --out", TERMINAL),
+        Fact("Force law", f"{model.law}; {unit}"),
+        Fact("Not identified", base.join_first(model.unknown, 5) + instead),
     )
     assumed = (
         "Intervals are those of the jackknife over geometries, taken as independent; samples along "
@@ -200,12 +195,10 @@ def _tension_columns(model: Calibration) -> list[Column]:
 
 def _tension_rows(tensions: Sequence[Row]) -> list[dict[str | int, str]]:
     """Tensions at a few lengths; a kind without this length in its data has no text."""
-    lengths = sorted(
-        {one["length_mm"][k] for one in tensions for k in (0, len(one["length_mm"]) - 1)}
-    )
+    lengths = [length for one in tensions for length in one["length_mm"]]
     if not lengths:
         return []
-    at = np.linspace(lengths[0], lengths[-1], _EVERY)
+    at = np.linspace(min(lengths), max(lengths), _FEW)
 
     def text(one: Row, length: float) -> str:
         known = one["length_mm"]
