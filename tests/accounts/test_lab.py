@@ -77,7 +77,7 @@ def test_a_stroke_is_shown_with_the_points_where_it_turned(points, shown):
     pieces = [np.linspace(a, b, 9)[:-1] for a, b in pairwise(points)]
     stroke = np.append(np.concatenate(pieces), points[-1]) * 1e-3
     one = recording("pull.csv", stroke, np.full(len(stroke), 0.1))
-    assert f" {shown} " in _text(account(lab.Batch((one,), ())))
+    assert f">{shown}<" in page(account(lab.Batch((one,), ())))
 
 
 def _fit(samples: int, gauge: float | None = 0.015) -> lab.BandFit:
@@ -127,10 +127,7 @@ def test_the_stiffness_by_window_is_in_the_record_and_in_a_table():
         "to_mm": one.end * 1e3,
         "k_N_per_m": one.stiffness,
     }
-    rows = [line.split() for line in _text(found).splitlines()]
-    ends = next(row for row in rows if row[:1] == ["from"])
-    starts = next(row for row in rows if row[:1] == ["0"])
-    assert starts[ends.index("25")] == f"{_to(fit, 0.0, 0.025):.4g}"
+    assert f">{_to(fit, 0.0, 0.025):.4g}<" in page(found)
 
 
 def test_a_series_has_the_numbers_of_its_kind_and_null_for_the_other_kind():

@@ -328,12 +328,6 @@ def test_results_go_to_xarray_csv_and_json(tmp_path):
     says(repr(comparison), "Comparison(", "1 unit cells", "1 pairs")
 
 
-def test_longer_chains_are_refused_with_a_reason():
-    up = there(0.060)
-    with refuses(lab.LabError, "3 cells", "one or two"):
-        lab.compare([recording("mine/pull_1.txt", up, up)], [Chain([MM, MT, MB])])
-
-
 @pytest.mark.slow
 def test_order_of_runs_does_not_matter():
     data = units("MB", MB) + frictions() + units("MT", MT)

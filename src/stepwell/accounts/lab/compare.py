@@ -25,7 +25,7 @@ _MM = Quantity("stroke", "mm").factor
 # Notes of every series, which are listed last.
 _USUAL = "runs", "baseline", "configuration"
 # Verdicts that a terminal shows in full, and lines of those that do not agree.
-_FEW, _ODD = 3, 10
+_FEW, _ODD = 3, 6
 
 _RIG = keys(
     stretch=float, start_loading="mm", start_unloading="mm", compliance="mm/N", friction="N"
@@ -187,7 +187,7 @@ def comparison_account(compared: Comparison, about: About) -> Account:
         "Pairs: errors in k r; ratio of the errors against the two orders": RecordTable(
             _PAIR_COLUMNS, "series", "", (), "pairs", FULL, of_kind("pair")
         ),
-        "Rig": Text(_rig_words(compared.rig) if pairs else "", FULL),
+        "Rig": Text(_rig_words(compared.rig) if pairs else ""),
         **folded_notes("Used, dropped and odd", [*odd, *compared.notes]),
         "Assumptions": Text(NOT_JUDGED, FULL),
     }

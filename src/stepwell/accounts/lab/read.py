@@ -88,6 +88,7 @@ def batch_account(batch: Batch, about: About) -> Account:
         **folded_notes("Not read", [str(one) for one in batch.refused]),
         "Not tried": Notes([hint] if ignored else [], PAGE),
     }
+    not_read += f"; {ignored} not tried" * bool(ignored)
     samples = base.counted(sum(map(len, batch.recordings)), "sample")
     answer = f"{base.counted(read, 'recording')} with {samples} read{not_read}"
     origin = f"{base.counted(read + refused, 'file')} tried."
