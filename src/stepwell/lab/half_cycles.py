@@ -9,7 +9,7 @@ import numpy as np
 
 from stepwell.base import ByValue, Floats
 from stepwell.lab.recordings.recording import Recording
-from stepwell.lab.snaps import MeasuredSnap, find_snaps
+from stepwell.lab.snaps import MeasuredSnap, find_snaps, samples_of_jump
 
 # A half is averaged over at most this many strips of stroke, each of three rows or more on average.
 _STRIPS, _ROWS = 400, 3
@@ -20,6 +20,8 @@ _SIGMAS, _SHARE = 8.0, 0.02
 # Part of the stroke over which a stiffness is computed, and parts at both ends without jumps, where
 # the machine settles.
 _END, _QUIET = 0.1, 0.025
+# Rows of a line at each side of a jump, and least step between both lines over the jump.
+_LINE, _SUDDEN = 10, 0.4
 # Fourth differences of white noise have this variance over that of the noise.
 _FOURTH = 70.0
 
@@ -41,8 +43,8 @@ class HalfCycle(ByValue):
         start, end: strokes in recorded order [m].
         least, most: range of the force, without single spikes [N].
         peaks, valleys: local extremes of the force above its noise, in recorded order.
-        snaps: jumps of the force, as `find_snaps` defines them; none in the first and the last
-            2.5 % of the stroke, where the machine settles.
+        snaps: jumps of the force, as `find_snaps` defines them, if they are steps and no steep
+            falls; none in the first and the last 2.5 % of the stroke, where the machine settles.
         work: ∫ F du in recorded order [J]; above zero if the machine does work.
         loss: of a loading half, the fraction of its work that the next half does not return [1];
             NaN without an unloading half.
@@ -158,7 +160,32 @@ def _jumps(recording: Recording, half: slice) -> tuple[MeasuredSnap, ...]:
         *columns, time = (np.mean(c[:rows].reshape(-1, each), axis=1) for c in (*columns, time))
     low, high = float(np.min(columns[0])), float(np.max(columns[0]))
     quiet = [(-math.inf, low + _QUIET * (high - low)), (high - _QUIET * (high - low), math.inf)]
-    return find_snaps(columns[0], columns[1], quiet, time if known else None)
+    stroke, force = columns
+    clock = time if known else None
+    gap = math.ceil(samples_of_jump(clock) / 2.0)
+    return tuple(
+        snap
+        for snap in find_snaps(stroke, force, quiet, clock)
+        if _step(stroke, force, snap.stroke, gap) / snap.jump >= _SUDDEN
+    )
+
+
+def _step(stroke: Floats, force: Floats, at: float, gap: int) -> float:
+    """Force after less force before a stroke, each on the line through the rows at its side [N].
+
+    A smooth fall, however steep, has no step: both lines meet. Rows nearer than `gap` are left out.
+    """
+    k = int(np.argmin(np.abs(stroke - at)))
+    sides = slice(max(k - gap - _LINE, 0), max(k - gap, 0)), slice(k + gap, k + gap + _LINE)
+    ends: list[float] = []
+    for side in sides:
+        u, f = stroke[side] - at, force[side]
+        if len(u) < 2:
+            return 0.0
+        off = u - np.mean(u)
+        slope = float(off @ f) / float(off @ off) if np.any(off) else 0.0
+        ends.append(float(np.mean(f)) - slope * float(np.mean(u)))
+    return ends[1] - ends[0]
 
 
 def _slope(stroke: Floats, force: Floats, after: Floats, far: float) -> float:
