@@ -36,10 +36,11 @@ def read(
     ),
     output: Output,
 ) -> None:
-    """List the contents of recordings: samples, cycles, columns and units.
+    """List the extremes, jumps, work and stiffness of each half cycle of recordings.
 
     A file that is broken, empty, binary or in an unknown unit is listed with the reason; the other
-    files are read. With --out, all samples are written into a folder as one tidy table with units.
+    files are read. With --out, a figure and all samples as one tidy table with units (CSV, netCDF,
+    Parquet) are written into a folder.
 
     Example: stepwell lab read recordings --out tidy
     """
@@ -57,7 +58,7 @@ class FittedPart(Group):
     """The part of tension tests that is fitted."""
 
     window: str | None = opts.option(
-        "Stroke range of the fit [mm]; 5:35 by default, or all if 5:35 is not recorded.",
+        "Stroke range of the fit [mm], where the band is used; by default the whole test.",
         "--window FROM:TO",
     )
     cycles: str | None = opts.option(
@@ -102,8 +103,9 @@ def band(
 
     The result contains the stiffness with its uncertainty, its dependence on the window, the energy
     dissipated in a cycle, and the best force law. A table of lengths and weights is sufficient,
-    with columns such as length (mm), weight (g). The defaults for window and cycles are the
-    paper's. With --out, the table, the numbers and a figure are written into a folder.
+    with columns such as length (mm), weight (g). A law that is wrong somewhere on the test by more
+    than its own error is reported, with the strokes on which it holds. With --out, the table, the
+    numbers and a figure are written into a folder.
 
     Example: stepwell lab band recordings --window 5:35
     """
@@ -187,10 +189,11 @@ def compare(
     machine: RigOptions,
     output: Output,
 ) -> None:
-    """Compare recordings of unit cells and pairs with the model.
+    """Compare recordings of unit cells, pairs and chains with the model.
 
     Friction is subtracted and repeats are averaged. For a unit cell, class, forces and energy are
-    compared; for a pair, the order of its cells and its snaps.
+    compared; for a pair, the order of its cells and its snaps; for a chain of elements or of more
+    cells, force and snaps.
     With --out, verdicts, curves and figures are written into a folder.
 
     Example: stepwell lab compare recordings --out verdicts
@@ -225,7 +228,8 @@ def calibrate(
 
     The result contains force law and stiffness of the bands, loss during unloading, friction of
     machine and joints, weight, rig, and a cross-validation: forces, orders and snaps of each
-    geometry, predicted from the others. With --out, the numbers, a band and a pair for design files
+    geometry, predicted from the others. Where the data do not identify the law, the tension of the
+    bands at the lengths in the data is written instead. With --out, the numbers, a band and a pair for design files
     and a figure are written into a folder.
 
     Example: stepwell lab calibrate recordings

@@ -20,8 +20,9 @@ _SIGMAS, _SHARE = 8.0, 0.02
 # Part of the stroke over which a stiffness is computed, and parts at both ends without jumps, where
 # the machine settles.
 _END, _QUIET = 0.1, 0.025
-# Rows of a line at each side of a jump, and least step between both lines over the jump.
-_LINE, _SUDDEN = 10, 0.4
+# Most rows of a line at each side of a jump, and rows of a half over these; least step between both
+# lines over the jump.
+_LINE, _PARTS, _SUDDEN = 10, 16, 0.4
 # Fourth differences of white noise have this variance over that of the noise.
 _FOURTH = 70.0
 
@@ -175,8 +176,8 @@ def _step(stroke: Floats, force: Floats, at: float, gap: int) -> float:
 
     A smooth fall, however steep, has no step: both lines meet. Rows nearer than `gap` are left out.
     """
-    k = int(np.argmin(np.abs(stroke - at)))
-    sides = slice(max(k - gap - _LINE, 0), max(k - gap, 0)), slice(k + gap, k + gap + _LINE)
+    k, rows = int(np.argmin(np.abs(stroke - at))), max(min(_LINE, len(stroke) // _PARTS), 2)
+    sides = slice(max(k - gap - rows, 0), max(k - gap, 0)), slice(k + gap, k + gap + rows)
     ends: list[float] = []
     for side in sides:
         u, f = stroke[side] - at, force[side]

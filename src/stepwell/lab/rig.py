@@ -25,7 +25,7 @@ def predicted_force(
 ) -> Floats:
     """Actuator force [N] of the model at strokes [m] in one direction; `path` if known."""
     stroke = np.clip(stroke, 0.0, chain.full_stroke)
-    if len(chain) == 1 and chain.levers:
+    if len(chain) == 1 and not chain.elements:
         cell = chain.levers[0]
         return cell.force(cell.angle(stroke))
     return on_path(path or path_of(chain, unloading), stroke)

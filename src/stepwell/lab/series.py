@@ -131,7 +131,7 @@ class Series(ByValue):
         base = self.baseline_curve
         if base is None:
             return force
-        single = len(self.chain) == 1 and self.chain.levers
+        single = len(self.chain) == 1 and not self.chain.elements
         weight = carried(self.chain.levers[0], stroke) if single else 0.0
         return force - base.at(stroke) + weight
 

@@ -164,9 +164,10 @@ def _unknown_text(calibration: Calibration) -> str:
     low, high = (to_unit(end, "mm") for end in (min(ends), max(ends)))
     worst = max(one.width for one in calibration.tensions)
     return (
-        f"The data do not identify {', '.join(calibration.unknown)}, so none is written. The band "
-        f"is the tension at the distances of the anchors in the data, {low:.3g} to {high:.3g} mm, "
-        f"known to ±{worst:.0%} of its largest value (95 %). Shorter bands are a straight line."
+        f"The data do not identify {', '.join(calibration.unknown)}. Instead the tension is written "
+        f"at the distances of the anchors in the data, {low:.3g} to {high:.3g} mm, known to "
+        f"±{worst:.0%} of its largest value (95 %); rest_length_mm is only the zero of its table. "
+        f"Shorter bands are a straight line."
     )
 
 

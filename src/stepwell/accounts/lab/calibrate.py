@@ -190,7 +190,7 @@ def _tension_columns(model: Calibration) -> list[Column]:
     """A column of lengths, and one of tensions for each kind of bands."""
     names = [one.rubber.removeprefix("stiffness_").replace("_", " ") for one in model.tensions]
     each = [Column(f"bands: {name}", lambda row, k=k: row[k], True) for k, name in enumerate(names)]
-    return [Column("mm", lambda row: row["mm"], True), *each] if each else []
+    return [Column("length [mm]", lambda row: row["length"], True), *each] if each else []
 
 
 def _tension_rows(tensions: Sequence[Row]) -> list[dict[str | int, str]]:
@@ -210,7 +210,7 @@ def _tension_rows(tensions: Sequence[Row]) -> list[dict[str | int, str]]:
         return f"{value:.3g} ({low:.3g} to {high:.3g})"
 
     return [
-        {"mm": f"{length:.3g}", **{k: text(one, length) for k, one in enumerate(tensions)}}
+        {"length": f"{length:.3g}", **{k: text(one, length) for k, one in enumerate(tensions)}}
         for length in at.tolist()
     ]
 
