@@ -5,11 +5,14 @@ from functools import cache
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from facts import refuses, says
-from lab.machine import recording, there
+from lab.machine import recording, saved, there
+from lab.values import of_recordings
 from stepwell import elements, lab
 from stepwell.accounts import account, page, terminal
+from stepwell.cli import app
 from stepwell.lab.series import paper_cell
 from stepwell.mechanism import Chain, Element
 
@@ -32,7 +35,9 @@ def pulled(chain: Chain, name="clips_1.csv", stretch=1.0, scale=1.0, noise=0.002
     path = chain.path([0.0, chain.full_stroke]).resampled(2000)
     stroke = there(chain.full_stroke)
     force = scale * np.interp(stroke / stretch, path.stroke, path.force)
-    return recording(name, stroke, force + np.random.default_rng(seed).normal(0, noise, len(stroke)))
+    return recording(
+        name, stroke, force + np.random.default_rng(seed).normal(0, noise, len(stroke))
+    )
 
 
 def test_a_chain_that_is_its_model_agrees_with_the_error_of_every_snap():
@@ -107,3 +112,35 @@ def test_every_form_has_the_verdict_and_the_screen_has_at_most_25_lines():
     assert json.loads(json.dumps(found.record, allow_nan=False)) == found.record
     assert len(series["jumps"]) == 2 and series["agrees"] is True
     assert "agrees" in page(found)
+
+
+def test_names_of_the_authors_do_not_change_a_design_of_elements():
+    (test,) = lab.compare([pulled(clips(), "2unit_MMB_1.csv")], [clips()]).chains
+    assert test.agrees
+
+
+def test_bands_are_not_calibrated_on_elements():
+    calibration = of_recordings()["Calibration"]
+    with refuses(lab.LabError, "clip 1", "is an element"):
+        calibration.applied(clips())
+
+
+def test_a_recording_of_force_is_no_observation_of_a_pressure(tmp_path):
+    saved(pulled(clips()), tmp_path)
+    given = ["lab", "as-built", "preset:balloon", "--data", str(tmp_path / "clips_1.csv")]
+    ran = CliRunner().invoke(app, given)
+    assert ran.exit_code == 2
+    says(ran.output, "clips_1.csv", "volume", "pressure")
+
+
+@pytest.mark.slow
+def test_elements_as_built_follow_from_a_recording_and_progress_is_reported():
+    seen = lab.Observed(
+        pulls=lab.pulls_of(pulled(clips(), scale=1.05), clips().full_stroke), scale=0.02
+    )
+    calls = []
+    built = lab.as_built(clips(), seen, samples=100, progress=lambda *now: calls.append(now))
+    scales = [one for one in built.known if one.parameter.name.endswith("force_scale")]
+    assert [one.value for one in scales] == pytest.approx([1.05, 1.05 * 1.0], rel=0.05)
+    assert calls and calls == sorted(calls) and calls[-1][0] <= calls[-1][1]
+    assert len(terminal(account(built))) <= LINES

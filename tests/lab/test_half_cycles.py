@@ -14,14 +14,16 @@ LINES = 25  # of a screen
 
 
 def bent(stroke):
-    """A smooth force [N] with its peak of 1.221 N at 3.45 mm and its valley of 0.297 N at 8.25 mm."""
+    """A smooth force [N]: its peak is 1.221 N at 3.45 mm, its valley 0.297 N at 8.25 mm."""
     x = stroke * 1e3
     return 0.297 + 0.924 * (1 - 3 * ((x - 3.45) / 4.8) ** 2 + 2 * ((x - 3.45) / 4.8) ** 3)
 
 
 def curve(noise=0.0, seed=0, rows=None):
     up = there(0.012) if rows is None else np.linspace(0.0, 0.012, rows)
-    return recording("clip.txt", up, bent(up) + np.random.default_rng(seed).normal(0, noise, len(up)))
+    return recording(
+        "clip.txt", up, bent(up) + np.random.default_rng(seed).normal(0, noise, len(up))
+    )
 
 
 def strip(snap=0.0, noise=0.0):

@@ -229,8 +229,8 @@ def calibrate(
     The result contains force law and stiffness of the bands, loss during unloading, friction of
     machine and joints, weight, rig, and a cross-validation: forces, orders and snaps of each
     geometry, predicted from the others. Where the data do not identify the law, the tension of the
-    bands at the lengths in the data is written instead. With --out, the numbers, a band and a pair for design files
-    and a figure are written into a folder.
+    bands at the lengths in the data is written instead. With --out, the numbers, a band and a pair
+    for design files and a figure are written into a folder.
 
     Example: stepwell lab calibrate recordings
     """
@@ -334,6 +334,7 @@ def as_built(
     with usable("the observations"):
         pulls = _read(observed.pulls, chain)
         if observed.data is not None:
+            sw.lab.require_travel(chain, str(observed.data))
             pulls += sw.lab.pulls_of(sw.lab.read(observed.data), chain.full_stroke)
         seen = sw.lab.Observed(
             observed.seen,

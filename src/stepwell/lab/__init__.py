@@ -8,7 +8,7 @@ from stepwell.lab.bands.laws import LAWS, Fitted, ForceLaw, fit
 from stepwell.lab.builds import Observed, Pull, WrongHole, pulls_of
 from stepwell.lab.calibration import Calibration, Correlated, FittedParameter, calibrate
 from stepwell.lab.cell_test import RISE, CellReading, CellTest, Rise
-from stepwell.lab.chain_test import ChainTest, SnapComparison
+from stepwell.lab.chain_test import ChainTest, SnapComparison, require_travel
 from stepwell.lab.comparison import Comparison, Refit, compare, refit
 from stepwell.lab.first_build import (
     FIRST_BUILD,
@@ -112,6 +112,7 @@ __all__ = [
     "read_bytes",
     "read_curve",
     "refit",
+    "require_travel",
     "sort_series",
     "stiffness",
     "stiffness_by_window",

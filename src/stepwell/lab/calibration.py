@@ -191,9 +191,12 @@ class Calibration(ByValue, Drawn):
             bands: number on each cell; by default its stiffness over that of the softest band.
 
         Raises:
-            LabError: the stiffness of a cell is no whole multiple of one band's, or the tension of
-                the bands is not known.
+            LabError: the chain has elements, the stiffness of a cell is no whole multiple of one
+                band's, or the tension of the bands is not known.
         """
+        if chain.elements:
+            name = chain.elements[0].name or "its first cell"
+            raise LabError("design", f"{name} is an element: it has no bands to calibrate.")
         if self.missing:
             raise LabError("calibration", f"{self.missing}.")
         kinds = [kind for kind in self.kinds if kind[1] == (len(chain) > 1)] or list(self.kinds)
@@ -213,6 +216,24 @@ class Calibration(ByValue, Drawn):
             return count * self.band(*nearest).stiffness
 
         return replace(self._model, law=self.written).applied(chain, stiffness)
+
+    def pair(self) -> Chain:
+        """The first pair that was tested, with as many calibrated bands on each cell.
+
+        Raises:
+            LabError: no pair was tested, or the tension of the bands is not known.
+        """
+        if not self.pairs:
+            raise LabError("calibration", "no pair was tested.")
+        count = self.pairs[0].series.bands
+        chain = self.applied(self.pairs[0].series.chain, count)
+        if count == 1 or any(len(cell.bands) > 1 for cell in chain.levers):
+            return chain
+
+        def each(band: Band) -> list[Band]:
+            return [replace(band, stiffness=band.stiffness / count)] * count
+
+        return replace(chain, cells=[replace(c, band=each(c.bands[0])) for c in chain.levers])
 
     @property
     def weight(self) -> float:

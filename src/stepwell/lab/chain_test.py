@@ -14,6 +14,7 @@ from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.lab.rig import END, SETTLE, judged, on_path
 from stepwell.lab.series import Series
 from stepwell.lab.snaps import MeasuredSnap, find_snaps, matched, samples_of_jump
+from stepwell.mechanism import Chain
 from stepwell.statics import EventKind
 
 # Largest RMSE that counts as agreement, over the range of the force of the model.
@@ -140,13 +141,9 @@ def chain_test(series: Series) -> ChainTest:
     Raises:
         LabError: the chain is not one of travel and force.
     """
-    chain, curve, path = series.chain, series.curve, series.path
-    if chain.measure is not Measure.TRAVEL:
-        raise LabError(
-            series.recordings[0].source,
-            f"its design has {chain.measure.travel} and {chain.measure.force}: only recordings of "
-            "stroke and force are compared.",
-        )
+    chain = series.chain
+    require_travel(chain, series.recordings[0].source)
+    curve, path = series.curve, series.path
     base = series.baseline_curve
     force = curve.force if base is None else curve.force - base.at(curve.stroke)
     model = on_path(path, curve.stroke)
@@ -183,6 +180,19 @@ def chain_test(series: Series) -> ChainTest:
             for run, row in zip(large, matches, strict=True)
         ),
     )
+
+
+def require_travel(chain: Chain, source: str) -> None:
+    """Raise a LabError if recordings of stroke and force do not suit a design.
+
+    `source` is the name of the recording.
+    """
+    if chain.measure is not Measure.TRAVEL:
+        raise LabError(
+            source,
+            f"its design has {chain.measure.travel} and {chain.measure.force}, a recording has "
+            "stroke and force: give recordings with a design of travel and force.",
+        )
 
 
 def _end_zones(full: float) -> list[tuple[float, float]]:

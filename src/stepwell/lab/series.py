@@ -195,11 +195,12 @@ def sort_series(
         designs: the tested chains, or what the names leave open.
         baseline: runs without a band; empty for none. By default they are found by name, with about
             the same stroke and the same direction, from the same folder where possible.
-        as_designed: use the design unchanged and ignore the names.
+        as_designed: use the design unchanged and ignore the names, as for a design of elements.
 
     Raises:
         LabError: there is no series, or several designs for recordings without a configuration.
     """
+    as_designed = as_designed or any(chain.elements for chain in designs)
     own = [r for r in recordings if recorded.is_baseline(r.name)] if baseline is None else baseline
     own = [part for recording in own for part in _parts(recording)]
     used = {recording.source for recording in own}

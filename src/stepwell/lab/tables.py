@@ -163,8 +163,9 @@ def _unknown_text(calibration: Calibration) -> str:
     ends = [end for one in calibration.tensions for end in (one.length[0], one.length[-1])]
     low, high = (to_unit(end, "mm") for end in (min(ends), max(ends)))
     worst = max(one.width for one in calibration.tensions)
+    unknown = ", ".join(calibration.unknown)
     return (
-        f"The data do not identify {', '.join(calibration.unknown)}. Instead the tension is written "
+        f"The data do not identify {unknown}. Instead the tension is written "
         f"at the distances of the anchors in the data, {low:.3g} to {high:.3g} mm, known to "
         f"±{worst:.0%} of its largest value (95 %); rest_length_mm is only the zero of its table. "
         f"Shorter bands are a straight line."

@@ -183,8 +183,7 @@ def _calibration(calibration: sw.lab.Calibration, account: Account) -> Contents:
         "calibration.nc": _netcdf(calibration),
     }
     if calibration.pairs and not calibration.missing:
-        first = calibration.pairs[0].series
-        files["pair.toml"] = dumps(calibration.applied(first.chain, first.bands))
+        files["pair.toml"] = dumps(calibration.pair())
         files["rig.toml"] = rig_toml(calibration.rig)
     draws = {"calibration": partial(figures.calibration, calibration)}
     return Contents("lab calibrate", "calibration.json", files, draws)
