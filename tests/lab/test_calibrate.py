@@ -10,10 +10,10 @@ from facts import refuses, says
 from lab.machine import unit
 from sizes import examples
 from stepwell import files, lab
-from stepwell.accounts import account
+from stepwell.accounts import account, terminal
 from stepwell.lab.fit_model import force, law_of, rows
 from stepwell.lab.series import paper_cell
-from stepwell.mechanism import Band, Cell, Cubic
+from stepwell.mechanism import Band, Cell, Chain, Cubic
 
 DRAWS = examples(10, 200)
 OFTEN = 0.90
@@ -175,3 +175,57 @@ def test_a_calibration_goes_to_xarray_and_json():
     assert json.loads(json.dumps(record, allow_nan=False)) == record
     with refuses(KeyError, "stiffness_3", "stiffness_1"):
         found["stiffness_3"]
+
+
+def vague(truth, rng, d=((10, 0), (11, 0), (12, 1))):
+    """Samples of nearly one geometry: they do not identify stiffness and rest length."""
+    near = [s for s in samples(truth, rng, noise=0.0, scatter=0.0) if s.bands == 1][:3]
+    made = []
+    for sample, (x, y) in zip(near, d, strict=True):
+        at = (x * 1e-3, y * 1e-3)
+        cell = Cell(Band((0.0, 0.0), at))
+        one = replace(sample, name=f"{at}", geometry=at, fold=at, cell=cell)
+        made.append(replace(one, force=of(truth, one) + rng.normal(0.0, 0.004, len(one.force))))
+    return made
+
+
+def test_a_law_that_the_data_do_not_identify_is_written_as_tension_at_their_lengths():
+    found = fitted(vague(CUBIC, np.random.default_rng(4)), "cubic")
+    assert found.unknown
+    text = lab.calibrated_table(found)
+    says(text, "do not identify", "mm", "%")
+    assert "quadratic_per_mm" not in text and "stiffness_N_per_m" not in text
+    curve = found.tensions[0]
+    true = Band((0.0, 0.0), (1.0, 0.0), 35.0, 0.010, Cubic(-20.0, 400.0)).tension(curve.length)
+    if found.missing:
+        assert "band = " not in text
+        with refuses(lab.LabError, "calibration", "known to"):
+            found.applied(Chain([Cell(Band((0.0, 0.0), (0.010, 0.0)))]))
+    else:
+        says(text, "table_mm_N")
+        band = found.band()
+        assert band.tension(curve.length) == pytest.approx(true, abs=0.05 * np.max(true))
+    wide = curve.high - curve.tension + 0.01 * np.max(true)
+    assert np.all(np.abs(curve.tension - true) <= wide)
+    assert len(terminal(account(found))) <= 25
+
+
+def test_a_law_that_the_data_identify_is_written_as_itself():
+    found = fitted(samples(TRUE, np.random.default_rng(5), scatter=0.0, noise=0.001), "linear")
+    assert found.unknown == () and found.missing == ""
+    says(lab.calibrated_table(found), "stiffness_N_per_m", "rest_length_mm")
+    for curve in found.tensions:
+        k = TRUE[curve.rubber]
+        assert curve.tension == pytest.approx(k * (curve.length - 0.007), rel=0.02)
+        assert curve.known and curve.width < 0.05
+
+
+@pytest.mark.slow
+def test_the_band_of_curves_holds_the_true_tension():
+    inside = []
+    for seed in range(DRAWS):
+        found = fitted(samples(TRUE, np.random.default_rng(seed), points=12), "linear")
+        for curve in found.tensions:
+            true = TRUE[curve.rubber] * (curve.length - 0.007)
+            inside.append(np.mean((curve.low <= true) & (true <= curve.high)))
+    assert np.mean(inside) >= OFTEN
