@@ -76,17 +76,21 @@ def test_a_small_part_of_an_ordinary_geometry_is_no_slip(ordinary):
     assert not slips(ordinary())
 
 
+def _band(p, q, scale):
+    return sw.Band((p[0] * scale, p[1] * scale), (q[0] * scale, q[1] * scale))
+
+
 _MM = st.floats(0.5, 20.0) | st.floats(-20.0, -0.5)
 
 
 @given(p=st.tuples(_MM, _MM), q=st.tuples(_MM, _MM), scale=st.sampled_from([1e3, 1e-3]))
 def test_anchors_in_another_unit_are_refused_for_every_geometry(p, q, scale):
     """A d below 1 mm is that of no band: the anchors then coincide."""
-    ordinary = sw.Band(*(tuple(1e-3 * x for x in anchor) for anchor in (p, q)))
+    ordinary = _band(p, q, 1e-3)
     assume(math.hypot(*ordinary.d) > 1e-3)
     assert not slips(sw.Cell(ordinary))
     with pytest.raises(SlipError):
-        sw.Cell(sw.Band(*(tuple(1e-3 * scale * x for x in anchor) for anchor in (p, q))))
+        sw.Cell(_band(p, q, 1e-3 * scale))
 
 
 @given(st.lists(st.tuples(st.floats(1.0, 40.0), st.floats(-1.0, 1.0)), min_size=2, max_size=9))

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats
+from stepwell.base import Bools, ByValue, Floats
 from stepwell.lab.recordings.recording import Recording
 from stepwell.lab.snaps import MeasuredSnap, find_snaps, samples_of_jump
 
@@ -189,7 +189,7 @@ def _step(stroke: Floats, force: Floats, at: float, gap: int) -> float:
     return ends[1] - ends[0]
 
 
-def _slope(stroke: Floats, force: Floats, after: Floats, far: float) -> float:
+def _slope(stroke: Floats, force: Floats, after: Bools, far: float) -> float:
     """Slope of the line through the first `far` [m] of the strokes in a mask [N/m]."""
     start = float(np.min(stroke[after]))
     near = after & (stroke <= start + far)

@@ -189,11 +189,13 @@ def calibration_account(model: Calibration, about: About) -> Account:
 def _tension_columns(model: Calibration) -> list[Column]:
     """A column of lengths, and one of tensions for each kind of bands."""
     names = [one.rubber.removeprefix("stiffness_").replace("_", " ") for one in model.tensions]
-    each = [Column(f"bands: {name}", lambda row, k=k: row[k], True) for k, name in enumerate(names)]
+    each = [
+        Column(f"bands: {name}", lambda row, k=k: row[str(k)], True) for k, name in enumerate(names)
+    ]
     return [Column("length [mm]", lambda row: row["length"], True), *each] if each else []
 
 
-def _tension_rows(tensions: Sequence[Row]) -> list[dict[str | int, str]]:
+def _tension_rows(tensions: Sequence[Row]) -> list[Row]:
     """Tensions at a few lengths; a kind without this length in its data has no text."""
     lengths = [length for one in tensions for length in one["length_mm"]]
     if not lengths:
@@ -210,7 +212,7 @@ def _tension_rows(tensions: Sequence[Row]) -> list[dict[str | int, str]]:
         return f"{value:.3g} ({low:.3g} to {high:.3g})"
 
     return [
-        {"length": f"{length:.3g}", **{k: text(one, length) for k, one in enumerate(tensions)}}
+        {"length": f"{length:.3g}", **{str(k): text(one, length) for k, one in enumerate(tensions)}}
         for length in at.tolist()
     ]
 

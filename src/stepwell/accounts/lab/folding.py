@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 
-from stepwell.accounts.parts import PAGE, TERMINAL, Notes, Part
+from stepwell.accounts.parts import PAGE, TERMINAL, Level, Notes, Part
 from stepwell.base import counted, grouped
 
 # Letters of a line; the rest of a longer one is on the page and in JSON.
@@ -13,7 +13,7 @@ _OWN = re.compile(r"^['(+-]*[\w./\\-]*[\d_/\\][\w./\\%-]*[',);]*$")
 
 
 def folded_notes(
-    heading: str, lines: Sequence[str], most: int = 3, level: int = TERMINAL
+    heading: str, lines: Sequence[str], most: int = 3, level: Level = TERMINAL
 ) -> dict[str, Part]:
     """Sections of a list of notes: one line for each kind on a terminal, all lines on a page.
 

@@ -160,18 +160,21 @@ _HALF_COLUMNS = (
 
 def _across(halves: Sequence[str]) -> tuple[base.Column, ...]:
     """A column for each of the first half cycles, after the names of their quantities."""
-    each = (base.Column(one, lambda row, k=k: row[k], True) for k, one in enumerate(halves))
+    each = (base.Column(one, lambda row, k=k: row[str(k)], True) for k, one in enumerate(halves))
     return (base.Column("half", lambda row: row["quantity"]), *each)
 
 
-def _transposed(recordings: Sequence[Row]) -> list[dict[Any, str]]:
+def _transposed(recordings: Sequence[Row]) -> list[dict[str, str]]:
     """A row for each quantity of the first half cycles; quantities without a text are left out."""
     halves = _halves(recordings)
     few = halves[:_SHOWN_HALVES]
     room = {"places": _PLACES.get(len(few), 1)}
     names = [*_HALF_COLUMNS[: len(recordings) > 1], *_HALF_COLUMNS[2:]]
     rows = [
-        {"quantity": column.heading, **{k: column.cell(half | room) for k, half in enumerate(few)}}
+        {
+            "quantity": column.heading,
+            **{str(k): column.cell(half | room) for k, half in enumerate(few)},
+        }
         for column in names
     ]
-    return [row for row in rows if any(row[k] not in ("", "-") for k in range(len(few)))]
+    return [row for row in rows if any(row[str(k)] not in ("", "-") for k in range(len(few)))]
