@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats
+from stepwell.base import ByValue, Floats, to_unit
 from stepwell.lab.bands.halves import student
 from stepwell.lab.fit_samples import Sample
 from stepwell.mechanism import Law, Table, geometry
@@ -44,7 +44,7 @@ class TensionCurve(ByValue):
         return self.width <= KNOWN_TENSION
 
     def __repr__(self):
-        low, high = float(self.length[0]) * 1e3, float(self.length[-1]) * 1e3
+        low, high = (to_unit(float(end), "mm") for end in self.length[[0, -1]])
         return f"TensionCurve({self.rubber}, {low:.3g} to {high:.3g} mm, ±{self.width:.0%})"
 
 
