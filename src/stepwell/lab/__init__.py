@@ -31,9 +31,11 @@ from stepwell.lab.recordings.read import (
     read,
     read_all,
     read_bytes,
+    read_every,
     table,
     to_csv,
 )
+from stepwell.lab.recordings.reading import Reading
 from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.lab.recordings.recording_warnings import batch_warnings, recording_warnings
 from stepwell.lab.rig import NOT_JUDGED, PAPER_RIG, Rig
@@ -75,6 +77,7 @@ __all__ = [
     "Prepared",
     "Pull",
     "RISE",
+    "Reading",
     "Recording",
     "Refit",
     "Rig",
@@ -111,6 +114,7 @@ __all__ = [
     "read_all",
     "read_bytes",
     "read_curve",
+    "read_every",
     "refit",
     "require_travel",
     "sort_series",

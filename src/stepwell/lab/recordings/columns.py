@@ -1,188 +1,231 @@
-"""Roles of the columns of a table of numbers, with conversion factors to SI."""
+"""Names and units of the columns of a block of numbers."""
 
 import re
-from itertools import product
+import unicodedata
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from stepwell.base import GRAVITY, UNITS, InputError, Measure, spellings
+import numpy as np
+
+from stepwell.base import GRAVITY, UNITS, Floats, spellings
+from stepwell.lab.recordings.tables import Block
+from stepwell.lab.recordings.text import split
 
 WEIGHTS = spellings("kg")
-
-# In the order of the search, so that "Load time" is a time.
-ROLES = {
-    "time": ("time", "zeit"),
-    "stroke": ("displacement", "stroke", "extension", "position", "crosshead", "travel", "weg"),
-    "force": ("force", "load", "kraft"),
-    "volume": ("volume", "volumen"),
-    "pressure": ("pressure", "druck"),
-    "angle": ("angle", "rotation", "twist", "winkel"),
-    "torque": ("torque", "moment"),
+# Units of a column of each kind, with factors to SI. A mass is read as its weight.
+_SI = {
+    "time": "s",
+    "stroke": "m",
+    "force": "N",
+    "volume": "m³",
+    "pressure": "Pa",
+    "angle": "rad",
+    "torque": "N m",
 }
-# Units that a column of each role may have, with factors to SI. A mass is read as its weight.
-_SI = dict(zip(ROLES, ("s", "m", "N", "m³", "Pa", "rad", "N m"), strict=True))
-FACTORS = {role: {unit: UNITS[unit].size for unit in spellings(si)} for role, si in _SI.items()}
+FACTORS = {kind: {unit: UNITS[unit].size for unit in spellings(si)} for kind, si in _SI.items()}
 FACTORS["force"] |= {unit: UNITS[unit].size * GRAVITY for unit in WEIGHTS}
-# Names in a handmade table, if no column has a name above: a weight is a force, and the length of
-# the band replaces the stroke.
-_AT_HOME = {"force": ("weight", "mass", "gewicht", "masse"), "length": ("length", "länge")}
+_KIND = {unit: kind for kind, units in FACTORS.items() for unit in units}
+
 # Units that are unambiguous in capitals too, unlike M and m, MN and mN, ML and mL.
 _ANY_CASE = {
-    *("mm", "cm", "in", "inch", "inches"),
+    *("mm", "cm", "in", "inch", "inches", "um"),
     *("g", "gf", "kg", "kgf", "oz", "ozf", "lb", "lbf"),
+    *("sec", "min", "bar", "mbar", "psi", "deg"),
 }
-# Columns of a recording of a test machine; columns of the curve of an element, with the measures
-# that they belong to.
-_RECORDED = ("time", "stroke", "force")
-_TRAVELS = {"stroke": Measure.TRAVEL, "volume": Measure.VOLUME, "angle": Measure.ANGLE}
-_FORCES = {"force": Measure.TRAVEL, "pressure": Measure.VOLUME, "torque": Measure.ANGLE}
-EXAMPLE = "Time (s), Displacement (mm), Force (N)"
-_HOME_EXAMPLE = "Length (mm), Weight (g)"
-_PAIR = "travel_mm,force_N"
-_PAIRS = "travel and force (mm, N), volume and pressure (mL, kPa) or angle and torque (deg, N mm)"
+# Other spellings, in lower case.
+_SPELLED = {
+    spelling: unit
+    for unit, others in {
+        "N": "newton newtons",
+        "kN": "kn kilonewton kilonewtons",
+        "mN": "millinewton millinewtons",
+        "cN": "centinewton centinewtons",
+        "lb": "lbs pound pounds",
+        "lbf": "pound-force lb-f lbsf",
+        "kgf": "kp kg-f",
+        "gf": "g-f gram-force grf",
+        "kg": "kgs kilogram kilograms",
+        "g": "gram grams gr",
+        "oz": "ounce ounces",
+        "m": "meter meters metre metres",
+        "cm": "centimeter centimeters centimetre centimetres",
+        "mm": "millimeter millimeters millimetre millimetres",
+        "um": "micron microns micrometer micrometers micrometre micrometres",
+        "s": "second seconds secs sek sekunden",
+        "min": "minute minutes mins",
+        "ms": "millisecond milliseconds msec",
+        "kPa": "kpa kilopascal kilopascals",
+        "Pa": "pascal pascals",
+        "mL": "cc ccm milliliter milliliters millilitre millilitres",
+        "L": "liter liters litre litres",
+        "deg": "degree degrees",
+        "rad": "radian radians",
+        "N m": "n.m n*m n-m",
+        "N mm": "n.mm n*mm n-mm",
+        "N cm": "n.cm n*cm n-cm",
+    }.items()
+    for spelling in others.split()
+}
 
-_UNIT = re.compile(r"[(\[]\s*([^()\[\]]*?)\s*[)\]]")
-_WORD = re.compile(r"[^\s(\[]+(?:\s*[(\[][^)\]]*[)\]])?|[(\[][^)\]]*[)\]]")
+_BRACKETS = re.compile(r"[(\[{]\s*([^()\[\]{}]*?)\s*[)\]}]")
+# A unit at the end of a name: after a slash, a comma, "in", an underscore or a space.
+_ENDS = (
+    re.compile(r"^(.*\S)\s*/\s*(\S+(?: ?m{1,2})?)$"),
+    re.compile(r"^(.*\S)\s*[,;:]\s*(\S+)$"),
+    re.compile(r"^(.*\S)\s+in\s+(\S+)$", re.IGNORECASE),
+    re.compile(r"^(.*[^\W_])_(\S+)$"),
+    re.compile(r"^(.*[^\W_])\s+([^\s\d]+)$"),
+)
+_PREAMBLE = re.compile(r"^(.*?)\bunits?\b\s*[:=]?\s*(\S*)$", re.IGNORECASE)
+_COMMENT = "#%!*'/ \t"
 
 
-def split(line: str, delimiter: str | None) -> list[str]:
-    """Fields of a line without quotes; None splits at blanks."""
-    fields = line.split(delimiter) if delimiter else line.split()
-    return [field.strip().strip('"').strip() for field in fields]
+class Column(NamedTuple):
+    """A column of a table.
 
+    Attributes:
+        number: counted from 1, as in the file.
+        name: without its unit; empty if unknown.
+        label: name and unit as in the file.
+        unit: as in `FACTORS` if it is known there, else as in the file; empty for none.
+        values: (n,) as in the file; None for words.
+    """
 
-class FoundColumn(NamedTuple):
-    """A column: its index in a row, its factor to SI, and its unit."""
-
-    place: int
-    factor: float
+    number: int
+    name: str
+    label: str
     unit: str
+    values: Floats | None
+
+    @property
+    def kind(self) -> str:
+        """The kind of quantity that the unit stands for, such as "force"; empty if unknown."""
+        return _KIND.get(self.unit, "")
+
+    @property
+    def si(self) -> Floats:
+        """Values in SI; the unit must be known."""
+        assert self.values is not None
+        return self.values * FACTORS[self.kind][self.unit]
+
+    @property
+    def range(self) -> str:
+        """Least and largest value."""
+        if self.values is None:
+            return "words"
+        good = self.values[np.isfinite(self.values)]
+        return f"{np.min(good):.5g} to {np.max(good):.5g}" if len(good) else "no numbers"
+
+    def __str__(self):
+        named = f" {self.name[:40]!r}" if self.name else ""
+        return f"column {self.number}{named}" + f" [{self.unit[:20]}]" * bool(self.unit)
 
 
-def columns(header: list[str], delimiter: str | None, count: int) -> dict[str, FoundColumn]:
-    """Columns of time, stroke or band length, and force by role, from names and units.
-
-    Raises:
-        ValueError: a necessary column is not named, or its unit is missing or unknown.
-    """
-    names, units = _named(header, delimiter, count, EXAMPLE)
-    by_role: dict[str, FoundColumn] = {}
-
-    def look(role: str, words: tuple[str, ...], kind: str) -> None:
-        taken = {column.place for column in by_role.values()}
-        for place, name in enumerate(names):
-            if place not in taken and any(word in name.lower() for word in words):
-                by_role[role] = FoundColumn(place, _factor(kind, name, units[place]), units[place])
-                return
-
-    for role in _RECORDED:
-        look(role, ROLES[role], role)
-    if "stroke" not in by_role:
-        look("length", _AT_HOME["length"], "stroke")
-    if "force" not in by_role:
-        look("force", _AT_HOME["force"], "force")
-    for role, taken in (("stroke", {"stroke", "length"}), ("force", {"force"})):
-        if not by_role.keys() & taken:
-            shown = ", ".join(name for name in names if name) or "none"
-            raise InputError(
-                f"no column for the {role} (columns: {shown}): name the columns and their units, "
-                f"as in {EXAMPLE} or {_HOME_EXAMPLE}."
-            )
-    return by_role
+def spelled(unit: str) -> str:
+    """A unit as in `FACTORS` if it is known in this or another spelling, else unchanged."""
+    text = unicodedata.normalize("NFC", unit).strip().rstrip(".")
+    text = text.replace("\u03bc", "\u00b5").replace("\u00ba", "°").strip('"') or unit.strip()
+    if text in _KIND:
+        return text
+    lower = text.lower()
+    if lower in _ANY_CASE:
+        return lower
+    return _SPELLED.get(lower, text)
 
 
-def pair(
-    header: list[str], delimiter: str | None, count: int
-) -> tuple[Measure, tuple[int, float], tuple[int, float]]:
-    """Columns of travel and force of one measure: indices and factors to SI.
-
-    Raises:
-        ValueError: a column is missing or ambiguous, its unit is missing or unknown, or both
-            columns do not belong together.
-    """
-    names, units = _named(header, delimiter, count, _PAIR)
-    x, travel = _only(_TRAVELS, names, units)
-    y, force = _only(_FORCES, names, units)
-    if _TRAVELS[travel] is not _FORCES[force]:
-        raise InputError(
-            f"columns {names[x][:40]!r} in {units[x]} and {names[y][:40]!r} in {units[y]} do not "
-            f"belong together: must be {_PAIRS}."
-        )
-    return (_TRAVELS[travel], (x, FACTORS[travel][units[x]]), (y, FACTORS[force][units[y]]))
+def columns(block: Block, delimiter: str | None) -> list[Column]:
+    """All columns of a block, with names and units from the lines above it."""
+    names, units = _headings(block, delimiter)
+    given = _in_preamble(block)
+    found: list[Column] = []
+    for k in range(block.width):
+        name, unit = names[k], units[k]
+        bare, own = parted(name)
+        unit = spelled(unit) or own
+        if not unit and k in given:
+            unit = given[k]
+        found.append(Column(k + 1, bare, name, unit, block.columns.get(k)))
+    return found
 
 
-def _only(roles: dict[str, Measure], names: list[str], units: list[str]) -> tuple[int, str]:
-    """Index and role of the one column with a unit of these roles; of several the named one."""
-    every = [(k, role) for k, unit in enumerate(units) for role in roles if unit in FACTORS[role]]
-    named = [(k, role) for k, role in every if _is_called(names[k], role)]
-    matches = every if len(every) < 2 else named or every
-    if len(matches) == 1:
-        return matches[0]
-    words = " or ".join("travel" if role == "stroke" else role for role in roles)
-    if matches:
-        both = ", ".join(repr(names[k][:40]) for k, _ in matches)
-        raise InputError(f"columns {both} could both be the {words}: leave out one of them.")
-    for (name, unit), role in product(zip(names, units, strict=True), roles):
-        if _is_called(name, role):
-            _factor(role, name, unit)
-    shown = ", ".join(name[:40] for name in names if name) or "none"
-    raise InputError(
-        f"no column for the {words} (columns: {shown}): name the columns and their "
-        f"units, as in {_PAIR}; they must be {_PAIRS}."
-    )
+def preamble_units(block: Block) -> dict[str, str]:
+    """Units by kind that the first lines of a file name, as in `Travel Unit: mm`."""
+    found: dict[str, set[str]] = {}
+    for fields in (*block.preamble, *block.head):
+        for text in {"".join(fields[:1]), ": ".join(f.strip() for f in fields[:2] if f.strip())}:
+            match = _PREAMBLE.match(text.strip(_COMMENT))
+            if match and (unit := spelled(match[2].strip("()[]"))) in _KIND:
+                found.setdefault(_KIND[unit], set()).add(unit)
+    return {kind: units.pop() for kind, units in found.items() if len(units) == 1}
 
 
-def _is_called(name: str, role: str) -> bool:
-    return any(word in name.lower() for word in ROLES[role])
+def _in_preamble(block: Block) -> dict[int, str]:
+    """Units of a LabVIEW measurement file by index of the column."""
+    for fields in (*block.preamble, *block.head):
+        if fields and fields[0] == "Y_Unit_Label":
+            units = {k: spelled(unit) for k, unit in enumerate(fields) if k and unit}
+            return {0: "s", **units}
+    return {}
 
 
-def _named(
-    header: list[str], delimiter: str | None, count: int, example: str
-) -> tuple[list[str], list[str]]:
-    """Names and units, from one line with both or from two lines."""
-    rows = [row for line in header if len(row := _fields(line, delimiter)) == count]
+def parted(name: str) -> tuple[str, str]:
+    """Name and unit of a heading: in brackets, or at its end if the unit is known."""
+    text = name.strip()
+    inner = [(match, spelled(match[1])) for match in _BRACKETS.finditer(text)]
+    known = [one for one in inner if one[1] in _KIND]
+    if known or (inner and inner[-1][0].end() == len(text)):
+        match, unit = (known or inner)[-1]
+        return f"{text[: match.start()]} {text[match.end() :]}".strip(), unit
+    for pattern in _ENDS:
+        if (match := pattern.match(text)) and (unit := spelled(match[2])) in _KIND:
+            return match[1].strip(), unit
+    return text, ""
+
+
+def _headings(block: Block, delimiter: str | None) -> tuple[list[str], list[str]]:
+    """Names, and units of a line below the names; empty strings if there is none."""
+    empty = [""] * block.width
+    rows = [row for fields in block.head if (row := _fitted(fields, block, delimiter))]
     if not rows:
-        raise InputError(
-            f"no line above the numbers names the {count} columns: add one, as in {example}."
-        )
+        return empty, empty
     below = rows[-1]
-    bare = [_UNIT.sub("", field).strip() for field in below]
-    if len(rows) > 1 and (not any(bare) or all(_is_unit(field) for field in below)):
-        units = [_unit(field) if _UNIT.search(field) else field for field in below]
-        names = [_UNIT.sub("", field).strip() for field in rows[-2]]
-    else:
-        # The unit may be in a name such as stroke_mm.
-        ends = [field.rpartition("_") for field in below]
-        suffixes = [end if blank and _is_unit(end) else "" for _, blank, end in ends]
-        names, units = bare, [_unit(f) or end for f, end in zip(below, suffixes, strict=True)]
-    return names, [_spelled(unit) for unit in units]
+    bracketed = all(not field or _BRACKETS.fullmatch(field) for field in below)
+    bare = [field.strip("()[] ") for field in below]
+    known = sum(spelled(unit) in _KIND for unit in bare)
+    filled = sum(map(bool, bare))
+    if len(rows) > 1 and filled and (bracketed or (2 * known >= filled and known >= 1)):
+        names = [parted(field)[0] or field for field in rows[-2]]
+        return names, bare
+    if known == filled and known > 1 and not bracketed:
+        return below, bare
+    return below, empty
 
 
-def _fields(line: str, delimiter: str | None) -> list[str]:
-    if delimiter is None:
-        return [field.strip('"') for field in _WORD.findall(line)]
-    return split(line, delimiter)
+def _fitted(fields: Sequence[str], block: Block, delimiter: str | None) -> list[str]:
+    """A line above the numbers as one field for each column; empty if it does not fit."""
+    for row in _splits(fields, delimiter):
+        row = [field.strip().strip('"').strip() for field in row]
+        while len(row) > block.width and (not row[-1] or row[-1].lower() == "comment"):
+            row.pop()
+        words = sum(bool(field) and not _is_number(field) for field in row)
+        spare = set(range(len(row), block.width))
+        if words >= 2 and len(row) <= block.width and not spare & block.columns.keys():
+            if 2 * words >= sum(map(bool, row)):
+                return row + [""] * len(spare)
+    return []
 
 
-def _unit(field: str) -> str:
-    match = _UNIT.search(field)
-    return match[1] if match else ""
+def _is_number(field: str) -> bool:
+    return re.fullmatch(r"[-+]?[\d.,]+(?:[eE][-+]?\d+)?", field) is not None
 
 
-def _is_unit(text: str) -> bool:
-    return any(_spelled(text) in units for units in FACTORS.values())
-
-
-def _spelled(unit: str) -> str:
-    """A unit as in `FACTORS`, in lower case if that is unambiguous."""
-    return unit.lower() if unit.lower() in _ANY_CASE else unit
-
-
-def _factor(role: str, name: str, unit: str) -> float:
-    allowed = FACTORS[role]
-    if unit in allowed:
-        return allowed[unit]
-    came = f"is in {unit[:30]!r}" if unit else "has no unit"
-    raise InputError(
-        f"column {name[:40]!r} {came}: must be one of {', '.join(allowed)}; write it into the "
-        f"header or export the data again."
-    )
+def _splits(fields: Sequence[str], delimiter: str | None) -> Iterator[list[str]]:
+    """The fields of a line, without a comment sign, by this and by other delimiters."""
+    first = "".join(fields[:1]).lstrip(_COMMENT)
+    yield [first, *fields[1:]] if first or len(fields) > 1 else []
+    if not first and len(fields) > 1:  # a comment sign with a delimiter after it
+        yield list(fields[1:])
+    text = (delimiter or " ").join([first, *fields[1:]]).strip()
+    for other in (";", "\t", ",", "|", None):
+        if other != delimiter and text:
+            yield from split(iter([text]), other)

@@ -4,13 +4,13 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, Measure, content_of, display_unit, to_unit
+from stepwell.base import ByValue, Floats, InputError, Measure, display_unit, to_unit
 from stepwell.lab.recordings.recording import LabError, Recording, turns_of, without_spikes
-from stepwell.lab.recordings.text import parse_pair
+from stepwell.lab.recordings.read import samples_of, several
+from stepwell.lab.recordings.reading import Reading
 
 STEP = 0.05e-3  # [m] between the strokes of a mean curve
 
@@ -94,12 +94,14 @@ class MeasuredCurve(ByValue):
         source: the file, as named by the user.
         measure: quantities of travel and force.
         travel, force: (n,) [m], [N], in the order of the file.
+        reading: how the file was read, a line each.
     """
 
     source: str
     measure: Measure
     travel: Floats = field(repr=False)
     force: Floats = field(repr=False)
+    reading: tuple[str, ...] = ()
 
     def rising(self, half: str | None = None) -> tuple[Floats, Floats]:
         """Rising travels and their forces; rows of equal travel are averaged.
@@ -121,8 +123,8 @@ class MeasuredCurve(ByValue):
                 self.source,
                 f"row {at + 1}: the {self.measure.travel} turns back at "
                 f"{self.travel[at] * factor:.6g} {unit}, so the file has loading and unloading: "
-                f"keep one of them, or load it by stepwell.load_element with half='loading' or "
-                f"'unloading'. A curve that folds back needs form='curve', not a table.",
+                f"give half = 'loading' or 'unloading'. A curve that folds back needs form='curve', "
+                f"not a table.",
             )
         x, y = self.travel, self.force
         if half is not None:
@@ -136,27 +138,27 @@ class MeasuredCurve(ByValue):
         return rising, np.bincount(place, y) / count
 
 
-def read_curve(file: str | os.PathLike[str]) -> MeasuredCurve:
+def read_curve(file: str | os.PathLike[str], reading: Reading | None = None) -> MeasuredCurve:
     """The force curve in a file.
 
     Args:
-        file: text whose header names columns and units, such as "travel_mm,force_N", "Displacement
-            [mm];Force [N]", "volume_mL,pressure_kPa" or "Angle (deg), Torque (N mm)", then rows of
-            numbers; other columns are allowed.
+        file: a table as for `read`, of stroke and force, volume and pressure, or angle and torque.
+        reading: columns, units, signs and part, where the file leaves them open.
 
     Raises:
-        LabError: the file is missing, broken, binary or empty, or its units are unknown or do not
-            belong together.
+        LabError: the file is missing, broken, binary or empty, no reading stands out, it has
+            several specimens, or a row without numbers: none is left out.
     """
     name = os.fspath(file)
-    try:
-        measure, *columns = parse_pair(content_of(Path(file), "recording_bytes"))
-        # Rounded, so that 0.3 mm is exactly 0.0003 m.
-        travel, force = (np.array([float(f"{x:.15g}") for x in column]) for column in columns)
-        return MeasuredCurve(name, measure, travel, force)
-    except FileNotFoundError:
-        raise LabError(name, "no such file.") from None
-    except OSError as error:
-        raise LabError(name, f"cannot be read: {error.strerror or error}.") from None
-    except ValueError as error:
-        raise LabError(name, str(error)) from None
+    found = samples_of(file, reading)
+    if len(found) > 1:
+        raise several(name, found)
+    (one,) = found
+    if one.lost:
+        number, line = one.lost[0]
+        raise LabError(
+            name, f"line {number} is no row of numbers ({line!r}): correct it or take it out."
+        )
+    # Rounded, so that 0.3 mm is exactly 0.0003 m.
+    travel, force = (np.array([float(f"{x:.15g}") for x in c]) for c in (one.travel, one.force))
+    return MeasuredCurve(name, one.measure, travel, force, one.reading)

@@ -6,16 +6,18 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stepwell import base
-from stepwell.base import ByValue, Ints, Quantity, Schema
+from stepwell.base import ByValue, Ints, Measure, Quantity, Schema
+from stepwell.lab.recordings.reading import Reading, of_folder
 from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.lab.recordings.recording_warnings import batch_warnings, recording_warnings
-from stepwell.lab.recordings.text import parse
+from stepwell.lab.recordings.roles import Unclear
+from stepwell.lab.recordings.samples import Sample, samples
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -75,7 +77,10 @@ def hashes(recordings: Sequence[Recording]) -> dict[str, str]:
     return {recording.source: recording.sha256 for recording in recordings}
 
 
-SUFFIXES = (".txt", ".csv", ".tsv", ".raw")
+SUFFIXES = (
+    *(".txt", ".csv", ".tsv", ".raw", ".dat", ".asc", ".lvm", ".log", ".tra"),
+    *(".xlsx", ".xls", ".ods"),
+)
 # Tables about recordings, not recordings.
 _NOT_DATA = re.compile(r"manifest|readme|licen[cs]e|requirements", re.IGNORECASE)
 
@@ -106,43 +111,134 @@ class Batch(ByValue):
         return f"Batch({len(self.recordings)} recordings, {len(self.refused)} refused)"
 
 
-def read(file: str | os.PathLike[str]) -> Recording:
-    """One recording, in SI, from a Bluehill "Raw Data" export or a CSV file with units.
+def read(file: str | os.PathLike[str], reading: Reading | None = None) -> Recording:
+    """One recording, in SI, from the export of a test machine or any table with units.
+
+    Args:
+        file: text in any encoding with commas, semicolons, tabs or white space, or a workbook.
+        reading: columns, units, signs and part, where the file leaves them open; recording.toml in
+            its folder completes it.
 
     Raises:
-        LabError: the file is missing, broken, binary or empty, or has an unknown unit.
+        LabError: the file is missing, broken, binary or empty, no reading stands out (the error
+            lists its columns), or it has several specimens.
     """
     name = os.fspath(file)
+    return _only(name, _recordings(name, _content(file), _completed(file, reading)))
+
+
+def read_bytes(content: bytes, name: str, reading: Reading | None = None) -> Recording:
+    """One recording, in SI, from the content of a file as for `read`; `name` is not opened.
+
+    Raises:
+        LabError: as `read`.
+    """
+    return _only(name, _recordings(name, content, reading))
+
+
+def read_every(content: bytes, name: str, reading: Reading | None = None) -> list[Recording]:
+    """All specimens in the content of a file, a recording each; `name` is not opened.
+
+    Raises:
+        LabError: as `read`.
+    """
+    return _recordings(name, content, reading)
+
+
+def samples_of(file: str | os.PathLike[str], reading: Reading | None = None) -> list[Sample]:
+    """Every specimen in a file, of stroke and force or of another pair of quantities.
+
+    Raises:
+        LabError: as `read`.
+    """
+    return _samples(os.fspath(file), _content(file), _completed(file, reading), Measure)
+
+
+def several(name: str, found: Sequence[Any]) -> LabError:
+    """The error for a file of several specimens where one is needed."""
+    return LabError(
+        name,
+        f"holds {len(found)} specimens: give sample = 1 to {len(found)} (--sample 1); "
+        f"`stepwell lab read` lists them.",
+    )
+
+
+def _only(name: str, found: list[Recording]) -> Recording:
+    if len(found) > 1:
+        raise several(name, found)
+    return found[0]
+
+
+def _content(file: str | os.PathLike[str]) -> bytes:
+    name = os.fspath(file)
     try:
-        content = base.content_of(Path(file), "recording_bytes")
+        return base.content_of(Path(file), "recording_bytes")
     except FileNotFoundError:
         raise LabError(name, "no such file.") from None
     except OSError as error:
         raise LabError(name, f"cannot be read: {error.strerror or error}.") from None
-    return read_bytes(content, name)
 
 
-def read_bytes(content: bytes, name: str) -> Recording:
-    """One recording, in SI, from the content of a file as for `read`; `name` is not opened.
-
-    Raises:
-        LabError: the content is broken, binary or empty, or has an unknown unit.
-    """
+def _completed(file: str | os.PathLike[str], reading: Reading | None) -> Reading:
+    """The reading, completed by the one kept in the folder of the file."""
     try:
-        export = parse(content)
+        return (reading or Reading()).over(of_folder(file))
+    except ValueError as error:
+        raise LabError(os.fspath(file), str(error)) from None
+
+
+def _samples(
+    name: str, content: bytes, reading: Reading | None, measures: Iterable[Measure]
+) -> list[Sample]:
+    try:
+        return samples(content, reading, measures)
+    except Unclear as error:
+        raise LabError(name, str(error), error.rows) from None
     except ValueError as error:
         raise LabError(name, str(error)) from None
-    return Recording(name, sha256=hashlib.sha256(content).hexdigest(), **export._asdict())
+
+
+def _recordings(name: str, content: bytes, reading: Reading | None) -> list[Recording]:
+    found = _samples(name, content, reading, (Measure.TRAVEL,))
+    sha256 = hashlib.sha256(content).hexdigest()
+    return [
+        Recording(
+            _source(name, one.label),
+            one.time,
+            one.travel,
+            one.force,
+            one.remarks,
+            sha256,
+            one.gauge,
+            one.steps,
+            one.reading,
+        )
+        for one in found
+    ]
+
+
+def _source(name: str, label: str) -> str:
+    """The name of a specimen of a file with several: strip.csv is strip (2).csv."""
+    if not label:
+        return name
+    path = PurePath(name)
+    return str(path.with_name(f"{path.stem} ({label}){path.suffix}"))
 
 
 def read_all(
-    files: Iterable[str | os.PathLike[str]], progress: Callable[[int, int], None] | None = None
+    files: Iterable[str | os.PathLike[str]],
+    reading: Reading | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Batch:
     """Recordings from files and folders, and an error for every other file.
 
+    Every specimen of a file with several is a recording of its own.
+
     Args:
-        files: files, and folders that are searched for .txt, .csv, .tsv and .raw files at any
-            depth. A named file is always read.
+        files: files, and folders that are searched at any depth for text (.txt, .csv, .tsv, .raw,
+            .dat, .asc, .lvm, .log, .tra) and workbooks (.xlsx, .xls, .ods). A named file is always
+            read.
+        reading: as for `read`, for all files.
         progress: called with (done, total) files.
     """
     recordings: list[Recording] = []
@@ -151,7 +247,8 @@ def read_all(
     names = list(dict.fromkeys(name for f in files for name in _files(os.fspath(f), ignored)))
     for done, name in enumerate(names, 1):
         try:
-            recordings.append(read(name))
+            content, own = _content(name), _completed(name, reading)
+            recordings += _recordings(name, content, own)
         except LabError as error:
             refused.append(error)
         base.notify(progress, done, len(names))

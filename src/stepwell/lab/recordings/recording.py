@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -18,12 +19,18 @@ class LabError(InputError):
     Args:
         name: the file or folder, as named by the user.
         problem: one line: the value, the allowed values, and an action.
+        columns: rows of a table of the file's columns, if they do not decide how it is read:
+            number, name, unit, range, and what each may be. A traceback shows them too.
     """
 
-    def __init__(self, name: str, problem: str):
+    def __init__(self, name: str, problem: str, columns: Sequence[tuple[str, ...]] = ()):
         self.name = printable(name)
         self.problem = printable(problem)
+        self.columns = tuple(tuple(map(printable, row)) for row in columns)
         super().__init__(f"{self.name}: {self.problem}")
+        for number, called, unit, numbers, why in self.columns:
+            unit = f"[{unit}]" if unit else "no unit"
+            self.add_note(f"  {number:>3}  {called or '(no name)'}  {unit}  {numbers}  {why}")
 
 
 # A spike deviates from the median of three samples by more than 5 % of the force range and 5 times
@@ -71,6 +78,7 @@ class Recording(ByValue, Drawn):
         sha256: of the file; "" without a file.
         gauge: length of the band at stroke 0 [m] if the file contains its length; else None.
         steps: resolution of stroke [m] and force [N]; 0 if unknown.
+        reading: how the file was read, a line each: columns, units, signs, zero, part.
 
     Raises:
         ValueError: arrays differ in length, have fewer than two samples, or contain a stroke or a
@@ -85,6 +93,7 @@ class Recording(ByValue, Drawn):
     sha256: str = field(default="", repr=False)
     gauge: float | None = field(default=None, repr=False)
     steps: tuple[float, float] = field(default=(0.0, 0.0), repr=False)
+    reading: tuple[str, ...] = field(default=(), repr=False)
 
     def __post_init__(self):
         lengths = len(self.time), len(self.stroke), len(self.force)
@@ -181,6 +190,8 @@ def turns_of(stroke: Floats) -> tuple[int, ...]:
 
 
 _RUN = re.compile(r"^(?P<stem>.*?)_?(?P<run>\d+)$")
+# A number with decimals, such as 2d0 or 2p5, is a value and not the number of a run.
+_VALUE = re.compile(r"\d[dp.,]\d+$")
 _UNIT = re.compile(r"^(?P<cells>[12])unit_(?P<code>[BMTLR]+)(?P<mark>(?:_[A-Za-z]\w*)?)$")
 _SAMPLE = re.compile(r"^samp(?:le)?_?(?P<sample>\d+)(?!\d)", re.IGNORECASE)
 _BASELINE = re.compile(r"friction|baseline|no_?band", re.IGNORECASE)
@@ -203,13 +214,13 @@ class Setup:
 
 def stem_of(name: str) -> str:
     """A name without its run number."""
-    match = _RUN.match(name)
+    match = None if _VALUE.search(name) else _RUN.match(name)
     return match["stem"] if match else name
 
 
 def run_number(name: str) -> int | None:
     """The number at the end of a name, if there is one."""
-    match = _RUN.match(name)
+    match = None if _VALUE.search(name) else _RUN.match(name)
     return int(match["run"][:18]) if match else None
 
 

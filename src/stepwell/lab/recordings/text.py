@@ -1,234 +1,228 @@
-"""Numbers in the text export of a test machine."""
+"""Rows of fields in the text of a table: encoding, delimiter, decimal marks."""
 
+import codecs
+import csv
+import io
 import re
+from collections.abc import Iterator
+from itertools import islice
 from typing import NamedTuple
 
-import numpy as np
+from stepwell.base import InputError
 
-from stepwell.base import GRAVITY, Floats, InputError, Measure, to_unit
-from stepwell.lab.recordings.columns import WEIGHTS, columns, pair, split
+_DELIMITERS = (";", "\t", ",", "|", None)  # None splits at white space
+_LOOKED_AT = 400  # lines that decide on the delimiter
+_LONGEST = 1 << 20  # characters of a line
+_NUL = "is binary, not text: export the raw data as text, CSV or a workbook."
 
-_NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d{1,3})?")
+# Look-alikes in numbers: minus signs, and spaces and quotes between thousands.
+_ALIKE = str.maketrans({"\u2212": "-", "\u2013": "-", "\u00a0": "", "\u202f": "", "'": ""})
+_EXPONENT = r"(?:[eE][-+]?\d{1,3})?"
+_OPEN, _CLOSE = r"(?<![\w.,:/-])[-+]?", rf"{_EXPONENT}(?![\w.,:/])"
 # Programs write these words for missing numbers.
-_MISSING = re.compile(r"[-+]?(?:nan|inf(?:inity)?)", re.IGNORECASE)
-# Blanks last: a comma within a field between blanks is a decimal comma.
-_DELIMITERS = (";", "\t", ",", None)
-_HEADER_AT_MOST = 200
-_SHOWN = 40
-_DIGITS = 6  # decimal places, more than any reading has
-_BLOCK = 5000  # rows read at once, or one by one if one of them is irregular
+_MISSING = re.compile(
+    r"[-+]?(?:nan|inf(?:inity)?|n/?a|#n/?a|none|null|-+|#[A-Z/0]+[!?])?", re.IGNORECASE
+)
 
 
-_Lines = list[tuple[int, str]]  # with their numbers
+class Style(NamedTuple):
+    """How the numbers of a file are written: decimal mark, and the mark between thousands."""
+
+    decimal: str = "."
+    thousands: str = ","
+
+    def plain(self, field: str) -> str:
+        """The number of a field as Python writes it; empty if it is none or missing."""
+        text = field.strip().translate(_ALIKE)
+        if not _number(self.decimal).fullmatch(text):
+            return ""
+        return text.replace(self.thousands, "").replace(self.decimal, ".").replace(" ", "")
 
 
-class Export(NamedTuple):
-    """Content of the text in SI; `time` is NaN if not recorded.
-
-    `gauge` is the least length if the file contains the length of a band; the stroke counts from
-    it. `steps` are the resolutions of stroke and force from their digits, 0 if unknown.
-    """
-
-    time: Floats
-    stroke: Floats
-    force: Floats
-    remarks: tuple[str, ...]
-    gauge: float | None = None
-    steps: tuple[float, float] = (0.0, 0.0)
+_POINT, _COMMA = Style(), Style(",", ".")
+_NUMBERS = {
+    mark: re.compile(
+        rf"[-+]?(?:[0-9]+|[0-9]{{1,3}}(?:[{other} ][0-9]{{3}})+|(?=[{mark}][0-9]))"
+        rf"(?:[{mark}][0-9]*)?(?:[eE][-+]?[0-9]{{1,3}})?"
+    )
+    for mark, other in (_POINT, _COMMA)
+}
 
 
-def parse(data: bytes) -> Export:
-    """The recording in a Bluehill "Raw Data" text or CSV whose header names columns and units.
+def _number(mark: str) -> re.Pattern[str]:
+    return _NUMBERS[mark]
+
+
+def is_missing(field: str) -> bool:
+    """Whether a field stands for a number that is missing."""
+    return _MISSING.fullmatch(field.strip()) is not None
+
+
+class Text(NamedTuple):
+    """A decoded text with its delimiter and the style of its numbers."""
+
+    data: bytes  # in UTF-8
+    delimiter: str | None
+    style: Style
+
+    @classmethod
+    def of(cls, data: bytes, skip: int = 0, decimal: str | None = None) -> "Text":
+        """Decode the bytes, without their first lines, and find delimiter and style.
+
+        Raises:
+            ValueError: the data are empty or no text, or the style of its numbers is ambiguous.
+        """
+        if not data.strip():
+            raise InputError("is empty: export it again.")
+        text = decoded(data)
+        if skip:
+            rest = re.split(r"\r\n|\r|\n", text, maxsplit=skip)
+            text = rest[-1] if len(rest) > skip else ""
+        lines = list(islice(_lines(text), _LOOKED_AT))
+        if any(len(line) > _LONGEST for line in lines):
+            raise InputError(f"has a line of more than {_LONGEST} characters: export it again.")
+        delimiter, start = _delimiter_of(lines)
+        body = text[start:] if start < len(text) else text
+        style = {None: None, ".": _POINT, ",": _COMMA}[decimal] or _style_of(body, delimiter)
+        return cls(text.encode("utf-8", "replace"), delimiter, style)
+
+    def rows(self) -> Iterator[list[str]]:
+        """Fields of every line, by the rules of Python's csv module."""
+        with io.TextIOWrapper(io.BytesIO(self.data), "utf-8", newline="") as lines:
+            yield from split(lines, self.delimiter)
+
+
+def split(lines: Iterator[str] | io.TextIOWrapper, delimiter: str | None) -> Iterator[list[str]]:
+    """Fields of lines; delimiter None splits at white space."""
+    if delimiter is None:
+        for line in lines:
+            for part in re.split(r"[\r\n]", line.rstrip("\r\n")):
+                yield _words(part)
+        return
+    try:
+        yield from csv.reader(lines, delimiter=delimiter, skipinitialspace=True)
+    except csv.Error as error:
+        raise InputError(f"is no table of text ({error}): export it again.") from None
+
+
+# A word may have a unit in brackets after it.
+_WORD = re.compile(r'"[^"]*"|[^\s(\["]+(?:\s*[(\[][^)\]]*[)\]])?|[(\[][^)\]]*[)\]]|\S+')
+
+
+def _words(line: str) -> list[str]:
+    if "(" in line or "[" in line or '"' in line:
+        return [word.strip('"') for word in _WORD.findall(line)]
+    return line.split()
+
+
+def _lines(text: str) -> Iterator[str]:
+    return (match[0] for match in re.finditer(r"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+", text))
+
+
+def decoded(data: bytes) -> str:
+    """The text of bytes in UTF-8, UTF-16 or an encoding that charset-normalizer recognises.
 
     Raises:
-        ValueError: the data are no text, without a header or numbers, or with an unknown unit.
+        ValueError: the data are binary.
     """
-    lines, words = _without_words(_lines(data))
-    header, delimiter, count, body = _parts(lines, "time, displacement and force")
-    roles = columns(header, delimiter, count)
-    rows, bad = _rows(body, delimiter, count)
-    remarks = (*words, *_remarks(bad, body[-1][0]))
-    if len(rows) < 2:
-        raise InputError(f"holds {len(rows)} row of numbers: a recording has 2 or more.")
-    values = {role: rows[:, one.place] * one.factor for role, one in roles.items()}
-    time = values.get("time", np.full(len(rows), np.nan))
-    if "time" not in values:
-        remarks += ("no time column, so its rate is unknown",)
-    gauge, way = None, "stroke"
-    if "length" in values:
-        gauge, way = float(np.min(values["length"])), "length"
-        values["stroke"] = values["length"] - gauge
-        remarks += (
-            f"its length is that of the band: stroke counts from {to_unit(gauge, 'mm'):.5g} mm",
-        )
-    unit = roles["force"].unit
-    if unit in WEIGHTS:
-        remarks += (f"{unit} are weights: 1 kg is {GRAVITY} N, positive pulls",)
-    u, force = (_step(rows[:, one.place]) * one.factor for one in (roles[way], roles["force"]))
-    return Export(time, values["stroke"], values["force"], remarks, gauge, (u, force))
+    utf_16 = {codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}.get(data[:2])
+    if utf_16 is None and b"\0" in data:
+        ends = data[:4096:2].count(0), data[1:4096:2].count(0)
+        size = min(len(data), 4096) // 2
+        if size < 8 or max(ends) < 0.8 * size or min(ends) > 0:
+            raise InputError(_NUL)
+        utf_16 = "utf-16-be" if ends[0] > ends[1] else "utf-16-le"
+    try:
+        text = data.decode(utf_16 or "utf-8-sig")
+    except UnicodeDecodeError as error:
+        if utf_16:
+            raise InputError(_NUL) from None
+        text = _of_old_encoding(data, error.start)
+    if "\0" in text:
+        raise InputError(_NUL)
+    return text
 
 
-def parse_pair(data: bytes) -> tuple[Measure, Floats, Floats]:
-    """Measure, travels and forces in SI of the curve in a table, as for `parse`.
+def _of_old_encoding(data: bytes, start: int) -> str:
+    """Text of an encoding without a mark: two-byte characters come in runs, others do not."""
+    part = data[max(0, start - 2000) : start + 20000]
+    encoding = "cp1252"
+    if re.search(rb"[\x81-\xfe][\x40-\xfe][\x81-\xfe][\x40-\xfe]", part):
+        from charset_normalizer import from_bytes
 
-    Raises:
-        ValueError: as `parse`; also for any row without numbers, since no row is left out.
-    """
-    header, delimiter, count, body = _parts(_lines(data), "travel and force")
-    # A header has no number for a field, but an unreadable row has.
-    if header and any(map(_NUMBER.fullmatch, split(header[-1], delimiter))):
-        raise InputError(
-            f"the line before the first row of {count} numbers is no header "
-            f"({header[-1][:_SHOWN]!r}): correct it or take it out."
-        )
-    measure, (x, x_factor), (y, y_factor) = pair(header, delimiter, count)
-    rows, bad = _rows(body, delimiter, count)
-    if bad:
-        number, line = bad[0]
-        raise InputError(
-            f"line {number} is no row of {count} numbers ({line[:_SHOWN]!r}): correct it or take "
-            f"it out."
-        )
-    return measure, rows[:, x] * x_factor, rows[:, y] * y_factor
-
-
-def _step(values: Floats) -> float:
-    """Resolution of the digits of a column, such as 0.5 for 12.5, 14.0, 15.5; 0 for none.
-
-    It is 1 or 5 in the last decimal place, and at most 1: weights of 50 g are set, not read.
-    """
-    for digits in range(_DIGITS + 1):
-        counts = values * 10.0**digits
-        whole = np.round(counts)
-        if np.all(np.abs(counts - whole) < 1e-9 * np.maximum(np.abs(counts), 1.0)):
-            halves = digits > 0 and len(values) > 2 and bool(np.all(whole % 5 == 0))
-            return (5.0 if halves else 1.0) * 10.0**-digits
-    return 0.0
-
-
-def _without_words(lines: list[str]) -> tuple[list[str], tuple[str, ...]]:
-    """The lines without columns of words, if no row has numbers alone; and notes."""
-    if _row_of_numbers(lines) is not None:
-        return lines, ()
-    for delimiter in (";", "\t", ","):
-        fields = [split(line, delimiter) for line in lines]
-        start = _begin(fields)
-        width = len(fields[start])
-        kept = _numeric([row for row in fields[start:] if len(row) == width], width)
-        if not start or not 2 <= len(kept) < width:
+        best = from_bytes(
+            part, cp_isolation=["gb18030", "big5", "shift_jis", "euc_kr", "cp1252"]
+        ).best()
+        encoding = encoding if best is None else best.encoding
+    for one in (encoding, "cp1252"):
+        try:
+            return data.decode(one)
+        except UnicodeDecodeError:
             continue
-        above = next((row for row in fields[start - 1 :: -1] if len(row) == width), [""] * width)
-        notes = ", ".join(repr(above[k][:_SHOWN]) for k in range(width) if k not in kept)
-        cut = [
-            delimiter.join(row[k] for k in kept) if len(row) == width else line
-            for row, line in zip(fields, lines, strict=True)
-        ]
-        return cut, (f"column {notes} contains words: not read",)
-    return lines, ()
+    return data.decode("latin-1")
 
 
-def _begin(rows: list[list[str]]) -> int:
-    """Index of the first row with two numbers or more; 0 for none."""
-    ahead = enumerate(rows[:_HEADER_AT_MOST])
-    return next((n for n, row in ahead if sum(map(_is_number, row)) >= 2), 0)
-
-
-def _numeric(rows: list[list[str]], width: int) -> list[int]:
-    """Indices of the columns in which more than half of the fields are numbers, or missing."""
-
-    def numbers(k: int) -> int:
-        return sum(_is_number(row[k]) or bool(_MISSING.fullmatch(row[k])) for row in rows)
-
-    return [k for k in range(width) if 2 * numbers(k) > len(rows)]
-
-
-def _is_number(field: str) -> bool:
-    return _NUMBER.fullmatch(field) is not None
-
-
-def _parts(lines: list[str], example: str) -> tuple[list[str], str | None, int, _Lines]:
-    """Header lines, delimiter, number of columns, and lines from the first numbers on."""
-    first = _row_of_numbers(lines)
-    if first is None:
-        raise InputError(f"holds no row of two or more numbers: a recording is rows of {example}.")
-    start, delimiter = first
-    body = [(n, line) for n, line in enumerate(lines[start:], start + 1) if line.strip()]
-    header = [line for line in lines[:start] if line.strip()]
-    return header, delimiter, len(split(lines[start], delimiter)), body
-
-
-def _lines(data: bytes) -> list[str]:
-    if not data.strip():
-        raise InputError("is empty: export it again.")
-    utf_16 = data[:2] in (b"\xff\xfe", b"\xfe\xff")
-    if b"\0" in data and not utf_16:
-        raise InputError("is binary, not text: export the raw data as text or CSV.")
-    try:
-        text = data.decode("utf-16" if utf_16 else "utf-8-sig")
-    except UnicodeDecodeError:
-        # Old Windows programs encode degree and micro signs in this way.
-        text = data.decode("latin-1")
-    return re.split(r"\r\n|\r|\n", text)
-
-
-def _row_of_numbers(lines: list[str]) -> tuple[int, str | None] | None:
-    """Index and delimiter of the first line of numbers alone, two or more."""
-    for at, line in enumerate(lines[:_HEADER_AT_MOST]):
-        for delimiter in _DELIMITERS:
-            fields = split(line, delimiter)
-            if len(fields) >= 2 and all(map(_is_number, fields)):
-                return at, delimiter
-    return None
-
-
-def _rows(body: _Lines, delimiter: str | None, count: int) -> tuple[Floats, _Lines]:
-    """Readable rows, and the other lines with their numbers."""
-    pieces: list[Floats] = []
-    bad: _Lines = []
-    for first in range(0, len(body), _BLOCK):
-        block = body[first : first + _BLOCK]
-        piece = _at_once([line for _, line in block], delimiter, count)
-        pieces.append(_one_by_one(block, delimiter, count, bad) if piece is None else piece)
-    good = np.concatenate(pieces)
-    if len(bad) > len(good):
-        number, line = bad[0]
+def _delimiter_of(lines: list[str]) -> tuple[str | None, int]:
+    """The delimiter with most rows of numbers; the place of its first row in the text."""
+    best: tuple[float, str | None, int] = (0.0, None, 0)
+    for delimiter in _DELIMITERS:
+        score, first = 0.0, -1
+        for k, line in enumerate(lines):
+            (fields,) = split(iter([line]), delimiter) if line.strip() else ([],)
+            numbers = sum(bool(_POINT.plain(f) or _COMMA.plain(f)) for f in fields)
+            if numbers >= 2:
+                score += numbers / sum(bool(f.strip()) for f in fields)
+                first = k if first < 0 else first
+        if score > best[0] + 1e-9:
+            best = score, delimiter, first
+    if not best[0]:
         raise InputError(
-            f"{len(bad)} of {len(body)} rows are no {count} numbers (line {number}: "
-            f"{line[:_SHOWN]!r}): export it again."
+            "holds no row of two or more numbers: a recording is rows of time, displacement and "
+            "force."
         )
-    return good, bad
+    return best[1], sum(map(len, lines[: best[2]]))
 
 
-def _one_by_one(block: _Lines, delimiter: str | None, count: int, bad: _Lines) -> Floats:
-    """Readable rows of a block; other lines are added to `bad`."""
-    good: list[list[float]] = []
-    for number, line in block:
-        fields = split(line, delimiter)
-        if len(fields) == count and all(map(_NUMBER.fullmatch, fields)):
-            row = [float(field.replace(",", ".")) for field in fields]
-            if np.all(np.isfinite(row)):
-                good.append(row)
-                continue
-        bad.append((number, line))
-    return np.array(good).reshape(-1, count)
+def _evidence(text: str, mark: str, other: str) -> tuple[bool, bool, bool]:
+    """Whether numbers use a mark before decimals, between thousands, or in any way."""
+    m, o = re.escape(mark), re.escape(other)
+    decimal = (
+        rf"{_OPEN}(?:(?:0|[0-9]{{4,}})?{m}[0-9]+|[0-9]{{1,3}}{m}(?:[0-9]{{1,2}}|[0-9]{{4,}})?)"
+        rf"{_CLOSE}|{_OPEN}[0-9]{{1,3}}(?:{o}[0-9]{{3}})+{m}[0-9]*{_CLOSE}"
+        rf"|{_OPEN}[0-9]{m}[0-9]+[eE][-+]?[0-9]{{1,3}}(?![\w.,:/])"
+    )
+    thousands = rf"{_OPEN}[0-9]{{1,3}}(?:{m}[0-9]{{3}}){{2,}}(?![\w.,:/])"
+    any_way = rf"{_OPEN}[0-9]{{1,3}}{m}[0-9]{{3}}(?![\w.,:/])"
+    return tuple(re.search(one, text) is not None for one in (decimal, thousands, any_way))  # type: ignore[return-value]
 
 
-def _at_once(lines: list[str], delimiter: str | None, count: int) -> Floats | None:
-    """All rows by NumPy's reader, ten times as fast; None if a row is irregular."""
-    try:
-        rows = np.loadtxt(lines, delimiter=delimiter, ndmin=2, comments=None)
-    except ValueError:
-        return None
-    return rows if rows.shape[1] == count and np.all(np.isfinite(rows)) else None
-
-
-def _remarks(bad: _Lines, last: int) -> list[str]:
-    remarks: list[str] = []
-    if bad and bad[-1][0] == last:
-        remarks.append(f"the last row is cut off (line {last}: {bad[-1][1][:_SHOWN]!r})")
-        bad = bad[:-1]
-    if bad:
-        number, line = bad[0]
-        rows = "row is" if len(bad) == 1 else "rows are"
-        remarks.append(f"{len(bad)} {rows} left out (first line {number}: {line[:_SHOWN]!r})")
-    return remarks
+def _style_of(body: str, delimiter: str | None) -> Style:
+    """The style of the numbers, decided by the whole file."""
+    commas = body
+    if delimiter == ",":
+        if '"' not in body:
+            return _POINT
+        commas = "\n".join(re.findall(r'"([-+0-9.,eE \u2212]+)"', body))
+        if "," not in commas:
+            return _POINT
+        points = re.sub(r'"[^"]*"', "", body).replace(",", "\n") + "\n" + commas
+    elif "," not in body:
+        return _POINT
+    else:
+        points = body
+    comma, grouped, any_comma = _evidence(commas, ",", ".")
+    point, point_grouped, _ = _evidence(points, ".", ",")
+    if comma and point:
+        raise InputError(
+            "has numbers with a decimal comma and others with a decimal point: export it with one."
+        )
+    if comma or (point_grouped and not point):
+        return _COMMA
+    if any_comma and not (point or grouped):
+        number = re.search(rf"{_OPEN}[0-9]{{1,3}},[0-9]{{3}}(?![\w.,:/])", commas)
+        raise InputError(
+            f"{number[0] if number else '1,234'!r} is 1.234 or 1234 and no other number decides: "
+            f"give --decimal , for a decimal comma or --decimal . for a decimal point (in Python "
+            f"Reading(decimal=','))."
+        )
+    return _POINT

@@ -1,0 +1,145 @@
+"""How a file is read: columns, units, signs and the part that is used."""
+
+import os
+import tomllib
+from contextlib import suppress
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+from stepwell.base import InputError, nearest_word, write_atomic
+from stepwell.lab.recordings.columns import FACTORS, spelled
+
+FLIPS = ("none", "stroke", "force", "both")
+HALVES = ("loading", "unloading", "both")
+FILE = "recording.toml"
+_COUNTED = ("cycle", "skip", "sample")
+_MOST = 10**9
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How recordings are read; None leaves the choice to the reader, which refuses if unclear.
+
+    Attributes:
+        stroke, force: columns, by their number from 1 or their name. Volume and pressure, or angle
+            and torque, have the same keys.
+        unit: units of both, as in "mm,N".
+        flip: signs to turn: "none", "stroke", "force" or "both".
+        half: "loading", "unloading" or "both".
+        cycle: number of one cycle, from 1.
+        skip: lines at the beginning of the file that are not read.
+        sample: number of one specimen of a file with several, from 1.
+        decimal: "," or ".", if the numbers of the file leave it open.
+
+    Raises:
+        ValueError: a value is not allowed.
+    """
+
+    stroke: int | str | None = None
+    force: int | str | None = None
+    unit: str | None = None
+    flip: str | None = None
+    half: str | None = None
+    cycle: int | None = None
+    skip: int = 0
+    sample: int | None = None
+    decimal: str | None = None
+
+    def __post_init__(self):
+        for name in ("stroke", "force"):
+            value = getattr(self, name)
+            if isinstance(value, str) and value.strip().isdecimal() and value.isascii():
+                object.__setattr__(self, name, value := int(value))
+            is_number = isinstance(value, int) and not isinstance(value, bool)
+            if value is not None and not (
+                1 <= value <= _MOST if is_number else isinstance(value, str) and value.strip()
+            ):
+                raise InputError(f"{name} = {value!r}: must be a column: its number or its name.")
+        if self.stroke is not None and self.stroke == self.force:
+            raise InputError(f"force = {self.force!r}: must be another column than the stroke.")
+        for name, allowed in (("flip", FLIPS), ("half", HALVES), ("decimal", (".", ","))):
+            if (value := getattr(self, name)) not in (None, *allowed):
+                raise InputError(f"{name} = {value!r}: must be one of {', '.join(allowed)}.")
+        for name in _COUNTED:
+            value, least = getattr(self, name), int(name != "skip")
+            if value is not None and not (type(value) is int and least <= value <= _MOST):
+                raise InputError(f"{name} = {value!r}: must be a whole number of {least} or more.")
+        if self.unit is not None:
+            _ = self.units
+
+    @property
+    def units(self) -> tuple[str, str] | None:
+        """Units of stroke and force, as they are spelled in the table of units."""
+        if self.unit is None:
+            return None
+        parts = [spelled(part) for part in str(self.unit).split(",")]
+        travels, forces = (
+            [unit for kind in kinds for unit in FACTORS[kind]]
+            for kinds in (("stroke", "volume", "angle"), ("force", "pressure", "torque"))
+        )
+        if len(parts) != 2 or parts[0] not in travels or parts[1] not in forces:
+            raise InputError(
+                f"unit = {self.unit!r}: must be two units, of stroke and of force, as in mm,N."
+            )
+        return parts[0], parts[1]
+
+    def given(self) -> dict[str, Any]:
+        """The values that differ from the defaults."""
+        own = {one.name: getattr(self, one.name) for one in fields(self)}
+        return {key: value for key, value in own.items() if value not in (None, 0)}
+
+    def over(self, other: "Reading") -> "Reading":
+        """This reading, completed by another one."""
+        return replace(other, **self.given())
+
+    @property
+    def options(self) -> str:
+        """The same as options of a command."""
+        return " ".join(
+            f"--{key} {_quoted(str(value))}" for key, value in self.given().items()
+        )
+
+
+WORDS = tuple(one.name for one in fields(Reading))
+
+
+def _quoted(text: str) -> str:
+    return f"'{text}'" if " " in text else text
+
+
+def of_keys(keys: dict[str, Any]) -> Reading:
+    """The reading of the keys of a table; raises ValueError for another key."""
+    for key in keys:
+        if key not in WORDS:
+            near = nearest_word(key, WORDS)
+            meant = f"Did you mean {near}?" if near else f"Known: {', '.join(WORDS)}."
+            raise InputError(f"{key[:40]}: unknown key. {meant}")
+    return Reading(**keys)
+
+
+def of_folder(file: str | os.PathLike[str]) -> Reading:
+    """The reading kept in recording.toml in the folder of a file; an empty one without it.
+
+    Raises:
+        ValueError: recording.toml is invalid.
+    """
+    place = Path(file).parent / FILE
+    with suppress(FileNotFoundError, NotADirectoryError):
+        if place.stat().st_size > 1 << 16:
+            raise InputError(f"{FILE}: has more than 65536 bytes: it is no reading.")
+        try:
+            return of_keys(tomllib.loads(place.read_text("utf-8")))
+        except (ValueError, TypeError) as error:
+            raise InputError(f"{FILE} in its folder: {error}") from None
+    return Reading()
+
+
+def save(reading: Reading, folder: str | os.PathLike[str]) -> Path:
+    """Write recording.toml, which is used for all recordings in the folder."""
+    import tomli_w
+
+    place = Path(folder) / FILE
+    text = "# How the recordings in this folder are read; the keys are options of `stepwell lab`.\n"
+    write_atomic(place, (text + tomli_w.dumps(reading.given())).encode())
+    return place

@@ -1,0 +1,289 @@
+"""Every specimen in a file, in SI: the one path from bytes to stroke and force."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import GRAVITY, Floats, InputError, Ints, Measure, display_unit, to_unit
+from stepwell.lab.recordings import columns as headings, roles, signs, workbook
+from stepwell.lab.recordings.reading import Reading
+from stepwell.lab.recordings.recording import turns_of
+from stepwell.lab.recordings.roles import Taken, Unclear
+from stepwell.lab.recordings.tables import Block, blocks
+from stepwell.lab.recordings.text import Style, Text
+
+_SHOWN = 40
+_DIGITS = 6  # decimal places, more than any reading has
+_STEP_ROWS = 20_000  # rows that show the resolution
+
+
+class Sample(NamedTuple):
+    """One specimen of a file.
+
+    Attributes:
+        label: what tells it from the others of the file, such as "2"; empty if it is alone.
+        measure: quantities of travel and force.
+        time: (n,) [s]; NaN if not recorded.
+        travel, force: (n,) in SI.
+        remarks: rows that are left out, and the like.
+        reading: how it was read, a line each: columns, signs, part.
+        gauge: least length [m], if the file contains the length of a band.
+        steps: resolutions of travel and force from their digits, 0 if unknown.
+        lost: lines of the file that could not be used, as (line, text).
+    """
+
+    label: str
+    measure: Measure
+    time: Floats
+    travel: Floats
+    force: Floats
+    remarks: tuple[str, ...]
+    reading: tuple[str, ...]
+    gauge: float | None
+    steps: tuple[float, float]
+    lost: tuple[tuple[int, str], ...] = ()
+
+
+def samples(
+    content: bytes, reading: Reading | None = None, measures: Iterable[Measure] = Measure
+) -> list[Sample]:
+    """All specimens in the bytes of a file, as far as they have columns of these measures.
+
+    Raises:
+        ValueError: the file is broken, binary or empty, or no reading stands out (`Unclear`).
+    """
+    reading = reading or Reading()
+    found: list[Sample] = []
+    problems: list[tuple[int, InputError, str]] = []
+    for sheet, block, delimiter in _tables(content, reading):
+        try:
+            found += _of_block(block, delimiter, reading, list(measures), sheet)
+        except InputError as error:
+            first, last = int(block.lines[0]), int(block.lines[-1])
+            place = f"{sheet}: " * bool(sheet) + f"lines {first} to {last}"
+            problems.append((len(block), error, place))
+    if not found:
+        raise max(problems, key=lambda one: one[0])[1]
+    notes = tuple(f"{place} are not read: {error}" for _, error, place in problems)
+    if reading.sample is not None:
+        if reading.sample > len(found):
+            raise InputError(f"sample = {reading.sample}: the file has {len(found)}.")
+        found = [found[reading.sample - 1]._replace(label="")]
+    elif len(found) > 1:
+        found = [
+            one._replace(
+                label=one.label or f"{k}",
+                remarks=(f"specimen {k} of {len(found)} in the file", *one.remarks),
+            )
+            for k, one in enumerate(_labelled(found), 1)
+        ]
+    else:
+        found = [found[0]._replace(label="")]
+    return [one._replace(remarks=(*one.remarks, *notes)) for one in found]
+
+
+def _labelled(found: Sequence[Sample]) -> list[Sample]:
+    """Samples whose labels differ, or none has one."""
+    labels = [one.label for one in found]
+    alone = len(set(labels)) == len(labels)
+    return [one if alone else one._replace(label="") for one in found]
+
+
+def _tables(content: bytes, reading: Reading) -> Iterator[tuple[str, Block, str | None]]:
+    """Blocks of numbers, each with the name of its sheet and the delimiter."""
+    if not workbook.is_workbook(content):
+        text = Text.of(content, reading.skip, reading.decimal)
+        for block in blocks(text.rows(), text.style, text.delimiter or " "):
+            yield "", block, text.delimiter
+        return
+    nothing: InputError | None = None
+    any_block = False
+    for name, rows in workbook.sheets(content):
+        for _, _ in zip(range(reading.skip), rows, strict=False):
+            pass
+        try:
+            for block in blocks(rows, Style(), ", "):
+                any_block = True
+                yield name, block, "\t"
+        except InputError as error:
+            nothing = error
+    if not any_block:
+        raise nothing or InputError("has no sheet with numbers.")
+
+
+def _of_block(
+    block: Block, delimiter: str | None, reading: Reading, measures: list[Measure], sheet: str
+) -> list[Sample]:
+    if len(block.bad) > len(block):
+        number, line = block.bad[0]
+        raise InputError(
+            f"{len(block.bad)} of {len(block) + len(block.bad)} rows are no {block.width} numbers "
+            f"(line {number}: {line!r}): export it again."
+        )
+    if len(block) < 2:
+        raise InputError(f"holds {len(block)} row of numbers: a recording has 2 or more.")
+    columns = headings.columns(block, delimiter)
+    taken = roles.choose(columns, headings.preamble_units(block), reading, measures)
+    made = [_sample(one, block, reading, beside=len(taken) > 1) for one in taken]
+    words = [c for c in columns if c.values is None and c.name]
+    note = ", ".join(repr(c.name[:_SHOWN]) for c in words[:4]) + ", ..." * (len(words) > 4)
+    remark = (f"column {note} contains words: not read",) if words else ()
+    return [one._replace(label=sheet, remarks=(*remark, *one.remarks)) for one in made]
+
+
+def _sample(taken: Taken, block: Block, reading: Reading, beside: bool) -> Sample:
+    """Stroke and force of the chosen columns, with signs and zero, and the requested part."""
+    travel, force = taken.travel.si, taken.force.si
+    good = np.isfinite(travel) & np.isfinite(force)
+    lost = list(block.bad)
+    if not np.all(good):
+        where = np.flatnonzero(~good)
+        ends = np.flatnonzero(good)
+        if beside and len(ends):  # a shorter specimen than the one beside it
+            where = where[where < ends[-1]]
+        lost += [(int(block.lines[k]), _row_text(block, int(k))) for k in where[:1000]]
+    if np.count_nonzero(good) < 2:
+        count = int(np.count_nonzero(good))
+        raise InputError(f"holds {count} row of numbers: a recording has 2 or more.")
+    time = np.full(len(travel), np.nan) if taken.time is None else taken.time.si
+    time, travel, force = time[good], travel[good], force[good]
+    lost.sort()
+    remarks = _lost(lost, int(block.lines[-1]))
+    lines = [f"{taken.measure.stroke}: {taken.travel}", f"{taken.measure.force}: {taken.force}"]
+    if taken.time is None:
+        remarks.append("no time column, so its rate is unknown")
+    gauge = None
+    if taken.measure is Measure.TRAVEL and _is_length(taken):
+        gauge = float(np.min(travel))
+        travel = travel - gauge
+        shown = to_unit(gauge, "mm")
+        remarks.append(f"its length is that of the band: stroke counts from {shown:.5g} mm")
+    if taken.force.unit in headings.WEIGHTS:
+        remarks.append(
+            f"{taken.force.unit} are weights: 1 kg is {GRAVITY} N, positive pulls"
+        )
+    made = Sample(
+        "",
+        taken.measure,
+        time,
+        travel,
+        force,
+        tuple(remarks),
+        tuple(lines),
+        gauge,
+        (_step(taken.travel), _step(taken.force)),
+        tuple(lost),
+    )
+    return _described(_part(_signed(made, reading), reading), taken)
+
+
+def _is_length(taken: Taken) -> bool:
+    lower = taken.travel.name.lower()
+    is_length = any(word in lower for word in ("length", "länge"))
+    return is_length and not roles.is_called(lower, "stroke")
+
+
+def _row_text(block: Block, k: int) -> str:
+    return " ".join(f"{values[k]:.6g}" for values in block.columns.values())[:_SHOWN]
+
+
+def _signed(one: Sample, reading: Reading) -> Sample:
+    """The sample with the signs that are requested, or that the work decides."""
+    if reading.flip is not None:
+        chosen = signs.turned(reading.flip)
+    else:
+        chosen = signs.decided(one.travel, one.force)
+        if not chosen.why:
+            raise InputError(
+                "the work of loading does not decide whether the force is counted negative: give "
+                "--flip none, --flip force, --flip stroke or --flip both."
+            )
+    travel, lines = one.travel * chosen.stroke, [f"signs: {chosen.why}"]
+    if signs.is_far(travel) and one.gauge is None:
+        unit, factor = display_unit(one.measure.travel_unit)
+        begin = f"{one.measure.stroke} counts from the first sample"
+        lines.append(f"zero: {begin}, {one.travel[0] * factor:.6g} {unit} in the file")
+        travel = travel - travel[0]
+    return one._replace(
+        travel=travel, force=one.force * chosen.force, reading=(*one.reading, *lines)
+    )
+
+
+def _part(one: Sample, reading: Reading) -> Sample:
+    """The requested half or cycle."""
+    half = None if reading.half == "both" else reading.half
+    if half is None and reading.cycle is None:
+        return one
+    ends = [0, *turns_of(one.travel), len(one.travel) - 1]
+    parts = [slice(a, b + 1) for a, b in zip(ends, ends[1:], strict=False)]
+    rises = [bool(one.travel[p][-1] >= one.travel[p][0]) for p in parts]
+    # A cycle is a loading half and the unloading half after it, or either one alone.
+    cycles = list(np.cumsum([up or k == 0 for k, up in enumerate(rises)]))
+    wanted = [
+        (part, number)
+        for part, up, number in zip(parts, rises, cycles, strict=True)
+        if (half is None or up == (half == "loading")) and number == (reading.cycle or number)
+    ]
+    if not wanted:
+        has = f"the file has {cycles[-1]} cycle{'s' * (cycles[-1] > 1)}"
+        asked = " ".join(
+            f"{key} = {value!r}"
+            for key, value in (("half", half), ("cycle", reading.cycle))
+            if value is not None
+        )
+        raise InputError(f"{asked}: the file has no such half ({has}).")
+    number = wanted[0][1]
+    first = [part for part, cycle in wanted if cycle == number]
+    rows = slice(first[0].start, first[-1].stop)
+    shown = f"the {half} half of " * (half is not None)
+    return one._replace(
+        time=one.time[rows],
+        travel=one.travel[rows],
+        force=one.force[rows],
+        reading=(*one.reading, f"part: {shown}cycle {number} of {cycles[-1]}"),
+    )
+
+
+def _described(one: Sample, taken: Taken) -> Sample:
+    """The sample with the ranges of its travel and its force in the first two lines."""
+    lines = list(one.reading)
+    units = one.measure.travel_unit, one.measure.force_unit
+    for k, (values, si) in enumerate(zip((one.travel, one.force), units, strict=True)):
+        unit, factor = display_unit(si)
+        low, high = np.min(values) * factor, np.max(values) * factor
+        lines[k] += f", {low:.4g} to {high:.4g} {unit}"
+    if taken.time is not None:
+        lines.insert(2, f"time: {taken.time}")
+    return one._replace(reading=tuple(lines))
+
+
+def _step(column: headings.Column) -> float:
+    """Resolution of the digits of a column in SI, such as 0.5 for 12.5, 14.0, 15.5; 0 for none.
+
+    It is 1 or 5 in the last decimal place, and at most 1: weights of 50 g are set, not read.
+    """
+    assert column.values is not None
+    values = column.values[np.isfinite(column.values)][:_STEP_ROWS]
+    size = headings.FACTORS[column.kind][column.unit]
+    for digits in range(_DIGITS + 1):
+        counts = values * 10.0**digits
+        whole = np.round(counts)
+        if np.all(np.abs(counts - whole) < 1e-9 * np.maximum(np.abs(counts), 1.0)):
+            halves = digits > 0 and len(values) > 2 and bool(np.all(whole % 5 == 0))
+            return (5.0 if halves else 1.0) * 10.0**-digits * size
+    return 0.0
+
+
+def _lost(lost: Sequence[tuple[int, str]], last: int) -> list[str]:
+    """Remarks on rows that are left out."""
+    remarks: list[str] = []
+    if lost and lost[-1][0] > last:
+        number, line = lost[-1]
+        remarks.append(f"the last row is cut off (line {number}: {line!r})")
+        lost = lost[:-1]
+    if lost:
+        number, line = lost[0]
+        rows = "row is" if len(lost) == 1 else "rows are"
+        remarks.append(f"{len(lost)} {rows} left out (first line {number}: {line!r})")
+    return remarks

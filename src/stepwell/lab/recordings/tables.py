@@ -1,0 +1,203 @@
+"""Blocks of numbers in the rows of a file, each with the lines above it."""
+
+from collections.abc import Iterator, Sequence
+from itertools import islice
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import Floats, InputError, Ints
+from stepwell.lab.recordings.text import Style, is_missing
+
+_CHUNK = 5000  # rows converted at once, or one by one if one of them is irregular
+_LOOKED_AT = 50  # rows that decide which columns hold numbers
+_HEAD = 400  # most lines above the numbers that are kept
+_SHOWN = 40
+_WIDEST = 1000  # columns
+_MOST_BLOCKS = 1000
+
+_Row = tuple[int, list[str]]  # with the number of its line
+
+
+class Block(NamedTuple):
+    """Consecutive rows of numbers.
+
+    Attributes:
+        head: the fields of the lines above, back to the block before.
+        preamble: those of the file's first lines.
+        columns: (n,) numbers by index of the column; NaN if missing. Columns of words are absent.
+        lines: (n,) line of each row in the file.
+        bad: rows among the numbers, or below, that do not fit, as (line, text).
+        width: number of columns.
+    """
+
+    head: tuple[tuple[str, ...], ...]
+    preamble: tuple[tuple[str, ...], ...]
+    columns: dict[int, Floats]
+    lines: Ints
+    bad: tuple[tuple[int, str], ...]
+    width: int
+
+    def __len__(self) -> int:
+        return len(self.lines)
+
+
+def blocks(rows: Iterator[list[str]], style: Style, delimiter: str = " ") -> list[Block]:
+    """All blocks of two or more columns of numbers, in the order of the file.
+
+    Raises:
+        ValueError: there is none, or there are more than 1000 columns or blocks.
+    """
+    found: list[_Growing] = []
+    head: list[_Row] = []  # lines that belong to no block, or not yet
+    first: list[tuple[str, ...]] = []
+    numbered = enumerate(rows, 1)
+    while chunk := list(islice(numbered, _CHUNK)):
+        current = found[-1] if found else None
+        if current is not None and not head and current.add_all(chunk):
+            continue
+        at = 0
+        while at < len(chunk):
+            line, fields = chunk[at]
+            current = found[-1] if found else None
+            if current is not None and current.fits(fields):
+                if head and _names(head, current.width, style):
+                    found.append(current := _Growing(chunk[at:], style, head, first))
+                else:
+                    current.bad += head
+                head = []
+                at += current.add(chunk[at:])
+                continue
+            if any(field.strip() for field in fields):
+                if _begins(chunk[at:], style) and (current is None or _names(head, 0, style)):
+                    if len(fields) > _WIDEST:
+                        raise InputError(f"has {len(fields)} columns: at most {_WIDEST} are read.")
+                    found.append(_Growing(chunk[at:], style, head, first))
+                    head = []
+                    continue
+                head.append((line, fields))
+                if current is None:
+                    first += [tuple(fields)] * (len(first) < _HEAD)
+                    del head[:-_HEAD]
+            at += 1
+        if len(found) > _MOST_BLOCKS:
+            raise InputError(f"has more than {_MOST_BLOCKS} tables: export one test each.")
+    if not found:
+        raise InputError(
+            "holds no row of two or more numbers: a recording is rows of time, displacement and "
+            "force."
+        )
+    found[-1].bad += head
+    return [one.block(delimiter) for one in found]
+
+
+def _begins(rows: Sequence[_Row], style: Style) -> bool:
+    """Whether a block begins with the first row: numbers alone, or like those in the next row."""
+    fields = rows[0][1]
+    numbers = [bool(style.plain(field)) for field in fields]
+    if sum(numbers) < 2:
+        return False
+    if all(n or is_missing(field) for n, field in zip(numbers, fields, strict=True)):
+        return True
+    below = next((f for _, f in rows[1:4] if any(x.strip() for x in f)), None)
+    return below is None or [bool(style.plain(field)) for field in below] == numbers
+
+
+def _names(head: Sequence[_Row], width: int, style: Style) -> bool:
+    """Whether lines between numbers name columns: two words or more, and no number."""
+    for _, fields in head:
+        words = [field for field in fields if field.strip() and not is_missing(field)]
+        if (
+            len(words) >= 2
+            and not any(map(style.plain, words))
+            and (not width or len(fields) == width)
+        ):
+            return True
+    return False
+
+
+class _Growing:
+    """A block that is being read."""
+
+    def __init__(
+        self,
+        rows: Sequence[_Row],
+        style: Style,
+        head: Sequence[_Row],
+        preamble: Sequence[tuple[str, ...]],
+    ):
+        self.style, self.preamble = style, tuple(preamble)
+        self.width = len(rows[0][1])
+        alike = [f for _, f in rows[:_LOOKED_AT] if len(f) == self.width]
+        self.numeric = [
+            k
+            for k in range(self.width)
+            if 2 * sum(bool(style.plain(f[k])) or _nan(f[k]) for f in alike) > len(alike)
+        ]
+        if len(self.numeric) < 2:  # the first row decides if the others are irregular
+            self.numeric = [k for k, field in enumerate(rows[0][1]) if style.plain(field)]
+        self.head = tuple(tuple(fields) for _, fields in head)
+        self.pieces: list[Floats] = []
+        self.lines: list[Ints] = []
+        # A row with numbers above the first one is lost, unless it is a header.
+        self.bad: list[_Row] = [
+            row for row in head[-2:] if sum(bool(style.plain(f)) for f in row[1]) >= 2
+        ]
+
+    def fits(self, fields: list[str]) -> bool:
+        """Whether a row has the width of the block, and numbers in its columns of numbers."""
+        if len(fields) != self.width:
+            return False
+        given = [fields[k] for k in self.numeric]
+        numbers = sum(bool(self.style.plain(field)) for field in given)
+        return numbers >= min(1, len(given)) and all(
+            is_missing(field) or self.style.plain(field) for field in given
+        )
+
+    def add(self, rows: Sequence[_Row]) -> int:
+        """Add the first row and those after it that fit; return how many."""
+        count = 0
+        while count < len(rows) and self.fits(rows[count][1]):
+            count += 1
+        good = rows[:count]
+        plain = self.style.plain
+        values = [[float(plain(f[k]) or "nan") for k in self.numeric] for _, f in good]
+        self.pieces.append(np.array(values, float).reshape(count, len(self.numeric)))
+        self.lines.append(np.array([line for line, _ in good]))
+        return count
+
+    def add_all(self, rows: Sequence[_Row]) -> bool:
+        """Add all rows, a hundred times as fast; False, and none added, if a row is irregular."""
+        lines, fields = zip(*rows, strict=True)
+        if {len(f) for f in fields} != {self.width}:
+            return False
+        columns = list(zip(*fields, strict=True))
+        piece = np.empty((len(rows), len(self.numeric)))
+        for k, place in enumerate(self.numeric):
+            text = "\n".join(columns[place])
+            if self.style.decimal == ",":
+                if "." in text:
+                    return False
+                text = text.replace(",", ".")
+            if "_" in text or not text.isascii():
+                return False
+            try:
+                piece[:, k] = list(map(float, text.split("\n")))
+            except ValueError:
+                return False
+        self.pieces.append(piece)
+        self.lines.append(np.array(lines))
+        return True
+
+    def block(self, delimiter: str) -> Block:
+        """The block with all its rows."""
+        values = np.concatenate(self.pieces)
+        bad = sorted((line, delimiter.join(fields)[:_SHOWN]) for line, fields in self.bad)
+        columns = {place: values[:, k].copy() for k, place in enumerate(self.numeric)}
+        return Block(
+            self.head, self.preamble, columns, np.concatenate(self.lines), tuple(bad), self.width
+        )
+
+
+def _nan(field: str) -> bool:
+    return bool(field.strip()) and is_missing(field)
