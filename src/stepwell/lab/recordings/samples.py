@@ -94,14 +94,12 @@ def _tables(content: bytes, reading: Reading) -> Iterator[tuple[str, Block, str 
     """Blocks of numbers, each with the name of its sheet and the delimiter."""
     if not workbook.is_workbook(content):
         text = Text.of(content, reading.skip, reading.decimal)
-        for block in blocks(text.rows(), text.style, text.delimiter or " "):
+        for block in blocks(text.chunks(), text.style, text.delimiter or " "):
             yield "", block, text.delimiter
         return
     nothing: InputError | None = None
     any_block = False
-    for name, rows in workbook.sheets(content):
-        for _, _ in zip(range(reading.skip), rows, strict=False):
-            pass
+    for name, rows in workbook.sheets(content, reading.skip):
         try:
             for block in blocks(rows, Style(), ", "):
                 any_block = True

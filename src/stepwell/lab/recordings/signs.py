@@ -47,6 +47,8 @@ def decided(stroke: Floats, force: Floats) -> Signs:
     at_rest = abs(float(np.median(force[:3]))) <= _REST * float(np.max(np.abs(force)))
     work = _share(stroke[:end], force[:end])
     if not turns:
+        if falls and not outside:  # as an unloading test that is set to zero before
+            return Signs(1, 1, "as recorded: a stroke that falls is unloading")
         if not (at_rest and abs(work) >= _SPRINGS and _springs(stroke, force)):
             return Signs(1, 1, "as recorded")
         x = -1 if falls else 1

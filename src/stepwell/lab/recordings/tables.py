@@ -1,15 +1,13 @@
 """Blocks of numbers in the rows of a file, each with the lines above it."""
 
-from collections.abc import Iterator, Sequence
-from itertools import islice
-from typing import NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from stepwell.base import Floats, InputError, Ints
 from stepwell.lab.recordings.text import Style, is_missing
 
-_CHUNK = 5000  # rows converted at once, or one by one if one of them is irregular
 _LOOKED_AT = 50  # rows that decide which columns hold numbers
 _HEAD = 400  # most lines above the numbers that are kept
 _SHOWN = 40
@@ -42,7 +40,19 @@ class Block(NamedTuple):
         return len(self.lines)
 
 
-def blocks(rows: Iterator[list[str]], style: Style, delimiter: str = " ") -> list[Block]:
+class Rows(Protocol):
+    """Consecutive rows of a file."""
+
+    def rows(self) -> list[list[str]]:
+        """Fields of each row."""
+        ...
+
+    def numbers(self, width: int) -> Floats | None:
+        """(n, width) numbers, if there is nothing else in the rows; else None."""
+        ...
+
+
+def blocks(chunks: Iterable[Rows], style: Style, delimiter: str = " ") -> list[Block]:
     """All blocks of two or more columns of numbers, in the order of the file.
 
     Raises:
@@ -51,14 +61,19 @@ def blocks(rows: Iterator[list[str]], style: Style, delimiter: str = " ") -> lis
     found: list[_Growing] = []
     head: list[_Row] = []  # lines that belong to no block, or not yet
     first: list[tuple[str, ...]] = []
-    numbered = enumerate(rows, 1)
-    while chunk := list(islice(numbered, _CHUNK)):
-        current = found[-1] if found else None
-        if current is not None and not head and current.add_all(chunk):
+    line = 1
+    for some in chunks:
+        current = found[-1] if found and not head else None
+        if current is not None and (count := current.add_all(some, line)):
+            line += count
+            continue
+        chunk = list(enumerate(some.rows(), line))
+        line += len(chunk)
+        if current is not None and current.add_columns(chunk):
             continue
         at = 0
         while at < len(chunk):
-            line, fields = chunk[at]
+            number, fields = chunk[at]
             current = found[-1] if found else None
             if current is not None and current.fits(fields):
                 if head and _names(head, current.width, style):
@@ -75,7 +90,7 @@ def blocks(rows: Iterator[list[str]], style: Style, delimiter: str = " ") -> lis
                     found.append(_Growing(chunk[at:], style, head, first))
                     head = []
                     continue
-                head.append((line, fields))
+                head.append((number, fields))
                 if current is None:
                     first += [tuple(fields)] * (len(first) < _HEAD)
                     del head[:-_HEAD]
@@ -166,8 +181,16 @@ class _Growing:
         self.lines.append(np.array([line for line, _ in good]))
         return count
 
-    def add_all(self, rows: Sequence[_Row]) -> bool:
-        """Add all rows, a hundred times as fast; False, and none added, if a row is irregular."""
+    def add_all(self, some: Rows, line: int) -> int:
+        """Add all rows and return how many; 0, and none added, if a row is irregular."""
+        if len(self.numeric) < self.width or (table := some.numbers(self.width)) is None:
+            return 0
+        self.pieces.append(table)
+        self.lines.append(np.arange(line, line + len(table)))
+        return len(table)
+
+    def add_columns(self, rows: Sequence[_Row]) -> bool:
+        """Add all rows without their words; False, and none added, if a row is irregular."""
         lines, fields = zip(*rows, strict=True)
         if {len(f) for f in fields} != {self.width}:
             return False

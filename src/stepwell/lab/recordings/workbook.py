@@ -6,10 +6,14 @@ import re
 import zipfile
 import zlib
 from collections.abc import Iterator
-from typing import Any
+from itertools import islice
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from stepwell import base
-from stepwell.base import InputError
+from stepwell.base import Floats, InputError
+from stepwell.lab.recordings.text import CHUNK
 
 _ZIP, _OLE = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
 # A workbook of zeros may unpack to a thousand times its size.
@@ -35,8 +39,25 @@ def is_workbook(content: bytes) -> bool:
     return content[:4] in (_ZIP, _OLE)
 
 
-def sheets(content: bytes) -> Iterator[tuple[str, Iterator[list[str]]]]:
-    """Name and rows of every sheet with numbers or words in it.
+class Cells(NamedTuple):
+    """Consecutive rows of a sheet."""
+
+    cells: list[list[Any]]
+
+    def rows(self) -> list[list[str]]:
+        """Fields of every row."""
+        return [[_text(cell) for cell in row] for row in self.cells]
+
+    def numbers(self, width: int) -> Floats | None:
+        """(n, width) numbers, if there is nothing else in the rows; else None."""
+        if {len(row) for row in self.cells} != {width}:
+            return None
+        kinds = {type(cell) for row in self.cells for cell in row}
+        return np.array(self.cells, float) if kinds <= {float, int} else None
+
+
+def sheets(content: bytes, skip: int = 0) -> Iterator[tuple[str, Iterator[Cells]]]:
+    """Name and rows of every sheet, without its first rows.
 
     Raises:
         ValueError: the workbook is broken or unpacks to more than 1 GiB.
@@ -50,7 +71,8 @@ def sheets(content: bytes) -> Iterator[tuple[str, Iterator[list[str]]]]:
     try:
         book = python_calamine.CalamineWorkbook.from_filelike(io.BytesIO(content))
         for name in book.sheet_names:
-            yield name, map(_fields, book.get_sheet_by_name(name).iter_rows())
+            rows = islice(book.get_sheet_by_name(name).iter_rows(), skip, None)
+            yield name, map(Cells, iter(lambda rows=rows: list(islice(rows, CHUNK)), []))
     except InputError:
         raise
     except Exception as error:  # each format has errors of its own
@@ -84,10 +106,6 @@ def _refuse_wide(sheet: bytes) -> None:
             f"has a sheet of up to {tall} rows and {wide} columns: delete the cells beside the "
             f"table, or export it again as CSV."
         )
-
-
-def _fields(row: list[Any]) -> list[str]:
-    return [_text(cell) for cell in row]
 
 
 def _text(cell: Any) -> str:
