@@ -36,7 +36,7 @@ def banded(text: str) -> str:
         ("length (mm),weight (g)\n62,0\n70,-20\n80,-50\n", "check the sign"),
         ("length (mm),weight (g)\n62,0\n70,20\n", "fewer than 2 readings"),
         ("length (mm),weight (g)\n" + "nan,nan\n" * 5, "holds no row of two or more numbers"),
-        ("length (mm),weight (g)\n1e400,2\n1e400,3\n", "rows are no 2 numbers"),
+        ("length (mm),weight (g)\n1e400,2\n1e400,3\n", "'length' [mm] holds no numbers"),
     ],
 )
 def test_a_table_without_a_band_gets_one_line(text, problem, tmp_path):

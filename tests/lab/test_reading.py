@@ -8,7 +8,7 @@ from facts import refuses, says
 from lab.machine import HEADER, export, recording, there, unit
 from stepwell import lab
 from stepwell.lab.recordings import text as _text
-from stepwell.lab.recordings.text import Export, parse
+from stepwell.lab.recordings.samples import Sample, samples
 
 GOOD = HEADER + "0.0 0.0 0.1\r\n0.02 0.1 0.2\r\n0.04 0.2 0.3\r\n"
 
@@ -19,10 +19,10 @@ def written(folder, name, content) -> str:
     return str(file)
 
 
-def tried(data: bytes) -> Export | str:
+def tried(data: bytes) -> Sample | str:
     """What the reader makes of some bytes: numbers, or the line that says why not."""
     try:
-        return parse(data)
+        return samples(data)[0]
     except ValueError as error:
         return str(error)
 
@@ -74,7 +74,7 @@ def test_text_of_other_encodings_is_read(tmp_path):
         (GOOD.replace("(s) (mm) (N)", "() () ()"), "has no unit"),
         (GOOD.replace("Force", "Colour"), "no column for the force (columns: Time"),
         (HEADER + "0 0 0.1\r\n", "holds 1 row of numbers"),
-        (HEADER + "0 0 0.1\r\n1 x 2\r\n2 y 3\r\n3 z\r\n", "rows are no 3 numbers (line 5"),
+        (HEADER + "0 0 0.1\r\n1 x 2\r\n2 y 3\r\n3 z\r\n", "'Displacement' [mm] holds no numbers"),
     ],
 )
 def test_a_file_that_is_no_recording_gets_one_clear_line(content, problem, tmp_path):
@@ -122,7 +122,7 @@ def test_no_bytes_make_the_reader_crash(data):
     if isinstance(export, str):
         assert export
     else:
-        assert len(export.time) == len(export.stroke) == len(export.force) >= 2
+        assert len(export.time) == len(export.travel) == len(export.force) >= 2
 
 
 _FIELD = st.one_of(
@@ -144,9 +144,9 @@ def test_no_table_makes_the_reader_crash_or_lose_a_row_silently(mark, rows):
     if isinstance(found, str):
         assert found
         return
-    lost = 1 + sum(bool(line.strip()) for line in body) - len(found.stroke)
+    lost = 1 + sum(bool(line.strip()) for line in body) - len(found.travel)
     assert lost == 0 or any("left out" in r or "cut off" in r for r in found.remarks)
-    assert np.all(np.isfinite(found.stroke)) and np.all(np.isfinite(found.force))
+    assert np.all(np.isfinite(found.travel)) and np.all(np.isfinite(found.force))
 
 
 @given(st.integers(0, 300), st.integers(0, 255))
@@ -230,7 +230,7 @@ def test_one_bad_row_does_not_make_the_others_slow_or_different(tmp_path, monkey
     file.write_text("\n".join(["Displacement (mm), Force (N)", "0, 0", *rows, "1, 1"]), "utf-8")
     found = []
     for size in (1, 7, 10**6):
-        monkeypatch.setattr(_text, "_BLOCK", size)
+        monkeypatch.setattr(_text, "CHUNK", size)
         found.append(lab.read(file))
     for one in found[1:]:
         assert np.array_equal(one.stroke, found[0].stroke)

@@ -24,7 +24,7 @@ _SI = {
 }
 FACTORS = {kind: {unit: UNITS[unit].size for unit in spellings(si)} for kind, si in _SI.items()}
 FACTORS["force"] |= {unit: UNITS[unit].size * GRAVITY for unit in WEIGHTS}
-_KIND = {unit: kind for kind, units in FACTORS.items() for unit in units}
+UNIT_KIND = {unit: kind for kind, units in FACTORS.items() for unit in units}
 
 # Units that are unambiguous in capitals too, unlike M and m, MN and mN, ML and mL.
 _ANY_CASE = {
@@ -100,7 +100,7 @@ class Column(NamedTuple):
     @property
     def kind(self) -> str:
         """The kind of quantity that the unit stands for, such as "force"; empty if unknown."""
-        return _KIND.get(self.unit, "")
+        return UNIT_KIND.get(self.unit, "")
 
     @property
     def si(self) -> Floats:
@@ -125,7 +125,7 @@ def spelled(unit: str) -> str:
     """A unit as in `FACTORS` if it is known in this or another spelling, else unchanged."""
     text = unicodedata.normalize("NFC", unit).strip().rstrip(".")
     text = text.replace("\u03bc", "\u00b5").replace("\u00ba", "°").strip('"') or unit.strip()
-    if text in _KIND:
+    if text in UNIT_KIND:
         return text
     lower = text.lower()
     if lower in _ANY_CASE:
@@ -154,8 +154,8 @@ def preamble_units(block: Block) -> dict[str, str]:
     for fields in (*block.preamble, *block.head):
         for text in {"".join(fields[:1]), ": ".join(f.strip() for f in fields[:2] if f.strip())}:
             match = _PREAMBLE.match(text.strip(_COMMENT))
-            if match and (unit := spelled(match[2].strip("()[]"))) in _KIND:
-                found.setdefault(_KIND[unit], set()).add(unit)
+            if match and (unit := spelled(match[2].strip("()[]"))) in UNIT_KIND:
+                found.setdefault(UNIT_KIND[unit], set()).add(unit)
     return {kind: units.pop() for kind, units in found.items() if len(units) == 1}
 
 
@@ -172,12 +172,12 @@ def parted(name: str) -> tuple[str, str]:
     """Name and unit of a heading: in brackets, or at its end if the unit is known."""
     text = name.strip()
     inner = [(match, spelled(match[1])) for match in _BRACKETS.finditer(text)]
-    known = [one for one in inner if one[1] in _KIND]
+    known = [one for one in inner if one[1] in UNIT_KIND]
     if known or (inner and inner[-1][0].end() == len(text)):
         match, unit = (known or inner)[-1]
         return f"{text[: match.start()]} {text[match.end() :]}".strip(), unit
     for pattern in _ENDS:
-        if (match := pattern.match(text)) and (unit := spelled(match[2])) in _KIND:
+        if (match := pattern.match(text)) and (unit := spelled(match[2])) in UNIT_KIND:
             return match[1].strip(), unit
     return text, ""
 
@@ -191,9 +191,9 @@ def _headings(block: Block, delimiter: str | None) -> tuple[list[str], list[str]
     below = rows[-1]
     bracketed = all(not field or _BRACKETS.fullmatch(field) for field in below)
     bare = [field.strip("()[] ") for field in below]
-    known = sum(spelled(unit) in _KIND for unit in bare)
+    known = sum(spelled(unit) in UNIT_KIND for unit in bare)
     filled = sum(map(bool, bare))
-    if len(rows) > 1 and filled and (bracketed or (2 * known >= filled and known >= 1)):
+    if len(rows) > 1 and (bracketed or (2 * known >= filled and known >= 1)):
         names = [parted(field)[0] or field for field in rows[-2]]
         return names, bare
     if known == filled and known > 1 and not bracketed:

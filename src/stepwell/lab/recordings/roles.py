@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, InputError, Measure
-from stepwell.lab.recordings.columns import FACTORS, WEIGHTS, Column
+from stepwell.lab.recordings.columns import FACTORS, UNIT_KIND, WEIGHTS, Column, parted
 from stepwell.lab.recordings.reading import Reading
 
 TRAVELS = {Measure.TRAVEL: "stroke", Measure.VOLUME: "volume", Measure.ANGLE: "angle"}
@@ -89,8 +89,9 @@ def choose(
     try:
         return table.taken(list(measures))
     except InputError as error:
-        command = "give --stroke N --force N --unit mm,N"
-        raise Unclear(f"{str(error).rstrip('.')}; or {command}.", table.listed()) from None
+        problem, command = str(error), "; or give --stroke N --force N --unit mm,N."
+        whole = problem if problem.endswith(".") else problem + command
+        raise Unclear(whole, table.listed()) from None
 
 
 def _with_unit(column: Column, given: dict[str, str]) -> Column:
@@ -149,12 +150,12 @@ class _Table:
             for kind, several in zip(kinds, (travels, forces), strict=True):
                 if len(several) > 1:
                     raise InputError(self._both(kind, several, measures))
-        time = self._time(travels)
+        time = self._time()
         return [Taken(measure, x, y, time) for x, y in pairs]
 
     def _both(self, kind: str, several: Sequence[Column], measures: Sequence[Measure]) -> str:
         words = _words(kind, measures, TRAVELS if kind in TRAVELS.values() else FORCES)
-        shown = ", ".join(repr(c.name[:40]) if c.name else f"{c.number}" for c in several)
+        shown = ", ".join(repr(c.label[:40]) if c.label else f"{c.number}" for c in several)
         for column in several:
             self._why[column.number] = f"may be the {kind}"
         return f"columns {shown} could both be the {words}: leave out one of them"
@@ -176,7 +177,7 @@ class _Table:
             if wanted is not None:
                 column = self._requested(wanted)
                 if column.values is None or not np.any(np.isfinite(column.values)):
-                    raise InputError(f"{column} holds no numbers")
+                    raise InputError(f"{column} holds no numbers: give another one.")
                 fit = [m for m in allowed if column.kind == kinds[m]]
                 if not fit:
                     raise InputError(_unit_problem(column, [kinds[m] for m in allowed]))
@@ -187,7 +188,7 @@ class _Table:
         """The column of a number or a name."""
         if isinstance(wanted, int):
             if wanted > len(self._columns):
-                raise InputError(f"column {wanted} is requested; it has {len(self._columns)}")
+                raise InputError(f"column {wanted} is requested, and the file has {len(self._columns)}.")
             return self._columns[wanted - 1]
         name = wanted.strip().lower()
         exact = [c for c in self._columns if name in (c.name.lower(), c.label.strip().lower())]
@@ -232,16 +233,11 @@ class _Table:
             self._why[second.number] = f"the same as column {first.number}"
         return kept
 
-    def _time(self, travels: Sequence[Column]) -> Column | None:
-        """The time: named, and it never falls."""
-        rising = [
-            c
-            for c in self._columns
-            if c.kind == "time" and c.values is not None and _rises(c.values)
-        ]
-        named = [c for c in rising if is_called(c.name, "time") or c.name.lower() == "t"] or rising
-        # The unit s, m or h may be of another column.
-        named = [c for c in named if all(c.number != x.number for x in travels)]
+    def _time(self) -> Column | None:
+        """The time: if possible named, and never falling."""
+        every = [c for c in self._columns if c.kind == "time" and c.values is not None]
+        some = [c for c in every if _rises(c.values)] or every
+        named = [c for c in some if is_called(c.name, "time") or c.name.lower() == "t"] or some
         plain = [c for c in named if "cycle" not in c.name.lower()]
         return next(iter(plain or named), None)
 
@@ -262,13 +258,33 @@ class _Table:
             )
         missing = TRAVELS if not x else FORCES
         for kind in dict.fromkeys(missing[m] for m in measures):
+            words = _HOME.get(kind, "").split()
             for column in self._columns:
-                if is_called(column.name, kind) and column.kind != kind and not _is_other(column.name):
+                named = is_called(column.name, kind) or any(w in column.name.lower() for w in words)
+                if named and not _is_other(column.name):
+                    if column.kind == kind:
+                        return f"{column} holds no numbers: export it again."
                     return _unit_problem(column, [kind])
+        pair = next((m for m in Measure if _has(self._columns, m)), None)
+        if pair is not None and pair not in measures:
+            has = f"has {pair.travel} and {pair.force}, not stroke and force"
+            return f"{has}: read it as an element (`load_element`, table_csv in a design file)."
         shown = ", ".join(c.name[:40] for c in self._columns if c.name) or "none"
         words = _words(missing[measures[0]], measures, missing)
         example = f"{EXAMPLE}, or {PAIRS}" if len(measures) > 1 else f"{EXAMPLE}"
         return f"no column for the {words} (columns: {shown}): name the columns and units as in {example}"
+
+
+def _has(columns: Sequence[Column], measure: Measure) -> bool:
+    kinds = {c.kind for c in columns if c.values is not None}
+    return {TRAVELS[measure], FORCES[measure]} <= kinds
+
+
+def names_columns(fields: Sequence[str]) -> bool:
+    """Whether the fields of a line are a header: two or more have a known unit or a usual name."""
+    parts = [parted(field) for field in fields]
+    known = [bool(unit in UNIT_KIND or any(is_called(name, k) for k in _WORDS)) for name, unit in parts]
+    return sum(known) >= 2
 
 
 def _words(kind: str, measures: Sequence[Measure], table: dict[Measure, str]) -> str:

@@ -94,14 +94,14 @@ def _tables(content: bytes, reading: Reading) -> Iterator[tuple[str, Block, str 
     """Blocks of numbers, each with the name of its sheet and the delimiter."""
     if not workbook.is_workbook(content):
         text = Text.of(content, reading.skip, reading.decimal)
-        for block in blocks(text.chunks(), text.style, text.delimiter or " "):
+        for block in blocks(text.chunks(), text.style, roles.names_columns, text.delimiter or " "):
             yield "", block, text.delimiter
         return
     nothing: InputError | None = None
     any_block = False
     for name, rows in workbook.sheets(content, reading.skip):
         try:
-            for block in blocks(rows, Style(), ", "):
+            for block in blocks(rows, Style(), roles.names_columns, ", "):
                 any_block = True
                 yield name, block, "\t"
         except InputError as error:
@@ -134,6 +134,9 @@ def _sample(taken: Taken, block: Block, reading: Reading, beside: bool) -> Sampl
     """Stroke and force of the chosen columns, with signs and zero, and the requested part."""
     travel, force = taken.travel.si, taken.force.si
     good = np.isfinite(travel) & np.isfinite(force)
+    time = np.full(len(travel), np.nan) if taken.time is None else taken.time.si
+    if 2 * np.count_nonzero(np.isfinite(time)) > len(time):
+        good &= np.isfinite(time)
     lost = list(block.bad)
     if not np.all(good):
         where = np.flatnonzero(~good)
@@ -144,7 +147,6 @@ def _sample(taken: Taken, block: Block, reading: Reading, beside: bool) -> Sampl
     if np.count_nonzero(good) < 2:
         count = int(np.count_nonzero(good))
         raise InputError(f"holds {count} row of numbers: a recording has 2 or more.")
-    time = np.full(len(travel), np.nan) if taken.time is None else taken.time.si
     time, travel, force = time[good], travel[good], force[good]
     lost.sort()
     remarks = _lost(lost, int(block.lines[-1]))
@@ -249,7 +251,7 @@ def _described(one: Sample, taken: Taken) -> Sample:
     units = one.measure.travel_unit, one.measure.force_unit
     for k, (values, si) in enumerate(zip((one.travel, one.force), units, strict=True)):
         unit, factor = display_unit(si)
-        low, high = np.min(values) * factor, np.max(values) * factor
+        low, high = (np.min(values) * factor + 0.0, np.max(values) * factor + 0.0)
         lines[k] += f", {low:.4g} to {high:.4g} {unit}"
     if taken.time is not None:
         lines.insert(2, f"time: {taken.time}")

@@ -1,6 +1,6 @@
 """Blocks of numbers in the rows of a file, each with the lines above it."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -52,8 +52,16 @@ class Rows(Protocol):
         ...
 
 
-def blocks(chunks: Iterable[Rows], style: Style, delimiter: str = " ") -> list[Block]:
+def blocks(
+    chunks: Iterable[Rows],
+    style: Style,
+    is_header: Callable[[Sequence[str]], bool],
+    delimiter: str = " ",
+) -> list[Block]:
     """All blocks of two or more columns of numbers, in the order of the file.
+
+    A block begins below a header, or where other columns hold numbers; `is_header` decides on the
+    fields of a line of words.
 
     Raises:
         ValueError: there is none, or there are more than 1000 columns or blocks.
@@ -76,7 +84,9 @@ def blocks(chunks: Iterable[Rows], style: Style, delimiter: str = " ") -> list[B
             number, fields = chunk[at]
             current = found[-1] if found else None
             if current is not None and current.fits(fields):
-                if head and _names(head, current.width, style):
+                if head and _names(head, current.width, style) and (
+                    any(is_header(f) for _, f in head) or current.numbers_in(fields)
+                ):
                     found.append(current := _Growing(chunk[at:], style, head, first))
                 else:
                     current.bad += head
@@ -168,6 +178,11 @@ class _Growing:
         return numbers >= min(1, len(given)) and all(
             is_missing(field) or self.style.plain(field) for field in given
         )
+
+    def numbers_in(self, fields: Sequence[str]) -> bool:
+        """Whether a row has numbers in columns that hold words here."""
+        others = set(range(self.width)) - set(self.numeric)
+        return any(self.style.plain(fields[k]) for k in others)
 
     def add(self, rows: Sequence[_Row]) -> int:
         """Add the first row and those after it that fit; return how many."""
