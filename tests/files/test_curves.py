@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable
+from dataclasses import fields
 from functools import partial
 from typing import Any
 
@@ -13,10 +14,13 @@ import stepwell as sw
 from facts import refuses, says
 from stepwell.base import Measure
 from stepwell.files import DesignError, load, load_element, loads, text_of
-from stepwell.lab import LabError, MeasuredCurve, read_curve
+from stepwell.files.curves import WORDS
+from stepwell.lab import LabError, MeasuredCurve, Reading, read_curve
 
 TRAVEL, FORCE = (0.0, 1e-3, 3e-3, 5e-3), (0.0, 1.0, -1.0, 1.5)
 CSV = "travel_mm,force_N\n0,0\n1,1\n3,-1\n5,1.5\n"
+# Time, stroke, force: up and down again.
+ROUND = [(0, 0, 0), (1, 2, 1), (2, 4, 0.5), (3, 6, 2), (4, 4, 0.4), (5, 2, 0.8), (6, 0, -0.1)]
 CELL = '[chain]\n[[chain.cell]]\nname = "dome"  # mine\n{} = "dome.csv" # measured\nstops = true\n'
 
 
@@ -149,13 +153,46 @@ def test_noise_larger_than_the_snap_is_refused(written):
     says(refusal(name, stops=True), "dome.csv: ", "stretches")
 
 
-def test_a_file_of_too_many_rows_is_refused_and_the_limit_can_be_raised(written, monkeypatch):
-    rows = "".join(f"{i * 1e-3:.6g},{i}\n" for i in range(40))
+def test_a_file_of_too_many_rows_is_reduced_with_its_error_and_the_limit_can_be_raised(
+    written, monkeypatch
+):
+    x = np.linspace(0, 12, 400)
+    force = np.sin(x) + 0.3 * x
+    rows = "".join(f"{a:.6f},{b:.6f}\n" for a, b in zip(x, force, strict=True))
     name = written(f"travel_mm,force_N\n{rows}")
-    monkeypatch.setenv("STEPWELL_LIMITS", "rows=30")
-    says(refusal(name), "40 rows", "at most 30", "rows=40")
-    monkeypatch.setenv("STEPWELL_LIMITS", "rows=40")
-    assert load_element(name).high == pytest.approx(0.039e-3)
+    written(CELL.format("table_csv"), "chain.toml")
+    monkeypatch.setenv("STEPWELL_LIMITS", "rows=100")
+    short = load_element(name, stops=True)
+    (sheet,) = short.sheets
+    far = np.max(np.abs(short.force(x * 1e-3) - force))
+    assert len(sheet.rows) <= 110 and (short.low, short.high) == pytest.approx((0, 0.012))
+    assert 0 < far <= 1.01 * short.error_band < 0.02
+    assert "error_band_N" in text_of("chain.toml")
+    assert load("chain.toml").chain.cells[0].error_band == pytest.approx(short.error_band)
+    monkeypatch.setenv("STEPWELL_LIMITS", "rows=400")
+    assert load_element(name, stops=True).error_band == 0.0
+
+
+@pytest.mark.parametrize("place", ["[[chain.cell]]\n{}\n", "[chain]\ncell = [{{ {} }}]\n"])
+def test_the_keys_of_a_reading_stand_beside_the_name_of_the_file(written, place):
+    written("a,b,c\n" + "".join(f"{t},{u},{f}\n" for t, u, f in ROUND))
+    keys = ["stroke = 2", 'half = "unloading"', 'table_csv = "dome.csv"', "force = 3"]
+    joint = "\n" if place.startswith("[[") else ", "
+    keys += ['unit = "cm,mN"', "stops = true", 'flip = "none"']
+    written(place.format(joint.join(keys)), "chain.toml")
+    (element,) = load("chain.toml").chain.elements
+    reading = Reading(2, 3, "cm,mN", "none", "unloading")
+    assert element == load_element("dome.csv", "", reading=reading, stops=True)
+    assert element.high == pytest.approx(0.06) and element.largest_force == pytest.approx(2e-3)
+    assert set(WORDS) == {one.name for one in fields(Reading)}
+    assert not any(f"{word} =" in text_of("chain.toml") for word in WORDS)
+
+
+def test_a_wrong_key_of_a_reading_is_reported_with_its_place(written):
+    written(CSV)
+    written(CELL.format("table_csv") + 'half = "upper"\n', "chain.toml")
+    with refuses(DesignError, "chain.cell[0].table_csv", "half = 'upper'", "loading, unloading"):
+        load("chain.toml")
 
 
 def test_options_that_do_not_go_together_are_refused(written):

@@ -307,10 +307,12 @@ class ElementKeys(CurveKeys):
         forms = self.forms
         if len(forms) > 1:
             refuse(f"gives {' and '.join(sorted(forms))}: an element has one curve, keep one.")
-        for word, form in (("noise", "table"), ("error_band", "sheets")):
-            for key in self.model_fields_set:
-                if key.startswith(f"{word}_") and forms not in ([form], [f"{form}_csv"]):
-                    refuse(f"is for {form} only; leave it out.", key)
+        numbers = NumberKeys.model_fields.keys()
+        for key in self.model_fields_set:
+            if key.startswith("noise_") and forms not in (["table"], ["table_csv"]):
+                refuse("is for table only; leave it out.", key)
+            if key.startswith("error_band_") and not numbers & set(forms):
+                refuse("is for a curve in numbers only; leave it out.", key)
         return self
 
 

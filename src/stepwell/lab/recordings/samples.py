@@ -1,11 +1,12 @@
 """Every specimen in a file, in SI: the one path from bytes to stroke and force."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import GRAVITY, Floats, InputError, Ints, Measure, display_unit, to_unit
+from stepwell.base import GRAVITY, Floats, InputError, Ints, Measure, counted, display_unit, to_unit
 from stepwell.lab.recordings import columns as headings, roles, signs, workbook
 from stepwell.lab.recordings.reading import Reading
 from stepwell.lab.recordings.recording import turns_of
@@ -219,14 +220,14 @@ def _part(one: Sample, reading: Reading) -> Sample:
     parts = [slice(a, b + 1) for a, b in zip(ends, ends[1:], strict=False)]
     rises = [bool(one.travel[p][-1] >= one.travel[p][0]) for p in parts]
     # A cycle is a loading half and the unloading half after it, or either one alone.
-    cycles = list(np.cumsum([up or k == 0 for k, up in enumerate(rises)]))
+    cycles = list(accumulate(int(up or k == 0) for k, up in enumerate(rises)))
     wanted = [
         (part, number)
         for part, up, number in zip(parts, rises, cycles, strict=True)
         if (half is None or up == (half == "loading")) and number == (reading.cycle or number)
     ]
     if not wanted:
-        has = f"the file has {cycles[-1]} cycle{'s' * (cycles[-1] > 1)}"
+        has = f"the file has {counted(cycles[-1], 'cycle')}"
         asked = " ".join(
             f"{key} = {value!r}"
             for key, value in (("half", half), ("cycle", reading.cycle))
