@@ -41,7 +41,9 @@ EXTRAS: MappingProxyType[str, Extra] = MappingProxyType(
             "Figures and GIFs need Matplotlib and Pillow",
         ),
         "tables": Extra(
-            {"xarray": "xarray"}, "maps, NetCDF, to_xarray", "Maps and labelled tables need xarray"
+            {"python-calamine": "python_calamine", "xarray": "xarray"},
+            "maps, NetCDF, to_xarray, recordings in workbooks",
+            "Maps and labelled tables need xarray, and workbooks need python-calamine",
         ),
         "robot": Extra(
             {"mujoco": "mujoco"}, "walk, maze, view, export", "The robot's simulation needs MuJoCo"

@@ -14,8 +14,8 @@ from stepwell.base import display_unit
 from stepwell.cli import options as opts, tolerances as given
 from stepwell.cli.options import Design, Group, Output, designs as design_names
 from stepwell.cli.ranges import length, window as read_window
+from stepwell.cli.readings import ReadingCommand, ReadingOptions
 from stepwell.cli.screen import WRONG_INPUT, progress, subcommands, usable, wrong
-from stepwell.cli.tolerances import recordings_in
 
 if TYPE_CHECKING:
     from stepwell.lab import BandTest, Pull, Recording, Rig
@@ -27,26 +27,28 @@ commands = subcommands(
 )
 
 
-@opts.command(commands)
+@opts.command(commands, ReadingCommand)
 def read(
     *,
     files: list[Path] = opts.argument(
-        "Recordings (files or folders): Bluehill raw data as text, or CSV with named columns.",
+        "Recordings (files or folders): tables of text or workbooks, as a test machine exports "
+        "them.",
         "FILE...",
     ),
+    how: ReadingOptions,
     output: Output,
 ) -> None:
     """List the extremes, jumps, work and stiffness of each half cycle of recordings.
 
-    A file that is broken, empty, binary or in an unknown unit is listed with the reason; the other
-    files are read. With --out, a figure and all samples as one tidy table with units (CSV, netCDF,
-    Parquet) are written into a folder.
+    The columns of stroke and force are decided by names, units and numbers, and printed. If they
+    leave a choice, the file is refused with its columns; --stroke and --force settle it. A file
+    that cannot be read is listed with the reason; the other files are read. With --out, a figure
+    and all samples as one tidy table with units (CSV, netCDF, Parquet) are written into a folder.
 
     Example: stepwell lab read recordings --out tidy
     """
     output.check_output_folder("lab read")
-    with progress("reading") as tell:
-        batch = sw.lab.read_all(files, progress=tell)
+    batch = how.read_all(files)
     if not batch.recordings:
         output = replace(output, out=None)
     output.report(batch)
@@ -83,7 +85,7 @@ class FittedPart(Group):
         )
 
 
-@opts.command(commands)
+@opts.command(commands, ReadingCommand)
 def band(
     *,
     folders: list[Path] = opts.argument(
@@ -91,6 +93,7 @@ def band(
         "PATH...",
     ),
     part: FittedPart,
+    how: ReadingOptions,
     gauge: float | None = opts.option(
         "Length of the band at stroke 0, if known [mm].", "--gauge LENGTH", parser=length(-math.inf)
     ),
@@ -114,7 +117,7 @@ def band(
     # Before the fit, which takes long.
     if law is not None and law not in known:
         raise wrong("--law", f"{law!r}: must be one of {', '.join(known)}.")
-    given = recordings_in(folders)
+    given = how.recordings(folders)
     test = part.test(given)
     with usable("--gauge"), progress("fits"):
         choice = sw.lab.choose_law(test, None if gauge is None else gauge * 1e-3)
@@ -141,13 +144,13 @@ class BaselineOptions(Group):
     )
     no_baseline: bool = opts.flag("Do not subtract the friction baseline.", "--no-baseline")
 
-    def read(self) -> list[Recording] | None:
+    def read(self, how: ReadingOptions) -> list[Recording] | None:
         """The recordings to subtract: those given, none, or None to select them by name."""
         if self.baseline is not None and self.no_baseline:
             raise wrong("--baseline", "cannot be combined with --no-baseline.")
         if self.no_baseline:
             return []
-        return None if self.baseline is None else recordings_in([self.baseline])
+        return None if self.baseline is None else how.recordings([self.baseline])
 
 
 class RigOptions(Group):
@@ -171,7 +174,7 @@ class RigOptions(Group):
         return sw.lab.PAPER_RIG if self.bar is None else sw.lab.Rig(self.bar * 1e-3)
 
 
-@opts.command(commands)
+@opts.command(commands, ReadingCommand)
 def compare(
     data: _Data,
     designs: list[str] | None = opts.argument(
@@ -187,6 +190,7 @@ def compare(
     *,
     friction: BaselineOptions,
     machine: RigOptions,
+    how: ReadingOptions,
     output: Output,
 ) -> None:
     """Compare recordings of unit cells, pairs and chains with the model.
@@ -199,11 +203,11 @@ def compare(
     Example: stepwell lab compare recordings --out verdicts
     """
     output.check_output_folder("lab compare")
-    given = recordings_in([data])
+    given = how.recordings([data])
     names = [opts.by_name(design) or design for design in designs or ()]
     designed = {design: sw.files.text_of(design) for design in names}
     chains = [sw.files.loads(text, design).chain for design, text in designed.items()]
-    baseline, rig = friction.read(), machine.read()
+    baseline, rig = friction.read(how), machine.read()
     with progress("comparison"):
         comparison = sw.lab.compare(
             given, chains, baseline=baseline, as_designed=as_designed, rig=rig
@@ -212,7 +216,7 @@ def compare(
     output.report(comparison, data_sha256=sw.lab.hashes(given), designs_sha256=hashes)
 
 
-@opts.command(commands)
+@opts.command(commands, ReadingCommand)
 def calibrate(
     data: _Data,
     law: str | None = opts.option(
@@ -222,6 +226,7 @@ def calibrate(
     ),
     *,
     friction: BaselineOptions,
+    how: ReadingOptions,
     output: Output,
 ) -> None:
     """Fit one physical model to the curves of all cells and pairs together.
@@ -235,8 +240,8 @@ def calibrate(
     Example: stepwell lab calibrate recordings
     """
     output.check_output_folder("lab calibrate")
-    given = recordings_in([data])
-    baseline = friction.read()
+    given = how.recordings([data])
+    baseline = friction.read(how)
     with progress("fits") as tell:
         batch = sw.lab.sort_series(given, baseline=baseline)
         prepared = sw.lab.prepare(batch.series, sw.lab.tension_tables(given), batch.notes)
@@ -302,7 +307,7 @@ class SeenOptions(Group):
     )
 
 
-@opts.command(commands)
+@opts.command(commands, ReadingCommand)
 def as_built(
     design: Design,
     observed: SeenOptions,
@@ -313,6 +318,7 @@ def as_built(
     within: BuiltTolerances = BUILT,
     *,
     sampling: BuildSampling,
+    how: ReadingOptions,
     output: Output,
 ) -> None:
     """Fit as-built parameters to a prototype, and search the anchors to move.
@@ -335,7 +341,7 @@ def as_built(
         pulls = _read(observed.pulls, chain)
         if observed.data is not None:
             sw.lab.require_travel(chain, str(observed.data))
-            pulls += sw.lab.pulls_of(sw.lab.read(observed.data), chain.full_stroke)
+            pulls += sw.lab.pulls_of(how.recordings([observed.data])[0], chain.full_stroke)
         seen = sw.lab.Observed(
             observed.seen,
             _strokes(observed.snaps_loading, "--snaps-loading", driven),

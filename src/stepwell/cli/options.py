@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Annotated, Any, dataclass_transform, get_type_hints
 
 import typer
+from typer.core import TyperCommand
 
 import stepwell as sw
 from stepwell.base import need, refuse_address
@@ -188,9 +189,11 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
     return run
 
 
-def command(into: typer.Typer) -> Callable[[Callable[..., None]], Callable[..., None]]:
+def command(
+    into: typer.Typer, cls: type[TyperCommand] | None = None
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Add a command to a group of commands, with its options as `grouped` gives them."""
-    return lambda one: into.command(epilog=EXIT_CODES)(grouped(one))
+    return lambda one: into.command(epilog=EXIT_CODES, cls=cls)(grouped(one))
 
 
 class Display(Group):

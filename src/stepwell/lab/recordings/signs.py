@@ -12,6 +12,7 @@ _REST, _NEAR = 0.05, 0.1
 # Work over that of a force of one sign: taken up, given off, and of a specimen that only springs.
 _TAKEN, _GIVEN, _SPRINGS = -0.05, -0.5, 0.9
 _ENOUGH = 10  # samples
+_FAR = 3.0  # distance from zero, over the range of the strokes, of an absolute position
 
 
 class Signs(NamedTuple):
@@ -64,10 +65,9 @@ def decided(stroke: Floats, force: Floats) -> Signs:
 
 
 def is_far(stroke: Floats) -> bool:
-    """Whether all strokes are farther from zero than half of their range: an absolute position."""
-    return float(np.min(np.abs(stroke))) > 0.5 * float(np.ptp(stroke)) and bool(
-        np.min(stroke) > 0 or np.max(stroke) < 0
-    )
+    """Whether the zero is at least three ranges away from all strokes: an absolute position."""
+    low, high = float(np.min(stroke)), float(np.max(stroke))
+    return low * high > 0 and min(abs(low), abs(high)) > _FAR * (high - low) > 0
 
 
 def _signs(stroke: int, force: int) -> Signs:
