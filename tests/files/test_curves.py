@@ -108,10 +108,7 @@ def test_the_units_say_what_is_measured(written, head, measure, high, largest):
             "travel_mm,force_N\n0,0,\n1,1\n2,1.5\n",
             "2 of 3 rows are no 3 numbers (line 3: '1,1'): export",
         ),
-        (
-            "travel_mm,force_N\n0,nan\n1,1\n",
-            "holds 1 row of numbers",
-        ),
+        ("travel_mm,force_N\n0,nan\n1,1\n", "holds 1 row of numbers"),
         (
             CSV + "3,1\n1,0.2\n0,0\n",
             "row 4: the travel turns back at 5 mm, so the file has loading and unloading: give",

@@ -8,7 +8,7 @@ from facts import refuses, says
 from lab.machine import HEADER, export, recording, there, unit
 from stepwell import lab
 from stepwell.lab.recordings import text as _text
-from stepwell.lab.recordings.samples import Sample, samples
+from stepwell.lab.recordings.samples import Specimen, samples
 
 GOOD = HEADER + "0.0 0.0 0.1\r\n0.02 0.1 0.2\r\n0.04 0.2 0.3\r\n"
 
@@ -19,7 +19,7 @@ def written(folder, name, content) -> str:
     return str(file)
 
 
-def tried(data: bytes) -> Sample | str:
+def tried(data: bytes) -> Specimen | str:
     """What the reader makes of some bytes: numbers, or the line that says why not."""
     try:
         return samples(data)[0]

@@ -44,8 +44,7 @@ class ReadingOptions(Group):
 
     stroke: str | None = option("Column of the stroke: number or name.", "COLUMN")
     force_column: str | None = option(
-        "Column of the force: number or name; a number may follow --force.",
-        "--force-column COLUMN",
+        "Column of the force: number or name; a number may follow --force.", "--force-column COLUMN"
     )
     unit: str | None = option("Units of stroke and force, such as mm,N.", "UNIT,UNIT")
     flip: str | None = option(

@@ -147,10 +147,10 @@ def _matching(text: str, named: list[tuple["_Path", Any]]) -> list[re.Match[str]
 
 def _reading(tables: Any, path: "_Path") -> "Reading":
     """How a file is read: the keys beside its name, which are taken out of the table."""
-    from stepwell.lab.recordings.reading import of_keys
+    from stepwell import lab
 
     place = _table_at(tables, path)
-    return of_keys({key: place.pop(key) for key in WORDS if key in place})
+    return lab.Reading.of({key: place.pop(key) for key in WORDS if key in place})
 
 
 _UNCLEAR_CSV = (

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import GRAVITY, UNITS, Floats, spellings
-from stepwell.lab.recordings.tables import Block
+from stepwell.lab.recordings.tables import NumberBlock
 from stepwell.lab.recordings.text import split
 
 WEIGHTS = spellings("kg")
@@ -80,7 +80,7 @@ _PREAMBLE = re.compile(r"^(.*?)\bunits?\b\s*[:=]?\s*(\S*)$", re.IGNORECASE)
 _COMMENT = "#%!*'/ \t"
 
 
-class Column(NamedTuple):
+class TableColumn(NamedTuple):
     """A column of a table.
 
     Attributes:
@@ -133,22 +133,22 @@ def spelled(unit: str) -> str:
     return _SPELLED.get(lower, text)
 
 
-def columns(block: Block, delimiter: str | None) -> list[Column]:
+def columns(block: NumberBlock, delimiter: str | None) -> list[TableColumn]:
     """All columns of a block, with names and units from the lines above it."""
     names, units = _headings(block, delimiter)
     given = _in_preamble(block)
-    found: list[Column] = []
+    found: list[TableColumn] = []
     for k in range(block.width):
         name, unit = names[k], units[k]
         bare, own = parted(name)
         unit = spelled(unit) or own
         if not unit and k in given:
             unit = given[k]
-        found.append(Column(k + 1, bare, name, unit, block.columns.get(k)))
+        found.append(TableColumn(k + 1, bare, name, unit, block.columns.get(k)))
     return found
 
 
-def preamble_units(block: Block) -> dict[str, str]:
+def preamble_units(block: NumberBlock) -> dict[str, str]:
     """Units by kind that the first lines of a file name, as in `Travel Unit: mm`."""
     found: dict[str, set[str]] = {}
     for fields in (*block.preamble, *block.head):
@@ -159,7 +159,7 @@ def preamble_units(block: Block) -> dict[str, str]:
     return {kind: units.pop() for kind, units in found.items() if len(units) == 1}
 
 
-def _in_preamble(block: Block) -> dict[int, str]:
+def _in_preamble(block: NumberBlock) -> dict[int, str]:
     """Units of a LabVIEW measurement file by index of the column."""
     for fields in (*block.preamble, *block.head):
         if fields and fields[0] == "Y_Unit_Label":
@@ -182,7 +182,7 @@ def parted(name: str) -> tuple[str, str]:
     return text, ""
 
 
-def _headings(block: Block, delimiter: str | None) -> tuple[list[str], list[str]]:
+def _headings(block: NumberBlock, delimiter: str | None) -> tuple[list[str], list[str]]:
     """Names, and units of a line below the names; empty strings if there is none."""
     empty = [""] * block.width
     rows = [row for fields in block.head if (row := _fitted(fields, block, delimiter))]
@@ -201,7 +201,7 @@ def _headings(block: Block, delimiter: str | None) -> tuple[list[str], list[str]
     return below, empty
 
 
-def _fitted(fields: Sequence[str], block: Block, delimiter: str | None) -> list[str]:
+def _fitted(fields: Sequence[str], block: NumberBlock, delimiter: str | None) -> list[str]:
     """A line above the numbers as one field for each column; empty if it does not fit."""
     for row in _splits(fields, delimiter):
         row = [field.strip().strip('"').strip() for field in row]

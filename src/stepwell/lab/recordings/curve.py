@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 
 from stepwell.base import ByValue, Floats, InputError, Measure, display_unit, to_unit
-from stepwell.lab.recordings.recording import LabError, Recording, turns_of, without_spikes
 from stepwell.lab.recordings.read import samples_of, several
 from stepwell.lab.recordings.reading import Reading
+from stepwell.lab.recordings.recording import LabError, Recording, turns_of, without_spikes
 
 STEP = 0.05e-3  # [m] between the strokes of a mean curve
 

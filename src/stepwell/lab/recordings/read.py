@@ -17,7 +17,7 @@ from stepwell.lab.recordings.reading import Reading, of_folder
 from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.lab.recordings.recording_warnings import batch_warnings, recording_warnings
 from stepwell.lab.recordings.roles import Unclear
-from stepwell.lab.recordings.samples import Sample, samples
+from stepwell.lab.recordings.samples import Specimen, samples
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -145,7 +145,7 @@ def read_every(content: bytes, name: str, reading: Reading | None = None) -> lis
     return _recordings(name, content, reading)
 
 
-def samples_of(file: str | os.PathLike[str], reading: Reading | None = None) -> list[Sample]:
+def samples_of(file: str | os.PathLike[str], reading: Reading | None = None) -> list[Specimen]:
     """Every specimen in a file, of stroke and force or of another pair of quantities.
 
     Raises:
@@ -189,7 +189,7 @@ def _completed(file: str | os.PathLike[str], reading: Reading | None) -> Reading
 
 def _samples(
     name: str, content: bytes, reading: Reading | None, measures: Iterable[Measure]
-) -> list[Sample]:
+) -> list[Specimen]:
     try:
         return samples(content, reading, measures)
     except Unclear as error:

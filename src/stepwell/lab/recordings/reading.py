@@ -2,6 +2,7 @@
 
 import os
 import tomllib
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -68,6 +69,16 @@ class Reading:
         if self.unit is not None:
             _ = self.units
 
+    @classmethod
+    def of(cls, keys: Mapping[str, Any]) -> "Reading":
+        """The reading of the keys of a table; raises ValueError for another key."""
+        for key in keys:
+            if key not in WORDS:
+                near = nearest_word(key, WORDS)
+                meant = f"Did you mean {near}?" if near else f"Known: {', '.join(WORDS)}."
+                raise InputError(f"{key[:40]}: unknown key. {meant}")
+        return cls(**keys)
+
     @property
     def units(self) -> tuple[str, str] | None:
         """Units of stroke and force, as they are spelled in the table of units."""
@@ -96,9 +107,7 @@ class Reading:
     @property
     def options(self) -> str:
         """The same as options of a command."""
-        return " ".join(
-            f"--{key} {_quoted(str(value))}" for key, value in self.given().items()
-        )
+        return " ".join(f"--{key} {_quoted(str(value))}" for key, value in self.given().items())
 
 
 WORDS = tuple(one.name for one in fields(Reading))
@@ -106,16 +115,6 @@ WORDS = tuple(one.name for one in fields(Reading))
 
 def _quoted(text: str) -> str:
     return f"'{text}'" if " " in text else text
-
-
-def of_keys(keys: dict[str, Any]) -> Reading:
-    """The reading of the keys of a table; raises ValueError for another key."""
-    for key in keys:
-        if key not in WORDS:
-            near = nearest_word(key, WORDS)
-            meant = f"Did you mean {near}?" if near else f"Known: {', '.join(WORDS)}."
-            raise InputError(f"{key[:40]}: unknown key. {meant}")
-    return Reading(**keys)
 
 
 def of_folder(file: str | os.PathLike[str]) -> Reading:
@@ -129,7 +128,7 @@ def of_folder(file: str | os.PathLike[str]) -> Reading:
         if place.stat().st_size > 1 << 16:
             raise InputError(f"{FILE}: has more than 65536 bytes: it is no reading.")
         try:
-            return of_keys(tomllib.loads(place.read_text("utf-8")))
+            return Reading.of(tomllib.loads(place.read_text("utf-8")))
         except (ValueError, TypeError) as error:
             raise InputError(f"{FILE} in its folder: {error}") from None
     return Reading()

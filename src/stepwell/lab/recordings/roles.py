@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, InputError, Measure
-from stepwell.lab.recordings.columns import FACTORS, UNIT_KIND, WEIGHTS, Column, parted
+from stepwell.lab.recordings.columns import FACTORS, UNIT_KIND, WEIGHTS, TableColumn, parted
 from stepwell.lab.recordings.reading import Reading
 
 TRAVELS = {Measure.TRAVEL: "stroke", Measure.VOLUME: "volume", Measure.ANGLE: "angle"}
@@ -50,7 +50,7 @@ _OTHER = {
 }
 _LESS = re.compile(
     r"\braw\b|unfilter|uncorrect|absolut|\babs\b|machine|\bmean\b|average|\bavg\b|filter|smooth"
-    r"|correct|strain|dehnung|deformation|compression",
+    r"|correct|strain|dehnung|deformation|compression"
 )
 # Ranks of a column for a role, the best last.
 _NEVER, _STILL, _BY_UNIT, _HOMEMADE, _LESSER, _NAMED = range(6)
@@ -61,9 +61,9 @@ class Taken(NamedTuple):
     """Columns of one recording of a table, and why others are not."""
 
     measure: Measure
-    travel: Column
-    force: Column
-    time: Column | None
+    travel: TableColumn
+    force: TableColumn
+    time: TableColumn | None
     notes: tuple[str, ...] = ()
 
 
@@ -76,7 +76,10 @@ class Unclear(InputError):
 
 
 def choose(
-    columns: Sequence[Column], given: dict[str, str], reading: Reading, measures: Iterable[Measure]
+    columns: Sequence[TableColumn],
+    given: dict[str, str],
+    reading: Reading,
+    measures: Iterable[Measure],
 ) -> list[Taken]:
     """The recordings of a table: one, or several with equal names beside each other.
 
@@ -94,7 +97,7 @@ def choose(
         raise Unclear(whole, table.listed()) from None
 
 
-def _with_unit(column: Column, given: dict[str, str]) -> Column:
+def _with_unit(column: TableColumn, given: dict[str, str]) -> TableColumn:
     """The column with the unit that the file gives elsewhere for what its name says."""
     for kind in () if column.unit else _WORDS:
         if kind in given and is_called(column.name, kind):
@@ -109,7 +112,7 @@ def is_called(name: str, kind: str) -> bool:
 
 
 class _Table:
-    def __init__(self, columns: Sequence[Column], reading: Reading):
+    def __init__(self, columns: Sequence[TableColumn], reading: Reading):
         self._columns, self._reading = list(columns), reading
         self._why: dict[int, str] = {}
 
@@ -125,18 +128,18 @@ class _Table:
         if self._reading.units or None not in (self._reading.stroke, self._reading.force):
             measures = self._apply(measures)
         ranks = {
-            kind: self._ranks(kind)
-            for one in measures
-            for kind in (TRAVELS[one], FORCES[one])
+            kind: self._ranks(kind) for one in measures for kind in (TRAVELS[one], FORCES[one])
         }
         whole = [m for m in measures if ranks[TRAVELS[m]] and ranks[FORCES[m]]]
         if not whole:
             raise InputError(self._absent(measures, ranks))
         named = [m for m in whole if _best(ranks[TRAVELS[m]])[0] >= _HOMEMADE] or whole
         if len(named) > 1:
-            raise InputError("it has columns of " + " and of ".join(
-                f"{TRAVELS[m]} and {FORCES[m]}" for m in named
-            ) + ": leave out one pair")
+            raise InputError(
+                "it has columns of "
+                + " and of ".join(f"{TRAVELS[m]} and {FORCES[m]}" for m in named)
+                + ": leave out one pair"
+            )
         (measure,) = named
         kinds = TRAVELS[measure], FORCES[measure]
         travels, forces = (_best(ranks[kind])[1] for kind in kinds)
@@ -153,7 +156,7 @@ class _Table:
         time = self._time()
         return [Taken(measure, x, y, time) for x, y in pairs]
 
-    def _both(self, kind: str, several: Sequence[Column], measures: Sequence[Measure]) -> str:
+    def _both(self, kind: str, several: Sequence[TableColumn], measures: Sequence[Measure]) -> str:
         words = _words(kind, measures, TRAVELS if kind in TRAVELS.values() else FORCES)
         shown = ", ".join(repr(c.label[:40]) if c.label else f"{c.number}" for c in several)
         for column in several:
@@ -184,11 +187,13 @@ class _Table:
                 allowed = fit
         return allowed
 
-    def _requested(self, wanted: int | str) -> Column:
+    def _requested(self, wanted: int | str) -> TableColumn:
         """The column of a number or a name."""
         if isinstance(wanted, int):
             if wanted > len(self._columns):
-                raise InputError(f"column {wanted} is requested, and the file has {len(self._columns)}.")
+                raise InputError(
+                    f"column {wanted} is requested, and the file has {len(self._columns)}."
+                )
             return self._columns[wanted - 1]
         name = wanted.strip().lower()
         exact = [c for c in self._columns if name in (c.name.lower(), c.label.strip().lower())]
@@ -197,7 +202,7 @@ class _Table:
             raise InputError(f"{count} with the name {wanted[:40]!r}: give its number")
         return exact[0]
 
-    def _ranks(self, kind: str) -> dict[int, list[Column]]:
+    def _ranks(self, kind: str) -> dict[int, list[TableColumn]]:
         """Columns that may have this role, by rank."""
         key = "stroke" if kind in TRAVELS.values() else "force"
         wanted = getattr(self._reading, key)
@@ -206,7 +211,7 @@ class _Table:
             return {_NAMED: [column]} if column.kind == kind else {}
         other = self._reading.force if key == "stroke" else self._reading.stroke
         taken = None if other is None else self._requested(other)
-        ranks: dict[int, list[Column]] = {}
+        ranks: dict[int, list[TableColumn]] = {}
         same = [c for c in self._columns if c.kind == kind and c.values is not None]
         for column in same:
             if column is taken:
@@ -217,9 +222,9 @@ class _Table:
                 ranks.setdefault(rank, []).append(column)
         return ranks
 
-    def _alike(self, kind: str, several: list[Column]) -> list[Column]:
+    def _alike(self, kind: str, several: list[TableColumn]) -> list[TableColumn]:
         """Columns without copies of others: strokes may differ by their zero and sign."""
-        kept: list[Column] = []
+        kept: list[TableColumn] = []
         travels = kind in TRAVELS.values()
         for column in several:
             twin = next((c for c in kept if _same(c.si, column.si, travels)), None)
@@ -233,7 +238,7 @@ class _Table:
             self._why[second.number] = f"the same as column {first.number}"
         return kept
 
-    def _time(self) -> Column | None:
+    def _time(self) -> TableColumn | None:
         """The time: if possible named, and never falling."""
         every = [c for c in self._columns if c.kind == "time" and c.values is not None]
         some = [c for c in every if _rises(c.values)] or every
@@ -241,7 +246,9 @@ class _Table:
         plain = [c for c in named if "cycle" not in c.name.lower()]
         return next(iter(plain or named), None)
 
-    def _absent(self, measures: list[Measure], ranks: dict[str, dict[int, list[Column]]]) -> str:
+    def _absent(
+        self, measures: list[Measure], ranks: dict[str, dict[int, list[TableColumn]]]
+    ) -> str:
         """Why there is no pair: no names, no unit, other units, or no such column."""
         if not any(c.name or c.unit for c in self._columns):
             return (
@@ -275,7 +282,7 @@ class _Table:
         return f"no column for the {words} (columns: {shown}): name the columns and units as in {example}"
 
 
-def _has(columns: Sequence[Column], measure: Measure) -> bool:
+def _has(columns: Sequence[TableColumn], measure: Measure) -> bool:
     kinds = {c.kind for c in columns if c.values is not None}
     return {TRAVELS[measure], FORCES[measure]} <= kinds
 
@@ -283,7 +290,9 @@ def _has(columns: Sequence[Column], measure: Measure) -> bool:
 def names_columns(fields: Sequence[str]) -> bool:
     """Whether the fields of a line are a header: two or more have a known unit or a usual name."""
     parts = [parted(field) for field in fields]
-    known = [bool(unit in UNIT_KIND or any(is_called(name, k) for k in _WORDS)) for name, unit in parts]
+    known = [
+        bool(unit in UNIT_KIND or any(is_called(name, k) for k in _WORDS)) for name, unit in parts
+    ]
     return sum(known) >= 2
 
 
@@ -293,7 +302,7 @@ def _words(kind: str, measures: Sequence[Measure], table: dict[Measure, str]) ->
     return " or ".join("travel" if table[m] == "stroke" else table[m] for m in measures)
 
 
-def _unit_problem(column: Column, kinds: Sequence[str]) -> str:
+def _unit_problem(column: TableColumn, kinds: Sequence[str]) -> str:
     came = f"is in {column.unit[:30]!r}" if column.unit else "has no unit"
     allowed = ", ".join(unit for kind in dict.fromkeys(kinds) for unit in FACTORS[kind])
     name = repr(column.label[:40]) if column.label else f"{column.number}"
@@ -303,7 +312,7 @@ def _unit_problem(column: Column, kinds: Sequence[str]) -> str:
     )
 
 
-def _best(ranks: dict[int, list[Column]]) -> tuple[int, list[Column]]:
+def _best(ranks: dict[int, list[TableColumn]]) -> tuple[int, list[TableColumn]]:
     rank = max(ranks)
     return rank, ranks[rank]
 
@@ -313,7 +322,7 @@ def _is_other(name: str) -> str:
     return next((what for words, what in _OTHER.items() if re.search(words, lower)), "")
 
 
-def _rank(column: Column, kind: str, same: Sequence[Column]) -> tuple[int, str]:
+def _rank(column: TableColumn, kind: str, same: Sequence[TableColumn]) -> tuple[int, str]:
     """How well a column with the unit of a role fits, and what it may be instead."""
     values = column.values
     assert values is not None
@@ -337,7 +346,7 @@ def _rank(column: Column, kind: str, same: Sequence[Column]) -> tuple[int, str]:
     return (_LESSER if _LESS.search(lower) and others else _NAMED), ""
 
 
-def _by_numbers(good: Floats, column: Column, others: Sequence[Column]) -> str:
+def _by_numbers(good: Floats, column: TableColumn, others: Sequence[TableColumn]) -> str:
     """What a column may be if its numbers are no measurement: a command, a maximum."""
     if not others or len(good) < 20:
         return ""
@@ -378,7 +387,9 @@ def _same(a: Floats, b: Floats, moved: bool) -> bool:
     return any(np.ptp(a - sign * b) <= near for sign in (1, -1))
 
 
-def _pairs(travels: Sequence[Column], forces: Sequence[Column]) -> list[tuple[Column, Column]]:
+def _pairs(
+    travels: Sequence[TableColumn], forces: Sequence[TableColumn]
+) -> list[tuple[TableColumn, TableColumn]]:
     """The one pair, or the pairs of equal names beside each other; empty if neither."""
     if len(travels) == len(forces) == 1:
         return [(travels[0], forces[0])]
@@ -390,5 +401,7 @@ def _pairs(travels: Sequence[Column], forces: Sequence[Column]) -> list[tuple[Co
         max(x.number, y.number) < after
         for (x, y), (_, after) in zip(pairs, pairwise(ordered), strict=True)
     )
-    names = [{re.sub(r"[\W_]*\d*$", "", c.name.lower()) for c in some} for some in (travels, forces)]
+    names = [
+        {re.sub(r"[\W_]*\d*$", "", c.name.lower()) for c in some} for some in (travels, forces)
+    ]
     return pairs if apart and all(len(one) == 1 for one in names) else []

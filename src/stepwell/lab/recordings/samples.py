@@ -6,20 +6,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import GRAVITY, Floats, InputError, Ints, Measure, counted, display_unit, to_unit
+from stepwell.base import GRAVITY, Floats, InputError, Measure, counted, display_unit, to_unit
 from stepwell.lab.recordings import columns as headings, roles, signs, workbook
 from stepwell.lab.recordings.reading import Reading
 from stepwell.lab.recordings.recording import turns_of
-from stepwell.lab.recordings.roles import Taken, Unclear
-from stepwell.lab.recordings.tables import Block, blocks
-from stepwell.lab.recordings.text import Style, Text
+from stepwell.lab.recordings.roles import Taken
+from stepwell.lab.recordings.tables import NumberBlock, blocks
+from stepwell.lab.recordings.text import Style, TableText
 
 _SHOWN = 40
 _DIGITS = 6  # decimal places, more than any reading has
 _STEP_ROWS = 20_000  # rows that show the resolution
 
 
-class Sample(NamedTuple):
+class Specimen(NamedTuple):
     """One specimen of a file.
 
     Attributes:
@@ -48,14 +48,14 @@ class Sample(NamedTuple):
 
 def samples(
     content: bytes, reading: Reading | None = None, measures: Iterable[Measure] = Measure
-) -> list[Sample]:
+) -> list[Specimen]:
     """All specimens in the bytes of a file, as far as they have columns of these measures.
 
     Raises:
         ValueError: the file is broken, binary or empty, or no reading stands out (`Unclear`).
     """
     reading = reading or Reading()
-    found: list[Sample] = []
+    found: list[Specimen] = []
     problems: list[tuple[int, InputError, str]] = []
     for sheet, block, delimiter in _tables(content, reading):
         try:
@@ -84,17 +84,17 @@ def samples(
     return [one._replace(remarks=(*one.remarks, *notes)) for one in found]
 
 
-def _labelled(found: Sequence[Sample]) -> list[Sample]:
+def _labelled(found: Sequence[Specimen]) -> list[Specimen]:
     """Samples whose labels differ, or none has one."""
     labels = [one.label for one in found]
     alone = len(set(labels)) == len(labels)
     return [one if alone else one._replace(label="") for one in found]
 
 
-def _tables(content: bytes, reading: Reading) -> Iterator[tuple[str, Block, str | None]]:
+def _tables(content: bytes, reading: Reading) -> Iterator[tuple[str, NumberBlock, str | None]]:
     """Blocks of numbers, each with the name of its sheet and the delimiter."""
     if not workbook.is_workbook(content):
-        text = Text.of(content, reading.skip, reading.decimal)
+        text = TableText.of(content, reading.skip, reading.decimal)
         for block in blocks(text.chunks(), text.style, roles.names_columns, text.delimiter or " "):
             yield "", block, text.delimiter
         return
@@ -112,8 +112,8 @@ def _tables(content: bytes, reading: Reading) -> Iterator[tuple[str, Block, str 
 
 
 def _of_block(
-    block: Block, delimiter: str | None, reading: Reading, measures: list[Measure], sheet: str
-) -> list[Sample]:
+    block: NumberBlock, delimiter: str | None, reading: Reading, measures: list[Measure], sheet: str
+) -> list[Specimen]:
     if len(block.bad) > len(block):
         number, line = block.bad[0]
         raise InputError(
@@ -131,7 +131,7 @@ def _of_block(
     return [one._replace(label=sheet, remarks=(*remark, *one.remarks)) for one in made]
 
 
-def _sample(taken: Taken, block: Block, reading: Reading, beside: bool) -> Sample:
+def _sample(taken: Taken, block: NumberBlock, reading: Reading, beside: bool) -> Specimen:
     """Stroke and force of the chosen columns, with signs and zero, and the requested part."""
     travel, force = taken.travel.si, taken.force.si
     good = np.isfinite(travel) & np.isfinite(force)
@@ -161,10 +161,8 @@ def _sample(taken: Taken, block: Block, reading: Reading, beside: bool) -> Sampl
         shown = to_unit(gauge, "mm")
         remarks.append(f"its length is that of the band: stroke counts from {shown:.5g} mm")
     if taken.force.unit in headings.WEIGHTS:
-        remarks.append(
-            f"{taken.force.unit} are weights: 1 kg is {GRAVITY} N, positive pulls"
-        )
-    made = Sample(
+        remarks.append(f"{taken.force.unit} are weights: 1 kg is {GRAVITY} N, positive pulls")
+    made = Specimen(
         "",
         taken.measure,
         time,
@@ -185,11 +183,11 @@ def _is_length(taken: Taken) -> bool:
     return is_length and not roles.is_called(lower, "stroke")
 
 
-def _row_text(block: Block, k: int) -> str:
+def _row_text(block: NumberBlock, k: int) -> str:
     return " ".join(f"{values[k]:.6g}" for values in block.columns.values())[:_SHOWN]
 
 
-def _signed(one: Sample, reading: Reading) -> Sample:
+def _signed(one: Specimen, reading: Reading) -> Specimen:
     """The sample with the signs that are requested, or that the work decides."""
     if reading.flip is not None:
         chosen = signs.turned(reading.flip)
@@ -211,7 +209,7 @@ def _signed(one: Sample, reading: Reading) -> Sample:
     )
 
 
-def _part(one: Sample, reading: Reading) -> Sample:
+def _part(one: Specimen, reading: Reading) -> Specimen:
     """The requested half or cycle."""
     half = None if reading.half == "both" else reading.half
     if half is None and reading.cycle is None:
@@ -246,7 +244,7 @@ def _part(one: Sample, reading: Reading) -> Sample:
     )
 
 
-def _described(one: Sample, taken: Taken) -> Sample:
+def _described(one: Specimen, taken: Taken) -> Specimen:
     """The sample with the ranges of its travel and its force in the first two lines."""
     lines = list(one.reading)
     units = one.measure.travel_unit, one.measure.force_unit
@@ -259,7 +257,7 @@ def _described(one: Sample, taken: Taken) -> Sample:
     return one._replace(reading=tuple(lines))
 
 
-def _step(column: headings.Column) -> float:
+def _step(column: headings.TableColumn) -> float:
     """Resolution of the digits of a column in SI, such as 0.5 for 12.5, 14.0, 15.5; 0 for none.
 
     It is 1 or 5 in the last decimal place, and at most 1: weights of 50 g are set, not read.

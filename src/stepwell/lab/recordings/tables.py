@@ -17,7 +17,7 @@ _MOST_BLOCKS = 1000
 _Row = tuple[int, list[str]]  # with the number of its line
 
 
-class Block(NamedTuple):
+class NumberBlock(NamedTuple):
     """Consecutive rows of numbers.
 
     Attributes:
@@ -40,7 +40,7 @@ class Block(NamedTuple):
         return len(self.lines)
 
 
-class Rows(Protocol):
+class RowSource(Protocol):
     """Consecutive rows of a file."""
 
     def rows(self) -> list[list[str]]:
@@ -53,11 +53,11 @@ class Rows(Protocol):
 
 
 def blocks(
-    chunks: Iterable[Rows],
+    chunks: Iterable[RowSource],
     style: Style,
     is_header: Callable[[Sequence[str]], bool],
     delimiter: str = " ",
-) -> list[Block]:
+) -> list[NumberBlock]:
     """All blocks of two or more columns of numbers, in the order of the file.
 
     A block begins below a header, or where other columns hold numbers; `is_header` decides on the
@@ -84,8 +84,10 @@ def blocks(
             number, fields = chunk[at]
             current = found[-1] if found else None
             if current is not None and current.fits(fields):
-                if head and _names(head, current.width, style) and (
-                    any(is_header(f) for _, f in head) or current.numbers_in(fields)
+                if (
+                    head
+                    and _names(head, current.width, style)
+                    and (any(is_header(f) for _, f in head) or current.numbers_in(fields))
                 ):
                     found.append(current := _Growing(chunk[at:], style, head, first))
                 else:
@@ -196,7 +198,7 @@ class _Growing:
         self.lines.append(np.array([line for line, _ in good]))
         return count
 
-    def add_all(self, some: Rows, line: int) -> int:
+    def add_all(self, some: RowSource, line: int) -> int:
         """Add all rows and return how many; 0, and none added, if a row is irregular."""
         if len(self.numeric) < self.width or (table := some.numbers(self.width)) is None:
             return 0
@@ -227,12 +229,12 @@ class _Growing:
         self.lines.append(np.array(lines))
         return True
 
-    def block(self, delimiter: str) -> Block:
+    def block(self, delimiter: str) -> NumberBlock:
         """The block with all its rows."""
         values = np.concatenate(self.pieces)
         bad = sorted((line, delimiter.join(fields)[:_SHOWN]) for line, fields in self.bad)
         columns = {place: values[:, k].copy() for k, place in enumerate(self.numeric)}
-        return Block(
+        return NumberBlock(
             self.head, self.preamble, columns, np.concatenate(self.lines), tuple(bad), self.width
         )
 

@@ -61,7 +61,7 @@ def is_missing(field: str) -> bool:
     return _MISSING.fullmatch(field.strip()) is not None
 
 
-class Text(NamedTuple):
+class TableText(NamedTuple):
     """A decoded text with its delimiter and the style of its numbers."""
 
     data: bytes  # in UTF-8
@@ -69,7 +69,7 @@ class Text(NamedTuple):
     style: Style
 
     @classmethod
-    def of(cls, data: bytes, skip: int = 0, decimal: str | None = None) -> "Text":
+    def of(cls, data: bytes, skip: int = 0, decimal: str | None = None) -> "TableText":
         """Decode the bytes, without their first lines, and find delimiter and style.
 
         Raises:
@@ -173,7 +173,7 @@ def decoded(data: bytes) -> str:
 
 
 def _of_old_encoding(data: bytes, start: int) -> str:
-    """Text of an encoding without a mark: two-byte characters come in runs, others do not."""
+    """The text of an encoding without a mark: two-byte characters come in runs, others do not."""
     part = data[max(0, start - 2000) : start + 20000]
     encoding = "cp1252"
     if re.search(rb"[\x81-\xfe][\x40-\xfe][\x81-\xfe][\x40-\xfe]", part):
