@@ -209,9 +209,9 @@ def _fitted(fields: Sequence[str], block: NumberBlock, delimiter: str | None) ->
             row.pop()
         words = sum(bool(field) and not _is_number(field) for field in row)
         spare = set(range(len(row), block.width))
-        if words >= 2 and len(row) <= block.width and not spare & block.columns.keys():
-            if 2 * words >= sum(map(bool, row)):
-                return row + [""] * len(spare)
+        fits = len(row) <= block.width and not spare & block.columns.keys()
+        if fits and words >= 2 and 2 * words >= sum(map(bool, row)):
+            return row + [""] * len(spare)
     return []
 
 

@@ -123,8 +123,8 @@ class MeasuredCurve(ByValue):
                 self.source,
                 f"row {at + 1}: the {self.measure.travel} turns back at "
                 f"{self.travel[at] * factor:.6g} {unit}, so the file has loading and unloading: "
-                f"give half = 'loading' or 'unloading'. A curve that folds back needs form='curve', "
-                f"not a table.",
+                f"give half = 'loading' or 'unloading'. A curve that folds back needs "
+                f"form='curve', not a table.",
             )
         x, y = self.travel, self.force
         if half is not None:

@@ -18,13 +18,13 @@ PAIRS = "travel and force (mm, N), volume and pressure (mL, kPa) or angle and to
 
 # Words in a name, and whole names.
 _WORDS = {
-    "time": "time zeit temps tiempo elapsed 时间",
+    "time": "time zeit temps tiempo tempo elapsed 时间 時間",
     "stroke": "displacement stroke extension position crosshead travel weg deflection elongation "
-    "deformation distance verschiebung traverse dehnung déplacement allongement desplazamiento "
-    "compression disp indentation 位移 变形 行程",
-    "force": "force load kraft fuerza carga 力 载荷 负荷",
+    "deformation distance verschiebung traverse dehnung déplacement allongement course "
+    "desplazamiento spostamento corsa compression disp indentation 位移 变形 行程 変位 ストローク",
+    "force": "force load kraft effort fuerza forza carga carico 力 载荷 负荷 荷重",
     "volume": "volume volumen 体积",
-    "pressure": "pressure druck pression presión 压力 压强",
+    "pressure": "pressure druck pression presión pressione 压力 压强",
     "angle": "angle rotation twist winkel 角",
     "torque": "torque moment 扭矩",
 }
@@ -40,17 +40,20 @@ _SYMBOLS = {
 _HOME = {"stroke": "length länge", "force": "weight mass gewicht masse"}
 # Words of columns that are no measurement of the specimen, and what they are.
 _OTHER = {
-    r"set ?-?point|\bset\b|command|\bcmd\b|target|demand|desired|\bref(erence)?\b|\bsoll": "a command",
-    r"\bmax|\bmin\b|minim|peak|\bpk\b|\bstd|deviation|\berr(or)?\b|uncertain|scatter|noise": "a statistic",
+    r"set ?-?point|\bset\b|command|\bcmd\b|target|demand|desired|\bref(erence)?\b|\bsoll"
+    r"|consigne|commande": "a command",
+    r"\bmax|\bmin\b|minim|peak|\bpk\b|\bstd|deviation|\berr(or)?\b|uncertain|scatter"
+    r"|noise": "a statistic",
     r"temp": "a temperature",
-    r"transvers|lateral|width|breite|thick|dicke|diamet|radius|colou?r": "another direction or size",
-    r"rate\b|veloc|speed|geschwind": "a speed",
+    r"transvers|lateral|width|breite|thick|dicke|diamet|radius|colou?r": "another direction "
+    "or size",
+    r"rate\b|veloc|speed|geschwind|vitesse": "a speed",
     r"count|cycle|index|\bno\b|number|step\b": "a count",
     r"limit|preload|pretension|threshold|gau?ge length|initial|grip": "a setting",
 }
 _LESS = re.compile(
-    r"\braw\b|unfilter|uncorrect|absolut|\babs\b|machine|\bmean\b|average|\bavg\b|filter|smooth"
-    r"|correct|strain|dehnung|deformation|compression"
+    r"\braw\b|unfilter|uncorrect|absolu|\babs\b|machine|\bmean\b|average|\bavg\b|filter|smooth"
+    r"|correct|strain|dehnung|deformation|compression|capteur|sensor|extensomet"
 )
 # Ranks of a column for a role, the best last.
 _NEVER, _STILL, _BY_UNIT, _HOMEMADE, _LESSER, _NAMED = range(6)
@@ -68,7 +71,10 @@ class Taken(NamedTuple):
 
 
 class Unclear(InputError):
-    """No reading of a table stands out; `rows` lists its columns: number, name, unit, range, why."""
+    """No reading of a table stands out.
+
+    `rows` has the number, name, unit and range of each column, and what it may be.
+    """
 
     def __init__(self, problem: str, rows: Sequence[tuple[str, ...]] = ()):
         super().__init__(problem)
@@ -153,8 +159,14 @@ class _Table:
             for kind, several in zip(kinds, (travels, forces), strict=True):
                 if len(several) > 1:
                     raise InputError(self._both(kind, several, measures))
-        time = self._time()
-        return [Taken(measure, x, y, time) for x, y in pairs]
+        times = self._times()
+        # Of specimens beside each other, each may have a time of its own, to the left of it.
+        before = [[t for t in times if t.number < max(x.number, y.number)] for x, y in pairs]
+        own = [one[-1:] if len(pairs) > 1 else times for one in before]
+        return [
+            Taken(measure, x, y, next(iter(one or times), None))
+            for (x, y), one in zip(pairs, own, strict=True)
+        ]
 
     def _both(self, kind: str, several: Sequence[TableColumn], measures: Sequence[Measure]) -> str:
         words = _words(kind, measures, TRAVELS if kind in TRAVELS.values() else FORCES)
@@ -238,13 +250,13 @@ class _Table:
             self._why[second.number] = f"the same as column {first.number}"
         return kept
 
-    def _time(self) -> TableColumn | None:
-        """The time: if possible named, and never falling."""
+    def _times(self) -> list[TableColumn]:
+        """Columns of time, the best: if possible named, and never falling."""
         every = [c for c in self._columns if c.kind == "time" and c.values is not None]
         some = [c for c in every if _rises(c.values)] or every
         named = [c for c in some if is_called(c.name, "time") or c.name.lower() == "t"] or some
         plain = [c for c in named if "cycle" not in c.name.lower()]
-        return next(iter(plain or named), None)
+        return plain or named
 
     def _absent(
         self, measures: list[Measure], ranks: dict[str, dict[int, list[TableColumn]]]
@@ -278,8 +290,11 @@ class _Table:
             return f"{has}: read it as an element (`load_element`, table_csv in a design file)."
         shown = ", ".join(c.name[:40] for c in self._columns if c.name) or "none"
         words = _words(missing[measures[0]], measures, missing)
-        example = f"{EXAMPLE}, or {PAIRS}" if len(measures) > 1 else f"{EXAMPLE}"
-        return f"no column for the {words} (columns: {shown}): name the columns and units as in {example}"
+        example = f"{EXAMPLE}, or {PAIRS}" if len(measures) > 1 else EXAMPLE
+        return (
+            f"no column for the {words} (columns: {shown}): name the columns and units as in "
+            f"{example}"
+        )
 
 
 def _has(columns: Sequence[TableColumn], measure: Measure) -> bool:
@@ -374,7 +389,7 @@ def _rises(values: Floats) -> bool:
 
 
 def _same(a: Floats, b: Floats, moved: bool) -> bool:
-    """Whether two columns are equal to 0.5 %; with `moved` also after a shift or a change of sign."""
+    """Whether two columns are equal; with `moved` to 0.5 % after a shift or a change of sign."""
     good = np.isfinite(a) & np.isfinite(b)
     if not np.any(good) or np.count_nonzero(good) < 0.9 * max(
         np.count_nonzero(np.isfinite(a)), np.count_nonzero(np.isfinite(b))

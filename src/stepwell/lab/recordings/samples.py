@@ -1,7 +1,7 @@
 """Every specimen in a file, in SI: the one path from bytes to stroke and force."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import accumulate
+from itertools import accumulate, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -125,10 +125,27 @@ def _of_block(
     columns = headings.columns(block, delimiter)
     taken = roles.choose(columns, headings.preamble_units(block), reading, measures)
     made = [_sample(one, block, reading, beside=len(taken) > 1) for one in taken]
+    names = _group_names(block, taken) if len(taken) > 1 else [""]
     words = [c for c in columns if c.values is None and c.name]
     note = ", ".join(repr(c.name[:_SHOWN]) for c in words[:4]) + ", ..." * (len(words) > 4)
     remark = (f"column {note} contains words: not read",) if words else ()
-    return [one._replace(label=sheet, remarks=(*remark, *one.remarks)) for one in made]
+    return [
+        one._replace(label=" ".join(filter(None, label)), remarks=(*remark, *one.remarks))
+        for one, *label in zip(
+            made, [sheet] * len(made), [block.label] * len(made), names, strict=True
+        )
+    ]
+
+
+def _group_names(block: NumberBlock, taken: Sequence[Taken]) -> list[str]:
+    """Names of specimens beside each other, from a line above with one name for each."""
+    firsts = [min(one.travel.number, one.force.number) for one in taken]
+    for fields in block.head:
+        places = [k for k, field in enumerate(fields, 1) if field.strip()]
+        own = [max((p for p in places if p <= first), default=0) for first in firsts]
+        if len(places) == len(taken) and own == places:
+            return [fields[p - 1].strip()[:_SHOWN] for p in places]
+    return [""] * len(taken)
 
 
 def _sample(taken: Taken, block: NumberBlock, reading: Reading, beside: bool) -> Specimen:
@@ -215,7 +232,7 @@ def _part(one: Specimen, reading: Reading) -> Specimen:
     if half is None and reading.cycle is None:
         return one
     ends = [0, *turns_of(one.travel), len(one.travel) - 1]
-    parts = [slice(a, b + 1) for a, b in zip(ends, ends[1:], strict=False)]
+    parts = [slice(a, b + 1) for a, b in pairwise(ends)]
     rises = [bool(one.travel[p][-1] >= one.travel[p][0]) for p in parts]
     # A cycle is a loading half and the unloading half after it, or either one alone.
     cycles = list(accumulate(int(up or k == 0) for k, up in enumerate(rises)))

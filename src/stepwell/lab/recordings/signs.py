@@ -1,5 +1,7 @@
 """Signs of stroke and force: which are counted negative, decided by the work."""
 
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +14,8 @@ _REST, _NEAR = 0.05, 0.1
 # Work over that of a force of one sign: taken up, given off, and of a specimen that only springs.
 _TAKEN, _GIVEN, _SPRINGS = -0.05, -0.5, 0.9
 _ENOUGH = 10  # samples
+_BOTH = "if loading is counted negative, give --flip both"
+_FORCE = "if the force is counted negative, give --flip force"
 _FAR = 3.0  # distance from zero, over the range of the strokes, of an absolute position
 
 
@@ -43,15 +47,15 @@ def decided(stroke: Floats, force: Floats) -> Signs:
     zero = abs(float(stroke[0])) <= _NEAR * range_
     outside = is_far(stroke)
     turns = turns_of(stroke)
-    end = turns[0] + 1 if turns else len(stroke)
-    falls = bool(stroke[end - 1] < stroke[0]) and (zero or outside)
+    half = _first_half(stroke, turns)
+    falls = bool(stroke[half][-1] < stroke[half][0]) and (zero or outside)
     at_rest = abs(float(np.median(force[:3]))) <= _REST * float(np.max(np.abs(force)))
-    work = _share(stroke[:end], force[:end])
+    work = _share(stroke[half], force[half])
     if not turns:
         if falls and not outside:  # as an unloading test that is set to zero before
-            return Signs(1, 1, "as recorded: a stroke that falls is unloading")
+            return Signs(1, 1, f"as recorded: a stroke that falls is unloading; {_BOTH}")
         if not (at_rest and abs(work) >= _SPRINGS and _springs(stroke, force)):
-            return Signs(1, 1, "as recorded")
+            return _as_recorded(work)
         x = -1 if falls else 1
         return _signs(x, x if work > 0 else -x)
     closed = abs(float(stroke[-1] - stroke[0])) <= _NEAR * range_
@@ -61,7 +65,23 @@ def decided(stroke: Floats, force: Floats) -> Signs:
         return _signs(x, -x)
     if at_rest and work < _TAKEN and abs(loop) < -_TAKEN:
         return Signs(1, 1)
-    return _signs(x, -x if loop < (_TAKEN if at_rest and work < _TAKEN else 2 * _TAKEN) else x)
+    if loop < (_TAKEN if at_rest and work < _TAKEN else 2 * _TAKEN):
+        return _signs(x, -x)
+    return _as_recorded(work) if x == 1 and loop < -_TAKEN else _signs(x, x)
+
+
+def _first_half(stroke: Floats, turns: Sequence[int]) -> slice:
+    """The first half that covers at least half of the recorded strokes."""
+    ends = [0, *turns, len(stroke) - 1]
+    halves = [slice(a, b + 1) for a, b in pairwise(ends)]
+    most = float(np.ptp(stroke))
+    return next((h for h in halves if 2 * np.ptp(stroke[h]) >= most), halves[0])
+
+
+def _as_recorded(work: float) -> Signs:
+    """The signs of the file, which the work leaves open."""
+    gives = f": the specimen gives off work at first; {_FORCE}" if work <= -_SPRINGS else ""
+    return Signs(1, 1, f"as recorded{gives}")
 
 
 def is_far(stroke: Floats) -> bool:

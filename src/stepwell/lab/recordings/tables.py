@@ -1,5 +1,6 @@
 """Blocks of numbers in the rows of a file, each with the lines above it."""
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple, Protocol
 
@@ -14,6 +15,12 @@ _SHOWN = 40
 _WIDEST = 1000  # columns
 _MOST_BLOCKS = 1000
 
+_SPECIMEN = re.compile(
+    r"[#*\W]*(?:sample|specimen|test|run|trial|probe|prüfling|essai|éprouvette|échantillon|muestra"
+    r"|试样)\W*(?:n[or°]?\.?\W*)?\d{1,4}\W*",
+    re.IGNORECASE,
+)
+
 _Row = tuple[int, list[str]]  # with the number of its line
 
 
@@ -27,6 +34,7 @@ class NumberBlock(NamedTuple):
         lines: (n,) line of each row in the file.
         bad: rows among the numbers, or below, that do not fit, as (line, text).
         width: number of columns.
+        label: a line such as "Sample 2" above the numbers.
     """
 
     head: tuple[tuple[str, ...], ...]
@@ -35,6 +43,7 @@ class NumberBlock(NamedTuple):
     lines: Ints
     bad: tuple[tuple[int, str], ...]
     width: int
+    label: str = ""
 
     def __len__(self) -> int:
         return len(self.lines)
@@ -60,8 +69,8 @@ def blocks(
 ) -> list[NumberBlock]:
     """All blocks of two or more columns of numbers, in the order of the file.
 
-    A block begins below a header, or where other columns hold numbers; `is_header` decides on the
-    fields of a line of words.
+    A block begins below a header, below a line such as "Sample 2", or where other columns hold
+    numbers; `is_header` decides on the fields of a line of words.
 
     Raises:
         ValueError: there is none, or there are more than 1000 columns or blocks.
@@ -84,7 +93,10 @@ def blocks(
             number, fields = chunk[at]
             current = found[-1] if found else None
             if current is not None and current.fits(fields):
-                if (
+                if _label(head):
+                    head = [*((0, list(f)) for f in current.head), *head]
+                    found.append(current := _Growing(chunk[at:], style, head, first))
+                elif (
                     head
                     and _names(head, current.width, style)
                     and (any(is_header(f) for _, f in head) or current.numbers_in(fields))
@@ -141,6 +153,16 @@ def _names(head: Sequence[_Row], width: int, style: Style) -> bool:
         ):
             return True
     return False
+
+
+def _label(head: Sequence[_Row]) -> str:
+    """The last line that names a specimen and nothing else, as "Sample 2" does; else empty."""
+    for _, fields in reversed(head):
+        words = [field.strip() for field in fields if field.strip()]
+        text = " ".join(words)
+        if len(words) <= 2 and _SPECIMEN.fullmatch(text):
+            return text.strip(":# ")
+    return ""
 
 
 class _Growing:
@@ -235,7 +257,13 @@ class _Growing:
         bad = sorted((line, delimiter.join(fields)[:_SHOWN]) for line, fields in self.bad)
         columns = {place: values[:, k].copy() for k, place in enumerate(self.numeric)}
         return NumberBlock(
-            self.head, self.preamble, columns, np.concatenate(self.lines), tuple(bad), self.width
+            self.head,
+            self.preamble,
+            columns,
+            np.concatenate(self.lines),
+            tuple(bad),
+            self.width,
+            _label([(0, list(fields)) for fields in self.head]),
         )
 
 
