@@ -147,9 +147,10 @@ def test_no_line_is_drawn_across_a_gap():
 def test_what_is_no_recording_gets_a_line_and_stops_no_other(content: bytes, words: str, runs):
     files = [packed("../../bad.csv", content), packed(runs[0].name, runs[0].read_bytes())]
     header = ask("measured", tables("paper-forward"), files=files).header
-    (line,) = header["refused"]
+    line, *columns = header["refused"]
     assert line.startswith("bad.csv: ")
     assert words in line
+    assert all(one.lstrip()[0].isdigit() for one in columns)
     assert [one["name"] for one in header["files"]] == ["mine_1.txt"]
     assert header["series"][0]["verdict"]
 
@@ -205,3 +206,28 @@ def test_chains_of_volumes_and_of_forces_are_refused_in_words():
 
 def test_a_recording_is_read_from_its_bytes(runs: list[Path]):
     assert lab.read_bytes(runs[0].read_bytes(), str(runs[0])) == lab.read(runs[0])
+
+
+def test_a_recording_toml_among_the_files_says_how_they_are_read_as_in_the_lab(tmp_path: Path):
+    rows = b"".join(b"%f,%f\n" % (k / 50, k / 100) for k in range(200))
+    table, how = tmp_path / "log.csv", tmp_path / lab.READING_FILE
+    table.write_bytes(b"a,b\n" + rows)
+    how.write_text('stroke = 1\nforce = 2\nunit = "mm,N"\n', "utf-8")
+    design = tables("paper-forward")
+    header = ask("measured", design, files=[packed("log.csv", table.read_bytes())]).header
+    assert header["files"] == []
+    assert [line.split()[:2] for line in header["refused"][1:]] == [["1", "a"], ["2", "b"]]
+    files = [packed(one.name, one.read_bytes()) for one in (table, how)]
+    (found,) = ask("measured", design, files=files).header["files"]
+    assert found["reading"] == "; ".join(lab.read(table).reading)
+    how.write_text("force = 0\n", "utf-8")
+    files = [packed(one.name, one.read_bytes()) for one in (table, how)]
+    refused = ask("measured", design, files=files).header["refused"]
+    assert refused[0].startswith("recording.toml: force = 0")
+
+
+def test_every_specimen_of_a_file_is_a_recording_of_its_own():
+    rows = b"".join(b"%f,%f,%f\n" % (k / 50, k / 100, k / 900) for k in range(200))
+    text = HEADER + rows + HEADER + rows
+    files = ask("measured", tables("paper-forward"), files=[packed("two.csv", text)]).header["files"]
+    assert [one["name"] for one in files] == ["two (1).csv", "two (2).csv"]

@@ -35,7 +35,7 @@ from stepwell.lab.recordings.read import (
     table,
     to_csv,
 )
-from stepwell.lab.recordings.reading import Reading, save as save_reading
+from stepwell.lab.recordings.reading import FILE as READING_FILE, Reading, save as save_reading
 from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.lab.recordings.recording_warnings import batch_warnings, recording_warnings
 from stepwell.lab.rig import NOT_JUDGED, PAPER_RIG, Rig
@@ -76,6 +76,7 @@ __all__ = [
     "ParameterEstimate",
     "Prepared",
     "Pull",
+    "READING_FILE",
     "RISE",
     "Reading",
     "Recording",

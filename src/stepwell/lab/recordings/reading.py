@@ -79,6 +79,14 @@ class Reading:
                 raise InputError(f"{key[:40]}: unknown key. {meant}")
         return cls(**keys)
 
+    @classmethod
+    def of_toml(cls, text: str) -> "Reading":
+        """The reading in the text of a recording.toml; raises ValueError if it is invalid."""
+        try:
+            return cls.of(tomllib.loads(text))
+        except (ValueError, TypeError) as error:
+            raise InputError(f"{FILE}: {error}") from None
+
     @property
     def units(self) -> tuple[str, str] | None:
         """Units of stroke and force, as they are spelled in the table of units."""
@@ -127,10 +135,7 @@ def of_folder(file: str | os.PathLike[str]) -> Reading:
     with suppress(FileNotFoundError, NotADirectoryError):
         if place.stat().st_size > 1 << 16:
             raise InputError(f"{FILE}: has more than 65536 bytes: it is no reading.")
-        try:
-            return Reading.of(tomllib.loads(place.read_text("utf-8")))
-        except (ValueError, TypeError) as error:
-            raise InputError(f"{FILE} in its folder: {error}") from None
+        return Reading.of_toml(place.read_text("utf-8", "replace"))
     return Reading()
 
 

@@ -29,8 +29,9 @@ _GAP = 3.0, 20.0
 def answer_measured(design: PageDesign, ask: Ask) -> View:
     """Contents of the recordings, their comparison with the model, and bands fitted to them.
 
-    A file that cannot be read is listed with the reason. The design is the one that was tested;
-    parameters in file names are ignored.
+    A file that cannot be read is listed with the reason and its columns; a recording.toml among the
+    files says how they are read. The design is the one that was tested; parameters in file names
+    are ignored.
     """
     recordings, refused = _read(ask.parts("files", _MOST_FILES))
     ask.close()
@@ -39,7 +40,8 @@ def answer_measured(design: PageDesign, ask: Ask) -> View:
         why = "recordings of a test machine are of stroke and force"
         raise InputError(f"chain: is not driven by a stroke in mm: {why}.")
     held = account(lab.Batch(tuple(recordings), ())).record["recordings"]
-    header: dict[str, Any] = {"files": [_file(one) for one in held], "refused": refused}
+    shown = [_file(one, run) for one, run in zip(held, recordings, strict=True)]
+    header: dict[str, Any] = {"files": shown, "refused": refused}
     header |= {"series": [], "notes": [], "fit": None, "why_no_fit": ""}
     blocks: dict[str, np.ndarray[Any, Any]] = {}
     if recordings:
@@ -61,6 +63,7 @@ def answer_measured(design: PageDesign, ask: Ask) -> View:
 def _read(files: Iterable[Ask]) -> tuple[list[lab.Recording], list[str]]:
     recordings: list[lab.Recording] = []
     refused: list[str] = []
+    contents: dict[str, bytes] = {}
     left = _MOST_BYTES
     for file in files:
         # Only a name for messages, never opened.
@@ -68,13 +71,21 @@ def _read(files: Iterable[Ask]) -> tuple[list[lab.Recording], list[str]]:
         packed = file.text("gzip_base64", LONGEST_MESSAGE)
         file.close()
         try:
-            content = _unpacked(packed, left)
-            left -= len(content)
-            recordings.append(lab.read_bytes(content, name))
-        except lab.LabError as error:
-            refused.append(str(error))
+            contents[name] = _unpacked(packed, left)
+            left -= len(contents[name])
         except ValueError as error:
             refused.append(f"{name}: {error}")
+    reading: lab.Reading | None = None
+    if (text := contents.pop(lab.READING_FILE, None)) is not None:
+        try:
+            reading = lab.Reading.of_toml(text.decode("utf-8", "replace"))
+        except ValueError as error:
+            refused.append(str(error))
+    for name, content in contents.items():
+        try:
+            recordings += lab.read_every(content, name, reading)
+        except lab.LabError as error:
+            refused += [str(error), *getattr(error, "__notes__", ())]
     return recordings, refused
 
 
@@ -115,10 +126,11 @@ def _compared(
     return lab.compare(recordings, [chain], as_designed=True), ""
 
 
-def _file(record: dict[str, Any]) -> dict[str, Any]:
+def _file(record: dict[str, Any], recording: lab.Recording) -> dict[str, Any]:
     stroke = [record["stroke_from_mm"], record["stroke_to_mm"]]
     same = {key: record[key] for key in ("samples", "rate_Hz", "direction", "odd")}
-    return {"name": record["source"], "stroke_mm": stroke, **same}
+    how = "; ".join(recording.reading)
+    return {"name": record["source"], "stroke_mm": stroke, "reading": how, **same}
 
 
 def _series_record(series: lab.Series, comparison: lab.Comparison | None) -> dict[str, Any]:
