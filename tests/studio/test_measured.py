@@ -140,7 +140,7 @@ def test_no_line_is_drawn_across_a_gap():
         (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" * 9, "is binary"),
         (b"a,b,c\n1,2,3\n4,5,6\n", "no column for the stroke"),
         (b"Time (s),Displacement (ft),Force (N)\n0,0,0\n1,1,1\n", "is in 'ft'"),
-        (HEADER + b"0,nan,0\n1,nan,1\n", "no row of two or more numbers"),
+        (HEADER + b"0,nan,0\n1,nan,1\n", "holds no numbers"),
         (HEADER + b"0,0,0\n" * 3_000_000, "is too long"),
     ],
 )
