@@ -229,5 +229,7 @@ def test_a_recording_toml_among_the_files_says_how_they_are_read_as_in_the_lab(t
 def test_every_specimen_of_a_file_is_a_recording_of_its_own():
     rows = b"".join(b"%f,%f,%f\n" % (k / 50, k / 100, k / 900) for k in range(200))
     text = HEADER + rows + HEADER + rows
-    files = ask("measured", tables("paper-forward"), files=[packed("two.csv", text)]).header["files"]
+    files = ask("measured", tables("paper-forward"), files=[packed("two.csv", text)]).header[
+        "files"
+    ]
     assert [one["name"] for one in files] == ["two (1).csv", "two (2).csv"]

@@ -112,7 +112,8 @@ def with_curves(text: str, name: str) -> str:
             keys = curves.of(path, value, _reading(tables, path))
             _replace_key(tables, path, keys)
         except ValueError as error:
-            problems.append(f"{key_path(path)} = {value_text(value)}: {error}")
+            problem = getattr(error, "problem", error)  # without the name of the file
+            problems.append(f"{key_path(path)} = {value_text(value)}: {problem}")
             continue
         alone = not out.rpartition("\n")[2].strip()
         out += ("\n" if alone else ", ").join(f"{key} = {one}" for key, one in keys.items())
@@ -197,10 +198,7 @@ class _Curves:
         from stepwell import lab
 
         if (name, reading) not in self._read:
-            try:
-                self._read[name, reading] = lab.read_curve(self._place(name), reading)
-            except lab.LabError as error:
-                raise InputError(error.problem) from None
+            self._read[name, reading] = lab.read_curve(self._place(name), reading)
         return self._read[name, reading]
 
     def _place(self, name: str) -> Path:
