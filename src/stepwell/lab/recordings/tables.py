@@ -56,8 +56,8 @@ class RowSource(Protocol):
         """Fields of each row."""
         ...
 
-    def numbers(self, width: int) -> Floats | None:
-        """(n, width) numbers, if there is nothing else in the rows; else None."""
+    def numbers(self, width: int, places: Sequence[int]) -> Floats | None:
+        """(n, len(places)) numbers in these of `width` columns; None if a row is irregular."""
         ...
 
 
@@ -222,7 +222,7 @@ class _Growing:
 
     def add_all(self, some: RowSource, line: int) -> int:
         """Add all rows and return how many; 0, and none added, if a row is irregular."""
-        if len(self.numeric) < self.width or (table := some.numbers(self.width)) is None:
+        if (table := some.numbers(self.width, self.numeric)) is None:
             return 0
         self.pieces.append(table)
         self.lines.append(np.arange(line, line + len(table)))

@@ -4,7 +4,7 @@ import codecs
 import csv
 import io
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import islice
 from typing import NamedTuple
 
@@ -107,18 +107,30 @@ class Chunk(NamedTuple):
         """Fields of every line, by the rules of Python's csv module."""
         return list(split(iter(self.lines), self.delimiter))
 
-    def numbers(self, width: int) -> Floats | None:
-        """(n, width) numbers by NumPy's reader, ten times as fast; None if a row is irregular."""
+    def numbers(self, width: int, places: Sequence[int]) -> Floats | None:
+        """(n, len(places)) numbers in these of `width` columns; None if a row is irregular.
+
+        By NumPy's reader, up to ten times as fast as row by row.
+        """
         lines = self.lines
+        if any('"' in line for line in lines):
+            if any(line.count('"') != 2 * width for line in lines):
+                return None
+            lines = [line.replace('"', "") for line in lines]
+        some = None if len(places) == width else places
+        mark, count = self.delimiter, width - 1
+        # NumPy ignores more fields than the last one that it needs.
+        if some and (mark is None or any(line.count(mark) != count for line in lines)):
+            return None
         if self.style.decimal == ",":
             if self.delimiter == "," or any("." in line for line in lines):
                 return None
             lines = [line.replace(",", ".") for line in lines]
         try:
-            table = np.loadtxt(lines, delimiter=self.delimiter, comments=None, ndmin=2)
+            table = np.loadtxt(lines, delimiter=mark, comments=None, ndmin=2, usecols=some)
         except (ValueError, OverflowError):
             return None
-        return table if table.shape == (len(lines), width) else None
+        return table if table.shape == (len(lines), len(places)) else None
 
 
 def split(lines: Iterator[str], delimiter: str | None) -> Iterator[list[str]]:

@@ -5,7 +5,7 @@ import io
 import re
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -48,12 +48,13 @@ class Cells(NamedTuple):
         """Fields of every row."""
         return [[_text(cell) for cell in row] for row in self.cells]
 
-    def numbers(self, width: int) -> Floats | None:
-        """(n, width) numbers, if there is nothing else in the rows; else None."""
+    def numbers(self, width: int, places: Sequence[int]) -> Floats | None:
+        """(n, len(places)) numbers in these of `width` columns; None if a row is irregular."""
         if {len(row) for row in self.cells} != {width}:
             return None
-        kinds = {type(cell) for row in self.cells for cell in row}
-        return np.array(self.cells, float) if kinds <= {float, int} else None
+        some = [[row[k] for k in places] for row in self.cells]
+        kinds = {type(cell) for row in some for cell in row}
+        return np.array(some, float) if kinds <= {float, int} else None
 
 
 def sheets(content: bytes, skip: int = 0) -> Iterator[tuple[str, Iterator[Cells]]]:
