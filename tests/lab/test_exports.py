@@ -59,6 +59,13 @@ def test_what_the_command_says_settles_it(form, reading):
     assert is_right(read(ASKED[form][0], **reading))
 
 
+def test_a_requested_column_in_a_unit_of_another_kind_is_refused():
+    with refuses(lab.LabError, "column 3 'Force' [N]", "as the stroke"):
+        read(READ["plain"], stroke=3, force=2, unit="mm,N")
+    assert read(READ["plain"], unit="mm,N", stroke=2, force=3) == read(READ["plain"])
+    assert read(READ["plain"], unit="cm,N", stroke=2, force=3).stroke[60] == pytest.approx(0.2)
+
+
 def test_an_element_has_the_curve_of_the_same_reader(tmp_path):
     for k, content in enumerate(READ.values()):
         file = tmp_path / f"a_{k}.xlsx"

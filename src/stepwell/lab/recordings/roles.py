@@ -185,6 +185,10 @@ class _Table:
                 asked = wanted is not None and column is self._requested(wanted)
                 blank = not column.kind and any(is_called(column.name, kind) for kind in kinds)
                 if unit and (asked or (wanted is None and blank)):
+                    if column.kind not in ("", UNIT_KIND[unit]):
+                        raise InputError(
+                            f"{column} is requested as the {key} in {unit}: give another column"
+                        )
                     self._columns[k] = column._replace(unit=unit)
         allowed = list(measures)
         for key, kinds in (("stroke", TRAVELS), ("force", FORCES)):
