@@ -23,7 +23,7 @@ class Specimen(NamedTuple):
     """One specimen of a file.
 
     Attributes:
-        label: what tells it from the others of the file, such as "2"; empty if it is alone.
+        label: its name among the others of the file, such as "2"; empty if it is alone.
         measure: quantities of travel and force.
         time: (n,) [s]; NaN if not recorded.
         travel, force: (n,) in SI.
