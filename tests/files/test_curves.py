@@ -165,7 +165,7 @@ def test_a_file_of_too_many_rows_is_reduced_with_its_error_and_the_limit_can_be_
     assert len(sheet.rows) <= 150 and (short.low, short.high) == pytest.approx((0, 0.012))
     assert 0 < far <= 1.01 * short.error_band < 0.02
     assert "error_band_N" in text_of("chain.toml")
-    assert load("chain.toml").chain.cells[0].error_band == pytest.approx(short.error_band)
+    assert load("chain.toml").chain.elements[0].error_band == pytest.approx(short.error_band)
     monkeypatch.setenv("STEPWELL_LIMITS", "rows=400")
     assert load_element(name, stops=True).error_band == 0.0
 

@@ -66,7 +66,7 @@ class ReadingOptions(Group):
         """The reading that these options give; a usage error for a wrong value."""
         with usable():
             names = [one.name for one in fields(sw.lab.Reading)]
-            given = {name: getattr(self, name, None) for name in names if name != "force"}
+            given: dict[str, Any] = {n: getattr(self, n) for n in names if n != "force"}
             return sw.lab.Reading(force=self.force_column, **given)
 
     def read_all(self, paths: Sequence[Path]) -> Batch:

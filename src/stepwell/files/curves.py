@@ -229,7 +229,7 @@ def _columns(
     means = [np.add.reduceat(v[: len(x) - 1], starts) / sizes for v in (x, y)]
     a, b = (np.array([v[0], *m, v[-1]]) for v, m in zip((x, y), means, strict=True))
     if form == "curve":
-        near = np.repeat(b, [1, *sizes, 1])
+        near = np.repeat(b, np.concatenate([[1], sizes, [1]]))
     else:
         near = np.interp(x, a, b)
     return tuple(a.tolist()), tuple(b.tolist()), float(np.max(np.abs(y - near)))
@@ -276,5 +276,5 @@ def _replace_key(tables: Any, path: _Path, keys: dict[str, str]) -> None:
     for key in list(keys)[1:]:
         if any(one.startswith(("error_band_", "noise_")) for one in place):
             del keys[key]
-    del place[path[-1]]
+    del place[str(path[-1])]
     place |= {key: parsed(f"x = {numbers}", "", "")["x"] for key, numbers in keys.items()}

@@ -52,10 +52,11 @@ class Reading:
             value = getattr(self, name)
             if isinstance(value, str) and value.strip().isdecimal() and value.isascii():
                 object.__setattr__(self, name, value := int(value))
-            is_number = isinstance(value, int) and not isinstance(value, bool)
-            if value is not None and not (
-                1 <= value <= _MOST if is_number else isinstance(value, str) and value.strip()
-            ):
+            if isinstance(value, int) and not isinstance(value, bool):
+                is_column = 1 <= value <= _MOST
+            else:
+                is_column = value is None or (isinstance(value, str) and bool(value.strip()))
+            if not is_column:
                 raise InputError(f"{name} = {value!r}: must be a column: its number or its name.")
         if self.stroke is not None and self.stroke == self.force:
             raise InputError(f"force = {self.force!r}: must be another column than the stroke.")

@@ -257,7 +257,7 @@ class _Table:
     def _times(self) -> list[TableColumn]:
         """Columns of time, the best: if possible named, and never falling."""
         every = [c for c in self._columns if c.kind == "time" and c.values is not None]
-        some = [c for c in every if _rises(c.values)] or every
+        some = [c for c in every if c.values is not None and _rises(c.values)] or every
         named = [c for c in some if is_called(c.name, "time") or c.name.lower() == "t"] or some
         plain = [c for c in named if "cycle" not in c.name.lower()]
         return plain or named
@@ -369,7 +369,11 @@ def _by_numbers(good: Floats, column: TableColumn, others: Sequence[TableColumn]
     """What a column may be if its numbers are no measurement: a command, a maximum."""
     if not others or len(good) < 20:
         return ""
-    if len(np.unique(good)) <= _FEW < max(len(np.unique(c.values)) for c in others):
+    if (
+        len(np.unique(good))
+        <= _FEW
+        < max(len(np.unique(c.values)) for c in others if c.values is not None)
+    ):
         return "steps of a command"
     for other in others:
         if other.values is None or len(other.values) != len(good):

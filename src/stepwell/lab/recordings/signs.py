@@ -29,9 +29,8 @@ class Signs(NamedTuple):
 
 def turned(flip: str) -> Signs:
     """The signs of a reading: none, stroke, force or both turned."""
-    both = flip == "both"
-    factors = (-1 if both or flip == one else 1 for one in ("stroke", "force"))
-    return Signs(*factors, f"as requested by flip = {flip}")
+    stroke, force = (-1 if flip in ("both", one) else 1 for one in ("stroke", "force"))
+    return Signs(stroke, force, f"as requested by flip = {flip}")
 
 
 def decided(stroke: Floats, force: Floats) -> Signs:
