@@ -14,7 +14,7 @@ import typer
 
 from golden.comparing import EXACT, FITTED, SIMULATED, Tolerance
 from golden.elements import DESIGNS
-from golden.recordings import bands, cells, on_a_rig, rubber
+from golden.recordings import bands, cells, on_a_rig, rubber, unclear
 from stepwell.cli import app
 from stepwell.files import preset_text, presets
 
@@ -390,6 +390,16 @@ LABS = [
         prepare=cells,
         shown=True,
         slow=True,
+    ),
+    Case(
+        "lab/read-options",
+        (
+            "lab read log.csv",
+            "lab read log.csv --stroke 2 --force-column 3 --unit mm,N --flip none --half loading "
+            "--cycle 1 --skip 0 --sample 1 --decimal . --save-reading --json",
+        ),
+        prepare=unclear,
+        shown=True,
     ),
     _folder(
         "lab/band", "lab band bands --gauge 15", prepare=bands, within=FITTED, shown=True, slow=True

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lab.exports import ASKED
 from lab.machine import Array, pair, saved, tension, unit
 from stepwell.files import preset, rig_toml
 from stepwell.lab import Rig
@@ -31,6 +32,11 @@ def cells(folder: Path) -> None:
     saved(pair("2unit_00_11/x/2unit_MMT_1.txt", chain, seed=1), data)
     saved(pair("2unit_00_11/f/2unit_friction_1.txt", None), data)
     (data / "broken.txt").write_bytes(b"\x00\x01")
+
+
+def unclear(folder: Path) -> None:
+    """A log without names and units."""
+    (folder / "log.csv").write_text(ASKED["no header"][0], "utf-8")
 
 
 def on_a_rig(folder: Path) -> None:

@@ -17,6 +17,7 @@ from golden.promises import WIDE, page_faults, too_wide, unknown_numbers
 from golden.reducing import laid_out, read
 from golden.running import FROZEN, Outcome, entries_of, frozen, invoke, outcome, shown_in
 from sizes import SIZE
+from stepwell.files.curves import WORDS
 from stepwell.studies import WORKS
 
 # Digits and the places of ticks are those of the locked dependencies.
@@ -25,6 +26,8 @@ _SHOWN = 60
 _EVERYWHERE = {"--force", "--full"}
 # The claims that take minutes, what is said of this machine alone, what needs a cluster, and what
 # has tests of its own: the demo, and the claims as JSON.
+# Options of a reading beside the keys that a design has.
+_READING = ("force_column", "save_reading")
 _NOT_FROZEN = {
     "demo",
     "demo --out",
@@ -120,6 +123,8 @@ def _shared(word: str) -> str:
     """What is computed of many designs is asked for by one function, whose options count once."""
     name, _, option = word.partition(" --")
     of_all = {"sweep " + what for what in WORKS} & {name}
+    if name.startswith("lab ") and option.replace("-", "_") in {*WORDS, *_READING}:
+        return f"lab COMMAND --{option}"
     return f"sweep WHAT --{option}" if of_all and option else word
 
 
