@@ -1,0 +1,361 @@
+"""The smooth curve through noisy points: its rising and falling stretches, and its error band."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import Floats, InputError, Ints
+from stepwell.mechanism.scatter import Scatter, scatter_of, without_outliers
+
+# Points are averaged over at most this many intervals of equal travel.
+_BINS = 2048
+# Spans of the spline, and points of the fine grid in each.
+_SPANS, _FINE = 160, 8
+# Standard deviations beyond the largest of many windows of noise, for a stretch that is proven to
+# rise or fall, and for a window in which the curve is too smooth.
+_PROVEN, _MISFIT = 3.0, 1.0
+_MOST_ROUNDS, _WEAKER = 40, 0.2
+# Largest deviation of the curve in units of its largest standard error, in 95 % of made-up curves.
+_BAND = 6.5
+# A force within this many standard errors of the first one is that before contact, if it lasts for
+# more than this fraction of the travel.
+_SAME, _APPROACH = 3.0, 0.03
+# Correlated noise makes drops up to this many of its standard deviations.
+_SLOW_DROP = 30.0
+# Least standard deviation over the range of the forces.
+_EXACT = 1e-6
+
+
+class Bins(NamedTuple):
+    """Means of points over intervals of travel, rising.
+
+    Args:
+        travel, force: (n,) means [m], [N].
+        variance: (n,) of each mean [N²].
+        count: (n,) points in each.
+    """
+
+    travel: Floats
+    force: Floats
+    variance: Floats
+    count: Floats
+
+
+class Smooth(NamedTuple):
+    """A smooth curve, monotone between its turns.
+
+    Args:
+        travel, force: (n,) points of the curve [m], [N], turns among them.
+        turns: indices of the points at which it turns.
+        error: (n,) standard error of the force [N].
+        rises: whether its first stretch rises.
+    """
+
+    travel: Floats
+    force: Floats
+    turns: tuple[int, ...]
+    error: Floats
+    rises: bool
+
+
+class Fit(NamedTuple):
+    """A smooth curve with what was found out about its points.
+
+    Args:
+        travel, force: (n,) points of the curve from contact on [m], [N].
+        turns: indices of the points at which it turns.
+        rises: whether its first stretch rises.
+        scatter: of the points.
+        outliers: number of replaced forces.
+        band: largest error of the curve [N], in 95 % of curves of known shape.
+        offset: force before contact [N]; None if the recording begins in contact.
+    """
+
+    travel: Floats
+    force: Floats
+    turns: tuple[int, ...]
+    rises: bool
+    scatter: Scatter
+    outliers: int
+    band: float
+    offset: float | None
+
+
+def changes(force: Floats, turns: Sequence[int]) -> Floats:
+    """Size of the change of (n,) forces on each stretch between turns and ends [N]."""
+    return np.abs(np.diff(force[[0, *turns, len(force) - 1]]))
+
+
+def fitted(
+    travel: Floats, force: Floats, noise: float = 0.0, least_drop: float = 0.0, trim: bool = True
+) -> Fit:
+    """The smooth curve through (n,) points in the order of measurement.
+
+    Args:
+        travel: (n,) [m]; may repeat and step back.
+        force: (n,) [N].
+        noise: least standard deviation of the forces [N].
+        least_drop: turns between which the force changes by less are noise [N].
+        trim: whether to leave out a stretch of constant force before the first rise.
+
+    Raises:
+        ValueError: the noise is correlated and could make a turn, and `least_drop` is 0.
+    """
+    spaced = travel if len(travel) <= 500 and np.all(np.diff(travel) > 0.0) else None
+    scatter = scatter_of(force, spaced)
+    cleaned, outliers = without_outliers(force, max(scatter.sd, noise))
+    if outliers:
+        scatter = scatter_of(cleaned, spaced)
+    least = max(noise, _EXACT * float(np.ptp(force)))
+    bins = binned(travel, cleaned, scatter.ratio * np.maximum(scatter.local, least))
+    curve = smooth(bins, least_drop)
+    _refuse_slow(curve, scatter, least_drop)
+    band = _BAND * float(np.max(curve.error)) + scatter.step / 2.0
+    x, y, turns, offset = curve.travel, curve.force, curve.turns, None
+    first = turns[0] if turns else len(x) - 1
+    contact = _contact(x[: first + 1], y[: first + 1], curve) if trim and curve.rises else None
+    if contact is not None:
+        start, offset = contact
+        keep = np.flatnonzero((x > start) & ((y > offset) | (np.arange(len(x)) > first)))
+        x, y = np.append(start, x[keep]), np.append(offset, y[keep])
+        turns = tuple(turn - int(keep[0]) + 1 for turn in turns)
+    return Fit(x, y, turns, curve.rises, scatter, outliers, band, offset)
+
+
+def _contact(x: Floats, y: Floats, curve: Smooth) -> tuple[float, float] | None:
+    """Travel and force where a constant force ends; None if it does not begin constant."""
+    near = _SAME * float(np.max(curve.error))
+    lead = x <= curve.travel[0] + _APPROACH * float(np.ptp(curve.travel))
+    offset = float(np.median(y[lead]))
+    last = int(np.argmax(np.append(np.abs(y - offset) > near, True)))
+    beyond = int(np.argmax(np.append(y - offset > 4.0 * near, True)))
+    if last >= len(x) - 1 or beyond >= len(x) or np.sum(lead) > last:
+        return None
+    at = max(last - 1, 0)
+    slope = (y[beyond] - y[at]) / (x[beyond] - x[at])
+    return float(np.clip(x[beyond] - (y[beyond] - offset) / slope, x[at], x[beyond])), offset
+
+
+def _refuse_slow(curve: Smooth, scatter: Scatter, least_drop: float) -> None:
+    """Raise ValueError where correlated noise may have made a turn."""
+    most = _SLOW_DROP * scatter.slow
+    least = float(np.min(changes(curve.force, curve.turns)))
+    if least_drop or not curve.turns or least >= most:
+        return
+    size = f"drops up to about {most:.3g} N" if np.isfinite(most) else "drops of any size"
+    raise InputError(
+        f"the noise is correlated over {scatter.rows} rows or more (drift, vibration or a filter): "
+        f"{size} may be noise, and the smallest change between turns is "
+        f"{least:.3g} N. Give the smallest drop that counts as a snap, as least_drop= in N "
+        f"(--least-drop on the command line)."
+    )
+
+
+def binned(travel: Floats, force: Floats, sd: Floats) -> Bins:
+    """Means of (n,) points in any order, each with its standard deviation [N]."""
+    low, high = float(np.min(travel)), float(np.max(travel))
+    if len(travel) <= _BINS:
+        _, place = np.unique(travel, return_inverse=True)
+    else:
+        place = np.minimum((travel - low) * (_BINS / (high - low)), _BINS - 1).astype(int)
+    count = np.bincount(place).astype(float)
+    full = count > 0
+    count = count[full]
+    x, y, v = (np.bincount(place, one)[full] / count for one in (travel, force, sd**2))
+    return Bins(x, y, v / count, count)
+
+
+def proven(bins: Bins) -> list[tuple[int, int, int]]:
+    """The longest alternating chain of stretches that are proven to rise or fall.
+
+    Means of neighbouring windows of all sizes are compared; on a monotone curve no difference
+    against its direction is larger than noise makes it.
+
+    Returns:
+        Direction, first bin and the bin after the last of each stretch, in order.
+
+    Source: tests on all scales as in Dümbgen & Spokoiny 2001; taut strings (Davies & Kovac 2001)
+        count extrema in the same way.
+    """
+    n = len(bins.force)
+    end_of = {1: np.full(n + 1, n + 1), -1: np.full(n + 1, n + 1)}
+    weight = np.concatenate([[0.0], np.cumsum(1.0 / bins.variance)])
+    total = np.concatenate([[0.0], np.cumsum(bins.force / bins.variance)])
+    for m in _sizes(n // 2):
+        w, t = weight[m:] - weight[:-m], total[m:] - total[:-m]
+        mean, var = t / w, 1.0 / w
+        score = (mean[m:] - mean[:-m]) / np.sqrt(var[m:] + var[:-m])
+        for way, ends in end_of.items():
+            at = np.flatnonzero(way * score > _bound(n, m) + _PROVEN)
+            ends[at] = np.minimum(ends[at], at + 2 * m)
+    for ends in end_of.values():
+        # The earliest end of the stretches that begin there or later.
+        ends[:] = np.minimum.accumulate(ends[::-1])[::-1]
+    return max((_chain(end_of, way, n) for way in (1, -1)), key=len)
+
+
+def _chain(end_of: dict[int, Ints], way: int, n: int) -> list[tuple[int, int, int]]:
+    chain: list[tuple[int, int, int]] = []
+    at = 0
+    while (end := int(end_of[way][at])) <= n:
+        # The last begin of a stretch with this end.
+        begin = int(np.flatnonzero(end_of[way] <= end)[-1])
+        chain.append((way, begin, end))
+        at, way = end, -way
+    return chain
+
+
+def _sizes(most: int) -> list[int]:
+    sizes = [1]
+    while (larger := max(sizes[-1] + 1, int(1.25 * sizes[-1]))) <= most:
+        sizes.append(larger)
+    return sizes if most else []
+
+
+def _bound(n: int, m: int) -> float:
+    return float(np.sqrt(2.0 * np.log(np.e * n / m)))
+
+
+def smooth(bins: Bins, least_drop: float = 0.0) -> Smooth:
+    """The smooth curve through points, with the turns that are proven and no others.
+
+    A cubic spline with a penalty on its curvature, which is weakened wherever the points
+    contradict it; then monotone between the proven turns. Turns between which the force changes by
+    less than `least_drop` [N] are taken out.
+
+    Source: P-splines (Eilers & Marx 1996); local weights as in Davies & Kovac 2001; isotonic
+        regression between turns.
+    """
+    x, y, error = _spline(bins)
+    stretches = proven(bins)
+    turns = _turns(bins, x, y, stretches)
+    rises = not stretches or stretches[0][0] > 0
+    turns, rises = _without_small(y, turns, rises, least_drop)
+    y = _monotone(x, y, error, turns, rises)
+    keep = np.union1d(np.arange(0, len(x), _FINE // 2), turns).astype(int)
+    at = np.searchsorted(keep, turns)
+    return Smooth(x[keep], y[keep], tuple(at.tolist()), error[keep], rises)
+
+
+def _spline(bins: Bins) -> tuple[Floats, Floats, Floats]:
+    """Fine grid of travels, the spline there, and its standard error."""
+    from scipy.interpolate import BSpline
+    from scipy.linalg import solveh_banded
+    from scipy.sparse import diags_array
+
+    low, high = float(bins.travel[0]), float(bins.travel[-1])
+    step = (high - low) / _SPANS
+    knots = low + step * np.arange(-3, _SPANS + 4)
+    design = BSpline.design_matrix(bins.travel, knots, 3, extrapolate=True)
+    fine = np.linspace(low, high, _SPANS * _FINE + 1)
+    on_fine = BSpline.design_matrix(fine, knots, 3, extrapolate=True)
+    weight = diags_array(1.0 / bins.variance)
+    normal = (design.T @ weight @ design).tocsr()
+    right = design.T @ (bins.force / bins.variance)
+    bands = np.zeros((4, size := _SPANS + 3))
+    for k in range(4):
+        bands[3 - k, k:] = normal.diagonal(k)
+    scale = float(np.sum(bands[3]))
+    local = np.full(size - 2, 10.0 * scale)
+    span = np.clip(((bins.travel - low) / step).astype(int), 0, _SPANS - 1)
+
+    def solved(factor: float, wanted: Floats) -> Floats:
+        return solveh_banded(bands + _curvature(factor * local, 1e-10 * scale), wanted)
+
+    for _ in range(_MOST_ROUNDS):
+        bad = _misfit(bins, bins.force - design @ solved(1.0, right))
+        # A coefficient acts on four spans.
+        near = np.convolve(np.bincount(span[bad], minlength=_SPANS) > 0, np.ones(2)) > 0
+        near = near[: len(local)] & (local > 1e-9 * scale)
+        if not near.any():
+            break
+        local[near] *= _WEAKER
+    # How strong all of it should be: Mallows' C_p.
+    dense, best = normal.toarray(), (np.inf, 1.0)
+    for factor in 0.35 ** np.arange(10.0):
+        rest = bins.force - design @ solved(factor, right)
+        effective = float(np.trace(solved(factor, dense)))
+        best = min(best, (float(np.sum(rest**2 / bins.variance)) + 2.0 * effective, factor))
+    inverse = on_fine @ solved(best[1], np.eye(size))
+    error = np.sqrt(np.maximum(np.sum((normal @ inverse.T).T * inverse, axis=1), 0.0))
+    return fine, inverse @ right, error
+
+
+def _curvature(local: Floats, least: float) -> Floats:
+    """Bands of the penalty on second differences of coefficients, the diagonal last."""
+    bands = np.zeros((4, len(local) + 2))
+    bands[3] = least
+    for k, by in enumerate((1.0, 4.0, 1.0)):
+        bands[3, k : k + len(local)] += by * local
+    bands[2, 1:-1] -= 2.0 * local
+    bands[2, 2:] -= 2.0 * local
+    bands[1, 2:] = local
+    return bands
+
+
+def _misfit(bins: Bins, rest: Floats) -> np.ndarray:
+    """Bins in windows whose mean residual is larger than noise makes it."""
+    n = len(rest)
+    weight = np.concatenate([[0.0], np.cumsum(1.0 / bins.variance)])
+    total = np.concatenate([[0.0], np.cumsum(rest / bins.variance)])
+    marks = np.zeros(n + 1)
+    for m in _sizes(n):
+        score = (total[m:] - total[:-m]) / np.sqrt(weight[m:] - weight[:-m])
+        at = np.flatnonzero(np.abs(score) > _bound(n, m) + _MISFIT)
+        marks[at] += 1.0
+        marks[at + m] -= 1.0
+    return np.cumsum(marks)[:-1] > 0.5
+
+
+def _turns(
+    bins: Bins, x: Floats, y: Floats, stretches: list[tuple[int, int, int]]
+) -> list[int]:
+    """Indices of the grid at which the spline turns between proven stretches."""
+    turns: list[int] = []
+    last = 0
+    for (way, begin, _), (_, _, end) in zip(stretches, stretches[1:], strict=False):
+        edges = bins.travel[begin], bins.travel[end - 1]
+        low, high = np.searchsorted(x, edges[0]), np.searchsorted(x, edges[1], side="right")
+        low = max(int(low), last + 1)
+        high = max(int(high), low + 1)
+        last = low + int(np.argmax(way * y[low:high]))
+        turns.append(last)
+    return [turn for turn in turns if 0 < turn < len(x) - 1]
+
+
+def _without_small(
+    y: Floats, turns: list[int], rises: bool, least: float
+) -> tuple[list[int], bool]:
+    """Without the pairs of turns between which the force changes by less than `least`."""
+    while True:
+        sizes = changes(y, turns)
+        if not turns or np.min(sizes) >= least:
+            return turns, rises
+        small = int(np.argmin(sizes))
+        if small == 0:
+            turns, rises = turns[1:], not rises
+        elif small == len(sizes) - 1:
+            turns = turns[:-1]
+        else:
+            turns = turns[: small - 1] + turns[small + 1 :]
+
+
+def _monotone(x: Floats, y: Floats, error: Floats, turns: list[int], rises: bool) -> Floats:
+    """The curve made monotone from turn to turn, and nowhere constant."""
+    from scipy.optimize import isotonic_regression
+
+    out = y.copy()
+    tiny = max(0.1 * float(np.max(error)), 1e-5 * float(np.ptp(y))) / (x[-1] - x[0])
+    places = [0, *turns, len(x) - 1]
+    way = 1.0 if rises else -1.0
+    for k, (a, b) in enumerate(zip(places, places[1:], strict=False)):
+        part = slice(a, b + 1)
+        ramp = tiny * (x[part] - x[a])
+        weights = np.ones(b - a + 1)
+        # Turns stay where they are, so that neighbouring stretches meet.
+        weights[0] = 1e6 if k else 1.0
+        weights[-1] = 1e6 if b < len(x) - 1 else 1.0
+        out[part] = way * (isotonic_regression(way * y[part] - ramp, weights=weights).x + ramp)
+        way = -way
+    return out
