@@ -146,8 +146,7 @@ def _written(element: mechanism.Element) -> Written:
         if _reads_as(keys := curve | options, wanted):
             return keys
     sheets = [inline(_sheet(sheet, element.measure)) for sheet in element.sheets]
-    keys = {"sheets": "[\n" + "".join(f"    {sheet},\n" for sheet in sheets) + "]"}
-    return keys | options | _in_force(element, "error_band")
+    return {"sheets": "[\n" + "".join(f"    {sheet},\n" for sheet in sheets) + "]"} | options
 
 
 def _options(element: mechanism.Element) -> Written:
@@ -155,7 +154,7 @@ def _options(element: mechanism.Element) -> Written:
     keys: Written = {}
     if low or high:
         keys["stops"] = "true" if low and high else array(written("", one) for one in (low, high))
-    keys |= _in_force(element, "friction")
+    keys |= _in_force(element, "friction") | _in_force(element, "error_band")
     for key in ("force_scale", "travel_scale", "mobility"):
         if getattr(element, key) != 1.0:
             keys[key] = written(key, getattr(element, key))
@@ -173,7 +172,7 @@ def _in_force(element: mechanism.Element, word: str) -> Written:
 def _as_columns(element: mechanism.Element) -> Iterator[Written]:
     """Tables and points that may reproduce the element's curve; the roundest numbers first."""
     sheet, *others = element.sheets
-    if others or element.error_band:
+    if others:
         return
     rows = sheet.rows
     bent = bool(np.any(rows[:, 3:5]))

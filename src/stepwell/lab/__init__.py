@@ -22,6 +22,7 @@ from stepwell.lab.first_build import (
 from stepwell.lab.fit_model import SnapPrediction
 from stepwell.lab.fit_samples import Prepared, Sample, Weighing, prepare
 from stepwell.lab.half_cycles import HalfCycle, half_cycles
+from stepwell.lab.measured_element import MeasuredElement, measure_element
 from stepwell.lab.pair_test import PairTest
 from stepwell.lab.recordings.curve import Curve, MeasuredCurve, mean_curve, read_curve
 from stepwell.lab.recordings.read import (
@@ -67,6 +68,7 @@ __all__ = [
     "LAWS",
     "LabError",
     "MeasuredCurve",
+    "MeasuredElement",
     "MeasuredSnap",
     "Move",
     "NOT_JUDGED",
@@ -108,6 +110,7 @@ __all__ = [
     "hashes",
     "hysteresis",
     "mean_curve",
+    "measure_element",
     "recording_warnings",
     "prepare",
     "pulls_of",

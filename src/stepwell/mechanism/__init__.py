@@ -51,7 +51,9 @@ from stepwell.mechanism.phase import (
     mobilities_of,
     phase_at,
 )
+from stepwell.mechanism.scatter import scatter_of_curve
 from stepwell.mechanism.sizes import Size, Slip, SlipError, slips
+from stepwell.mechanism.smoothing import Fit, fitted
 
 __all__ = [
     "LIBRARY",

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from stepwell.base import ByValue, Drawn, Floats, InputError, Ints, Measure, check, display_unit
-from stepwell.mechanism import cubics, element_curves
+from stepwell.mechanism import cubics, element_curves, smoothing
 from stepwell.mechanism.phase import Phase, Sheet, Stretch, a_mobility
 
 if TYPE_CHECKING:
+    from stepwell.lab import Recording
     from stepwell.mechanism.chain import Chain
 
 
@@ -41,7 +43,8 @@ class Element(ByValue, Drawn):
         name: name of the element in messages and figures.
         measure: kind of travel and force; all units below are those of travel and force.
         force_scale, travel_scale: factors of all forces and of all travels of the curve.
-        error_band: largest distance of measured points from the curve [N]; 0 if it passes through.
+        error_band: largest error of the curve [N], estimated from the scatter of measured points;
+            0 if it passes through them.
         mobility: speed per force relative to the other cells (inverse drag), > 0.
 
     Raises:
@@ -128,20 +131,22 @@ class Element(ByValue, Drawn):
             force: (n,) [N].
             name, stops, friction, mobility, measure: as for Element.
             unusual: True to accept a travel above 1 m or a force above 10 kN.
-            noise: standard deviation of the forces [N]; the curve is then a smoothing spline (de
-                Boor 1978), at most `error_band` from the points. None goes through every point.
+            noise: standard deviation of the forces [N], at least that of the points; the curve is
+                then a smooth one whose rises and falls are all larger than the noise, without a
+                stretch of constant force at its low end. None goes through every point.
 
         Raises:
-            ValueError: too few points, travels that do not rise, noise larger than a snap, or a
-                size that is probably in another unit.
+            ValueError: too few points, travels that do not rise, no rise larger than the noise,
+                noise that is correlated and could make a phase, or a size that is probably in
+                another unit.
         """
-        x, y = element_curves.checked(travel, force, measure, 3)
-        if noise is None:
-            rows, band = cubics.through(x, y), 0.0
-        else:
-            rows = element_curves.smoothed(x, y, noise, measure)
-            band = float(np.max(np.abs(y - cubics.value(rows, x))))
-        on = (Sheet.of(rows, float(x[-1])),)
+        x, y = element_curves.checked(travel, force, measure, 3 if noise is None else 5)
+        band = 0.0
+        if noise is not None:
+            noise = check.positive("noise", noise, measure.force_unit)
+            fit = smoothing.fitted(x, y, noise, trim=not _both(stops)[0])
+            x, y, band = fit.travel, fit.force, fit.band
+        on = (Sheet.of(cubics.through(x, y), float(x[-1])),)
         made = cls(on, stops, friction, name, measure, error_band=band, mobility=mobility)
         return made if unusual else _without_slips(made)
 
@@ -266,6 +271,25 @@ class Element(ByValue, Drawn):
         return element_of(chain, name)
 
     @classmethod
+    def from_recording(
+        cls, recording: Recording | str | os.PathLike[str], name: str = "", **options: Any
+    ) -> Element:
+        """An element from a recording of a test machine: `stepwell.lab.measure_element`.
+
+        Args:
+            recording: of a test, or its file.
+            name, options: as for `measure_element`, whose result has the phases, the noise and
+                notes too.
+
+        Raises:
+            ValueError: the file cannot be read, or its curve is no element.
+        """
+        from stepwell import lab
+
+        given = recording if isinstance(recording, lab.Recording) else lab.read(recording)
+        return lab.measure_element(given, name, **options).element
+
+    @classmethod
     def side_by_side(cls, elements: Sequence[Element], name: str = "") -> Element:
         """Elements in parallel as one element: equal travels, and forces that add up.
 
@@ -321,6 +345,38 @@ class Element(ByValue, Drawn):
             not below and sheet.begin == self.low and sheet.below is None,
             not above and sheet.end == self.high and sheet.above is None,
         )
+
+    def at_band(self, way: float) -> Element:
+        """The element with every drop of its force larger, or smaller, by its error band.
+
+        Args:
+            way: 1 for larger drops, -1 for smaller ones: peaks are higher by `way` times
+                `error_band` and valleys lower, with straight lines between them.
+
+        Raises:
+            ValueError: without the error band, a phase would be lost.
+        """
+        sheets: list[Sheet] = []
+        for sheet in self.sheets:
+            rows, x = sheet.rows.copy(), np.append(sheet.rows[:, 0], sheet.end)
+            _, rises = cubics.signs(rows, sheet.end)
+            turns = [k for k in range(1, len(rises)) if rises[k] != rises[k - 1]]
+            if not turns:
+                sheets.append(sheet)
+                continue
+            by = self.error_band / self.force_scale * way
+            shift = np.interp(x, x[turns], [by * np.sign(rises[k - 1] - rises[k]) for k in turns])
+            rows[:, 1] += shift[:-1]
+            rows[:, 2] += np.diff(shift) / np.diff(x)
+            rows = cubics.with_integrals(rows, float(rows[0, 5]))
+            sheets.append(Sheet.of(rows, sheet.end, sheet.below, sheet.above))
+        made = replace(self, sheets=tuple(sheets))
+        if len(made.phases) != len(self.phases):
+            raise InputError(
+                f"error_band = {self.error_band:.3g} {self.measure.force_unit}: a phase is as "
+                f"small as the error band. Measure with less noise."
+            )
+        return made
 
     def renamed(self, name: str) -> Element:
         """The same element with another name."""
@@ -439,6 +495,6 @@ def _phases_of(element: Element, turns: Sequence[tuple[Floats, Ints]]) -> tuple[
         raise InputError(
             f"the force curve has {len(phases)} rising stretches: at most {_MOST_PHASES} are "
             f"possible, one per digit of a state. If these are measurement noise, pass noise=, the "
-            f"standard deviation of the forces."
+            f"standard deviation of the forces, or use `stepwell lab element`."
         )
     return tuple(phases)

@@ -60,37 +60,6 @@ def pairs(
     return x, y
 
 
-def smoothed(x: Floats, y: Floats, noise: float, measure: Measure) -> Floats:
-    """Rows of the smoothest cubic spline that leaves as much scatter as the noise explains."""
-    from scipy.interpolate import PPoly, UnivariateSpline  # pyright: ignore[reportMissingTypeStubs]
-
-    noise = check.positive("noise", noise, measure.force_unit)
-    if len(x) < 5:
-        raise InputError(
-            f"noise: the table has {len(x)} points: must have 5 or more to be smoothed; leave "
-            f"noise out to go through every point."
-        )
-    spline = UnivariateSpline(x, y, w=np.full(len(x), 1.0 / noise), k=3, s=len(x))
-    pieces = PPoly.from_spline(spline._eval_args)  # pyright: ignore[reportPrivateUsage, reportUnknownMemberType]
-    keep = np.diff(pieces.x) > 0.0
-    rows = np.zeros((int(np.sum(keep)), 6))
-    rows[:, 0], rows[:, 1:5] = pieces.x[:-1][keep], pieces.c[::-1].T[keep]
-    rows = cubics.with_integrals(rows)
-    forces, rises = cubics.signs(cubics.monotone(rows, float(x[-1])), float(x[-1]))
-    # Forces where it turns, ends included; a fall between two of them is a snap.
-    turns = [0, *(k for k in range(1, len(rises)) if rises[k] != rises[k - 1]), len(rises)]
-    drops = [forces[a] - forces[b] for a, b in pairwise(turns)]
-    least = min((drop for drop in drops if drop > 0.0), default=np.inf)
-    if least < 2.0 * noise:
-        unit, factor = display_unit(measure.force_unit)
-        raise InputError(
-            f"noise = {noise * factor:.4g} {unit}: a snap of the smoothed curve drops by "
-            f"{least * factor:.4g} {unit} only, less than twice the noise, so it cannot be "
-            f"distinguished from noise. Average several recordings, or measure with less noise."
-        )
-    return rows
-
-
 def folded(travel: Iterable[float], force: Iterable[float], measure: Measure) -> tuple[Sheet, ...]:
     """The stable sheets of a curve that is given by points along its arc."""
     x, y = pairs(travel, force, measure, 3)

@@ -150,7 +150,8 @@ def _long_run(force: Floats, sd: float) -> tuple[float, float, int]:
         deviations.append(_MAD * min(float(np.median(one)) for one in contrasts))
     ratios = np.array(deviations) * np.sqrt(sizes) / sd
     # Means of white noise scatter by chance, and the largest blocks see the shape of the curve.
-    if np.sum(ratios > 0.8 * _CORRELATED) < 2 or np.max(ratios) < _CORRELATED:
+    few = len(ratios) < 3
+    if np.sum(ratios > 0.8 * _CORRELATED) < 3 - few or np.max(ratios) < (1.3 if few else 1.0) * _CORRELATED:
         return 1.0, 0.0, 0
     most = int(np.argmax(ratios))
     grows = most == len(ratios) - 1 and ratios[-1] > 1.15 * ratios[-2]
@@ -168,3 +169,30 @@ def _resolution(force: Floats) -> float:
     least = float(np.min(steps))
     whole = steps / least
     return least if np.all(np.abs(whole - np.round(whole)) < 0.02 * np.maximum(whole, 1)) else 0.0
+
+
+# Scatter matters from this fraction of the usual change of force between two points.
+_MATTERS = 0.1
+# Fewer points are chosen, not recorded.
+_RECORDED = 20
+
+
+def scatter_of_curve(rows: Floats, end: float) -> float:
+    """Scatter of the points through which cubic rows pass [N]; 0 if it changes no slope much.
+
+    Args:
+        rows: (n, 6) of a curve, see `mechanism/cubics`.
+        end: travel where the last one ends [m].
+    """
+    width = np.diff(rows[:, 0], append=end)
+    _, c1, c2, c3 = rows[:, 1:5].T
+    goes_on = np.stack([c1 + width * (2 * c2 + 3 * c3 * width), c2 + 3 * c3 * width, c3])[:, :-1]
+    own = np.stack([c1, c2, c3])[:, 1:]
+    # A cut within one cubic is no point.
+    size = np.abs(goes_on) + np.abs(own)
+    given = np.append(True, np.any(np.abs(own - goes_on) > 1e-6 * size, axis=0))
+    travel, force = rows[given, 0], rows[given, 1]
+    if len(travel) < _RECORDED:
+        return 0.0
+    sd = scatter_of(force, travel).sd
+    return sd if sd * 2**0.5 > _MATTERS * float(np.median(np.abs(np.diff(force)))) else 0.0

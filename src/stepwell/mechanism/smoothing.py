@@ -15,6 +15,10 @@ _SPANS, _FINE = 160, 8
 # Standard deviations beyond the largest of many windows of noise, for a stretch that is proven to
 # rise or fall, and for a window in which the curve is too smooth.
 _PROVEN, _MISFIT = 3.0, 1.0
+# The penalty is on these differences of coefficients: slopes decide snaps, so that slopes are
+# smooth. It begins with this weight over that of all points, and is weakened in rounds.
+_DIFFERENCE = (1.0, -4.0, 6.0, -4.0, 1.0)
+_WIDE, _START = len(_DIFFERENCE), 1e9
 _MOST_ROUNDS, _WEAKER = 40, 0.2
 # Largest deviation of the curve in units of its largest standard error, in 95 % of made-up curves.
 _BAND = 6.5
@@ -100,7 +104,8 @@ def fitted(
         trim: whether to leave out a stretch of constant force before the first rise.
 
     Raises:
-        ValueError: the noise is correlated and could make a turn, and `least_drop` is 0.
+        ValueError: no rise is larger than the noise; or the noise is correlated and could make a
+            turn, and `least_drop` is 0.
     """
     spaced = travel if len(travel) <= 500 and np.all(np.diff(travel) > 0.0) else None
     scatter = scatter_of(force, spaced)
@@ -110,6 +115,12 @@ def fitted(
     least = max(noise, _EXACT * float(np.ptp(force)))
     bins = binned(travel, cleaned, scatter.ratio * np.maximum(scatter.local, least))
     curve = smooth(bins, least_drop)
+    if not proven(bins):
+        raise InputError(
+            f"no rise of the force is distinguishable from its noise of about "
+            f"{max(scatter.sd, noise):.3g} N: must rise and fall by more; check that travel and "
+            f"force are in the right columns, or measure with less noise."
+        )
     _refuse_slow(curve, scatter, least_drop)
     band = _BAND * float(np.max(curve.error)) + scatter.step / 2.0
     x, y, turns, offset = curve.travel, curve.force, curve.turns, None
@@ -220,7 +231,7 @@ def _bound(n: int, m: int) -> float:
 def smooth(bins: Bins, least_drop: float = 0.0) -> Smooth:
     """The smooth curve through points, with the turns that are proven and no others.
 
-    A cubic spline with a penalty on its curvature, which is weakened wherever the points
+    A cubic spline with a penalty on fourth differences, which is weakened wherever the points
     contradict it; then monotone between the proven turns. Turns between which the force changes by
     less than `least_drop` [N] are taken out.
 
@@ -233,7 +244,7 @@ def smooth(bins: Bins, least_drop: float = 0.0) -> Smooth:
     rises = not stretches or stretches[0][0] > 0
     turns, rises = _without_small(y, turns, rises, least_drop)
     y = _monotone(x, y, error, turns, rises)
-    keep = np.union1d(np.arange(0, len(x), _FINE // 2), turns).astype(int)
+    keep = np.union1d(np.arange(0, len(x), _FINE), turns).astype(int)
     at = np.searchsorted(keep, turns)
     return Smooth(x[keep], y[keep], tuple(at.tolist()), error[keep], rises)
 
@@ -253,44 +264,44 @@ def _spline(bins: Bins) -> tuple[Floats, Floats, Floats]:
     weight = diags_array(1.0 / bins.variance)
     normal = (design.T @ weight @ design).tocsr()
     right = design.T @ (bins.force / bins.variance)
-    bands = np.zeros((4, size := _SPANS + 3))
+    bands = np.zeros((_WIDE, size := _SPANS + 3))
     for k in range(4):
-        bands[3 - k, k:] = normal.diagonal(k)
-    scale = float(np.sum(bands[3]))
-    local = np.full(size - 2, 10.0 * scale)
+        bands[_WIDE - 1 - k, k:] = normal.diagonal(k)
+    scale = float(np.sum(bands[-1]))
+    local = np.full(size - _WIDE + 1, _START * scale)
     span = np.clip(((bins.travel - low) / step).astype(int), 0, _SPANS - 1)
 
     def solved(factor: float, wanted: Floats) -> Floats:
-        return solveh_banded(bands + _curvature(factor * local, 1e-10 * scale), wanted)
+        return solveh_banded(bands + _penalty(factor * local, 1e-10 * scale), wanted)
 
     for _ in range(_MOST_ROUNDS):
         bad = _misfit(bins, bins.force - design @ solved(1.0, right))
-        # A coefficient acts on four spans.
-        near = np.convolve(np.bincount(span[bad], minlength=_SPANS) > 0, np.ones(2)) > 0
-        near = near[: len(local)] & (local > 1e-9 * scale)
+        # Differences in the middle of the four coefficients of a span.
+        near = np.zeros(len(local), bool)
+        near[np.clip(np.unique(span[bad])[:, None] - np.arange(4), 0, len(local) - 1)] = True
+        near &= local > 1e-9 * scale
         if not near.any():
             break
         local[near] *= _WEAKER
     # How strong all of it should be: Mallows' C_p.
-    dense, best = normal.toarray(), (np.inf, 1.0)
-    for factor in 0.35 ** np.arange(10.0):
+    dense, costs = normal.toarray(), list[float]()
+    factors = 0.35 ** np.arange(10)
+    for factor in factors:
         rest = bins.force - design @ solved(factor, right)
         effective = float(np.trace(solved(factor, dense)))
-        best = min(best, (float(np.sum(rest**2 / bins.variance)) + 2.0 * effective, factor))
-    inverse = on_fine @ solved(best[1], np.eye(size))
+        costs.append(float(np.sum(rest**2 / bins.variance)) + 2.0 * effective)
+    inverse = on_fine @ solved(factors[int(np.argmin(costs))], np.eye(size))
     error = np.sqrt(np.maximum(np.sum((normal @ inverse.T).T * inverse, axis=1), 0.0))
     return fine, inverse @ right, error
 
 
-def _curvature(local: Floats, least: float) -> Floats:
-    """Bands of the penalty on second differences of coefficients, the diagonal last."""
-    bands = np.zeros((4, len(local) + 2))
-    bands[3] = least
-    for k, by in enumerate((1.0, 4.0, 1.0)):
-        bands[3, k : k + len(local)] += by * local
-    bands[2, 1:-1] -= 2.0 * local
-    bands[2, 2:] -= 2.0 * local
-    bands[1, 2:] = local
+def _penalty(local: Floats, least: float) -> Floats:
+    """Bands of the penalty on differences of coefficients, the diagonal last."""
+    bands = np.zeros((_WIDE, len(local) + _WIDE - 1))
+    bands[-1] = least
+    for i, a in enumerate(_DIFFERENCE):
+        for j, b in enumerate(_DIFFERENCE[i:]):
+            bands[_WIDE - 1 - j, i + j : i + j + len(local)] += a * b * local
     return bands
 
 

@@ -1,0 +1,300 @@
+"""An element from a recording of a test machine: its phases, friction, noise and error band."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from stepwell.base import ByValue, Drawn, Floats, InputError, check, to_unit
+from stepwell.lab.recordings.recording import LabError, Recording
+from stepwell.mechanism import Chain, Element, Fit, fitted
+
+# Halves of one recording describe one curve if it turns at the same travels, within this fraction
+# of the travel.
+_APART = 0.1
+# A half shorter than this fraction of the longest one is preload or settling.
+_WHOLE = 0.8
+# Standard deviations of noise that a drop over all its rows must have to be seen in 95 % of curves.
+_SEEN = 24.0
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MeasuredElement(ByValue, Drawn):
+    """An element, and what the recording of its test shows of it.
+
+    Attributes:
+        element: the smooth curve with friction and error band.
+        recording: of the test.
+        half: "loading", "unloading", or "both" for the mean of both.
+        loading, unloading: (n, 2) travel [m] and force [N] of the used rows, with the signs and the
+            zero of force of the element; empty if that half is not used.
+        noise: standard deviation of the forces about the curve [N].
+        step: resolution of the forces [N]; 0 if none is recognised.
+        correlated: number of rows over which the noise is correlated; 0 for white noise.
+        smallest_drop: of the drops that would be seen over a tenth of the travel in 95 % of
+            recordings [N].
+        outliers: number of replaced forces.
+        approach: travel without contact that was left out [m].
+        notes: what was changed, left out, or is uncertain, a sentence each.
+    """
+
+    element: Element
+    recording: Recording
+    half: str
+    loading: Floats = field(repr=False)
+    unloading: Floats = field(repr=False)
+    noise: float
+    step: float
+    correlated: int
+    smallest_drop: float
+    outliers: int
+    approach: float
+    notes: tuple[str, ...]
+
+    @property
+    def band(self) -> float:
+        """Largest error of the curve [N], in 95 % of curves of known shape."""
+        return self.element.error_band
+
+    @property
+    def friction(self) -> float:
+        """Coulomb friction [N]: half the difference between loading and unloading."""
+        return self.element.friction
+
+    @property
+    def rows(self) -> int:
+        """Number of used rows."""
+        return len(self.loading) + len(self.unloading)
+
+    @property
+    def phases(self) -> tuple[tuple[float, float], ...]:
+        """Ends of each phase [m], within the recorded travel."""
+        one = self.element
+        return tuple((max(p.low, one.low), min(p.high, one.high)) for p in one.phases)
+
+    @property
+    def chain(self) -> Chain:
+        """The element as a chain of one cell, which a design file can hold."""
+        return Chain([self.element], title=self.element.name)
+
+    def __str__(self):
+        ends = [f"{to_unit(a, 'mm'):.3g} to {to_unit(b, 'mm'):.3g} mm" for a, b in self.phases]
+        return (
+            f"{len(ends)} phase{'s' * (len(ends) != 1)}: {', '.join(ends)}; noise "
+            f"{self.noise:.2g} N; error band {self.band:.2g} N"
+        )
+
+    def __repr__(self):
+        return f"MeasuredElement({self.element.name!r}, {self})"
+
+
+def measure_element(
+    recording: Recording,
+    name: str = "",
+    *,
+    half: str | None = None,
+    noise: float | None = None,
+    least_drop: float | None = None,
+    stops: bool | tuple[bool, bool] = False,
+) -> MeasuredElement:
+    """The element in a recording of its test under displacement control.
+
+    The noise is estimated from the recording; rises and falls that noise could have made are no
+    phases. Travel before contact is left out, and its force is taken as zero. Of several cycles
+    the first is used.
+
+    Args:
+        recording: travel as stroke [m], and force [N].
+        name: of the element; by default that of the recording.
+        half: "loading" or "unloading" for one of them; by default the mean of both, and friction
+            from their difference, if both are recorded.
+        noise: least standard deviation of the forces [N]; by default as estimated.
+        least_drop: smallest drop of the force that counts as the end of a phase [N]; necessary if
+            the noise is correlated, as with drift or vibration.
+        stops: whether the element has stops at the low and at the high end of its curve.
+
+    Raises:
+        LabError: a constant stroke, a half that is not recorded, halves that belong to different
+            curves, noise that could make or hide every phase, or a curve that is no element.
+        ValueError: a number out of range, or `half` is another word.
+
+    Source: ours (theory page, "Elements"); see `stepwell.mechanism.fitted`.
+    """
+    if half not in (None, "loading", "unloading"):
+        raise InputError(f"half = {half!r}: must be 'loading', 'unloading' or None for both.")
+    least = 0.0 if noise is None else check.positive("noise", noise, "N")
+    drop = 0.0 if least_drop is None else check.positive("least_drop", least_drop, "N")
+    trim = not (stops if isinstance(stops, bool) else stops[0])
+    try:
+        halves, notes = _halves(recording, half)
+        fits = {way: fitted(*rows, least, drop, trim) for way, rows in halves.items()}
+        fit, friction = next(iter(fits.values())), 0.0
+        if len(fits) == 2:
+            fit, friction = _mean(halves, fits, (least, drop, trim), notes)
+        element = Element.from_table(
+            _rounded(fit.travel, 9),
+            _rounded(fit.force - (fit.offset or 0.0), 7 - _digits(fit.force)),
+            name or recording.name,
+            stops=stops,
+            friction=friction,
+            unusual=True,
+        )
+    except LabError:
+        raise
+    except InputError as error:
+        raise LabError(recording.source, str(error)) from None
+    begin = min(float(np.min(x)) for x, _ in halves.values())
+    approach = element.low - begin if fit.offset is not None else 0.0
+    notes += _remarks(fit, approach, recording)
+    empty = np.zeros((0, 2))
+    shown = {way: np.column_stack([x, y - (fit.offset or 0.0)]) for way, (x, y) in halves.items()}
+    rows = sum(map(len, shown.values()))
+    return MeasuredElement(
+        replace(element, error_band=float(f"{fit.band:.3g}")),
+        recording,
+        "both" if len(fits) == 2 else next(iter(fits)),
+        shown.get("loading", empty),
+        shown.get("unloading", empty),
+        max(fit.scatter.sd, least),
+        fit.scatter.step,
+        fit.scatter.rows,
+        _SEEN * fit.scatter.ratio * max(fit.scatter.sd, least) / max(0.1 * rows, 1.0) ** 0.5,
+        fit.outliers,
+        approach,
+        tuple(notes),
+    )
+
+
+_Rows = tuple[Floats, Floats]
+
+
+def _halves(recording: Recording, half: str | None) -> tuple[dict[str, _Rows], list[str]]:
+    """Travel and force of the first loading and unloading, and notes."""
+    travel, force, notes = recording.stroke, recording.force, list[str]()
+    spans = [float(np.ptp(travel[one])) for one in recording.halves]
+    if max(spans) == 0.0:
+        raise LabError(recording.source, "the stroke is constant: an element is moved.")
+    whole = [
+        one
+        for one, span in zip(recording.halves, spans, strict=True)
+        if span >= _WHOLE * max(spans)
+    ]
+    first = whole[0]
+    # Work on the element is positive for the half that loads it.
+    work = float(np.sum(0.5 * (force[first][1:] + force[first][:-1]) * np.diff(travel[first])))
+    if recording.direction_of(first) == "unloading" and work > 0.0:
+        travel, force = -travel, -force
+        notes.append("Stroke and force are counted negative while loading: both signs are turned.")
+        recording = replace(recording, stroke=travel, force=force)
+    ways: dict[str, list[slice]] = {}
+    for one in whole:
+        ways.setdefault(recording.direction_of(one), []).append(one)
+    if half is not None and half not in ways:
+        raise LabError(
+            recording.source,
+            f"half = {half!r}: the recording has no such half; it has {' and '.join(ways)}.",
+        )
+    cycles = max(map(len, ways.values()))
+    if cycles > 1:
+        notes.append(f"{cycles} cycles are recorded: the first is used.")
+    left = len(recording.halves) - len(whole)
+    if left:
+        notes.append(f"{left} shorter strokes are left out, such as preload.")
+    wanted = [half] if half else sorted(ways)
+    return {way: (travel[ways[way][0]], force[ways[way][0]]) for way in wanted}, notes
+
+
+def _mean(
+    halves: dict[str, _Rows],
+    fits: dict[str, Fit],
+    options: tuple[float, float, bool],
+    notes: list[str],
+) -> tuple[Fit, float]:
+    """The mean of loading and unloading, and the friction; may add notes."""
+    up, down = fits["loading"], fits["unloading"]
+    _refuse_unlike(up, down)
+    low, high = max(up.travel[0], down.travel[0]), min(up.travel[-1], down.travel[-1])
+
+    def apart(x: Floats) -> Floats:
+        return 0.5 * (
+            np.interp(x, up.travel, up.force) - np.interp(x, down.travel, down.force)
+        )
+
+    # Force turns back over some travel at both ends.
+    inner = apart(np.linspace(low + 0.1 * (high - low), high - 0.1 * (high - low), 161))
+    least, friction, most = (float(q) for q in np.quantile(inner, (0.1, 0.5, 0.9)))
+    error = max(up.band, down.band)
+    if friction < -error:
+        notes.append(
+            f"Unloading is {-2 * friction:.2g} N above loading: the force drifts, or the halves "
+            f"are of different tests. Friction is taken as 0."
+        )
+    elif most - least > max(2.0 * error, 0.5 * abs(friction)):
+        notes.append(
+            f"Half the difference of loading and unloading is {least:.2g} to {most:.2g} N: friction "
+            f"is not constant. The median is used; the rest is not in the element."
+        )
+    if up.offset is not None and down.offset is not None:
+        drift = down.offset - up.offset
+        if abs(drift) > error:
+            notes.append(f"The force before contact drifts by {drift:+.2g} N from half to half.")
+    both: list[_Rows] = []
+    for sign, way in ((1.0, "loading"), (-1.0, "unloading")):
+        x, y = halves[way]
+        inside = (x >= low) & (x <= high) if way == "loading" or len(x) else slice(None)
+        both.append((x[inside], y[inside] - sign * apart(x[inside])))
+    joined = fitted(*(np.concatenate(column) for column in zip(*both, strict=True)), *options)
+    # The curve is within half the scatter of the halves about their mean too.
+    return joined, float(f"{friction:.3g}") if friction > 0.5 * error else 0.0
+
+
+def _refuse_unlike(up: Fit, down: Fit) -> None:
+    """Raise ValueError where loading and unloading have other turns: a snap during the test."""
+    places = [fit.travel[list(fit.turns)] for fit in (up, down)]
+    span = float(np.ptp(up.travel))
+    if len(places[0]) != len(places[1]) or np.any(
+        np.abs(places[0] - places[1]) > _APART * span
+    ):
+        each = [_listed(one) for one in places]
+        raise InputError(
+            f"loading turns at {each[0]}, unloading at {each[1]}: their mean is no curve of one "
+            f"element. It probably snapped during the test, or a half is disturbed. Use one of "
+            f"them: half='loading' (--half loading)."
+        )
+
+
+def _listed(travels: Floats) -> str:
+    return f"{', '.join(f'{to_unit(one, "mm"):.3g}' for one in travels)} mm" if len(travels) else "no travel"
+
+
+def _remarks(fit: Fit, approach: float, recording: Recording) -> Sequence[str]:
+    notes: list[str] = []
+    if fit.offset is not None:
+        notes.append(
+            f"{to_unit(approach, 'mm'):.3g} mm without contact are left out; the force there, "
+            f"{fit.offset:.2g} N, is taken as zero."
+        )
+    if fit.outliers:
+        notes.append(f"{fit.outliers} outliers of the force are replaced by neighbours.")
+    if fit.scatter.step > 2.0 * fit.scatter.sd:
+        notes.append(f"Forces are multiples of {fit.scatter.step:.3g} N, which limits the accuracy.")
+    if fit.scatter.rows:
+        notes.append(
+            f"The noise is correlated over about {fit.scatter.rows} rows (drift, vibration or a "
+            f"filter): its long-run size is {fit.scatter.ratio:.2g} times that of white noise."
+        )
+    if not fit.rises:
+        notes.append(
+            "The force falls first: the element begins between two phases, or the machine counts "
+            "this force as negative."
+        )
+    return [*notes, *recording.remarks]
+
+
+def _digits(force: Floats) -> int:
+    return int(np.floor(np.log10(np.max(np.abs(force)))))
+
+
+def _rounded(values: Floats, decimals: int) -> Floats:
+    """Rounded to the nearest decimal numbers, as a file holds them."""
+    return np.array([float(f"{value:.{max(decimals, 0)}f}") for value in values.tolist()])
