@@ -264,7 +264,8 @@ def _refuse_unlike(up: Fit, down: Fit) -> None:
 
 
 def _listed(travels: Floats) -> str:
-    return f"{', '.join(f'{to_unit(one, "mm"):.3g}' for one in travels)} mm" if len(travels) else "no travel"
+    texts = [f"{one:.3g}" for one in to_unit(travels, "mm")]
+    return f"{', '.join(texts)} mm" if texts else "no travel"
 
 
 def _remarks(fit: Fit, approach: float, recording: Recording) -> Sequence[str]:
