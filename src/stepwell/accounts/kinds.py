@@ -28,6 +28,7 @@ FILES = {
     "lab.band": ("BandFit BandTest", "lab.band/2"),
     "lab.calibrate": ("Calibration", "lab.calibrate/2"),
     "lab.compare": ("CellTest ChainTest Comparison PairTest", "lab.compare/2"),
+    "lab.element": ("MeasuredElement", "lab.element/1"),
     "lab.read": ("Batch Recording", "lab.read/1"),
     "map": ("MapView", "map/3"),
     "package": ("Installation Presets Verdicts", "doctor/1 folder/1 paper/1 presets/1"),

@@ -18,7 +18,7 @@ from stepwell.cli.readings import ReadingCommand, ReadingOptions
 from stepwell.cli.screen import WRONG_INPUT, progress, subcommands, usable, wrong
 
 if TYPE_CHECKING:
-    from stepwell.lab import BandTest, Pull, Recording, Rig
+    from stepwell.lab import BandTest, MeasuredElement, Pull, Recording, Rig
     from stepwell.mechanism import Chain
 
 
@@ -54,6 +54,66 @@ def read(
     output.report(batch)
     if not batch.recordings:
         raise typer.Exit(WRONG_INPUT)
+
+
+class Measuring(Group):
+    """How a recording of an element is read."""
+
+    half: str | None = opts.option(
+        "Half of the recording: loading or unloading; by default the mean of both.", "HALF"
+    )
+    noise: float | None = opts.option(
+        "Least standard deviation of the forces [N]; estimated by default.", "NUMBER", min=1e-9
+    )
+    least_drop: float | None = opts.option(
+        "Smallest drop of the force that ends a phase [N], for noise that is correlated.",
+        "NUMBER",
+        min=1e-9,
+    )
+    stops: str | None = opts.option(
+        "Ends of the curve with a stop: low, high or both; none by default.", "ENDS"
+    )
+    name: str = opts.option("Name of the element; that of the file by default.", "TEXT", default="")
+
+    def measured(self, recording: Recording) -> MeasuredElement:
+        """The element in a recording."""
+        ends = {None: (False, False), "low": (True, False), "high": (False, True)}
+        ends |= {"none": (False, False), "both": (True, True)}
+        if self.stops not in ends:
+            raise wrong("--stops", f"{self.stops!r}: must be low, high, both or none.")
+        if self.half not in (None, "loading", "unloading"):
+            raise wrong("--half", f"{self.half!r}: must be loading or unloading.")
+        return sw.lab.measure_element(
+            recording,
+            self.name,
+            half=self.half,
+            noise=self.noise,
+            least_drop=self.least_drop,
+            stops=ends[self.stops],
+        )
+
+
+@opts.command(commands)
+def element(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Recording of an element.")],
+    how: Measuring,
+    *,
+    output: Output,
+) -> None:
+    """Fit the curve of an element to a recording, and list its phases.
+
+    The noise is estimated, and no phase is made by white noise. Travel before contact is left out.
+    The result contains phases, friction, noise and error band. With --out, a design file, the curve
+    as CSV and a figure are written into a folder.
+
+    Example: stepwell lab element clip.csv --out clip
+    """
+    output.check_output_folder("lab element")
+    given = recordings_in([file])
+    if len(given) != 1:
+        raise wrong(str(file), f"holds {len(given)} recordings: give one file.")
+    result = how.measured(given[0])
+    output.report(result, sw.files.dumps(result.chain), data_sha256=sw.lab.hashes(given))
 
 
 class FittedPart(Group):

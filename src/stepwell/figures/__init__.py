@@ -22,6 +22,7 @@ from stepwell.figures.maps import transition_map
 from stepwell.figures.measured import (
     band_laws,
     calibration,
+    measured_element,
     measured_energies,
     measured_forces,
     measured_pairs,
@@ -73,6 +74,7 @@ __all__ = [
     "overview",
     "plot",
     "prediction",
+    "measured_element",
     "recording",
     "recordings",
     "robot_above",

@@ -39,6 +39,7 @@ def plot(value: Any, **options: Any) -> Figure:
     | a robot, a prediction | `robot_drawing`, `prediction` |
     | a walk, a path through an arena, a sweep | `trajectory`, `maze`, `sweep` |
     | a recording, a test of bands | `recording`, `band_laws` |
+    | a measured element | `measured_element` |
     | an atlas | `graph_classes` |
     | a measured cell, a measured pair or chain | `measured_forces`, `measured_pairs` |
     | a comparison | `measured_forces`, or `measured_pairs` without unit cells |
@@ -112,6 +113,7 @@ _USUAL: dict[str, Callable[..., Figure]] = {
     "MapView": _map_view,
     "Margin": robustness.margins,
     "Maze": maze,
+    "MeasuredElement": measured.measured_element,
     "MemoryReading": lambda reading, **options: graphs.transition_graph(reading.graph, **options),
     "PairTest": lambda test: measured.measured_pairs([test]),
     "Path": force_stroke,

@@ -12,6 +12,7 @@ from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 
 from stepwell.base import Floats, InputError, grouped
+from stepwell.figures.cells.cell_curves import element_curve, element_key
 from stepwell.figures.common import legends, marks, sheet, style, words
 from stepwell.figures.common.style import FAINT
 from stepwell.lab import (
@@ -20,6 +21,7 @@ from stepwell.lab import (
     CellTest,
     ChainTest,
     Choice,
+    MeasuredElement,
     PairTest,
     Recording,
     half_cycles,
@@ -221,6 +223,7 @@ def recording(result: Recording) -> Figure:
 
 
 _MOST_PANELS, _MOST_POINTS = 12, 4000
+_POINTS_OF_HALF = 1500  # of a measured element
 
 
 @style.styled
@@ -254,6 +257,25 @@ def recordings(results: Sequence[Recording]) -> Figure:
     handles.append(legends.mark("jump of the force", "v", 4.0, color=FAINT))
     sizes = (3 if len(results) > 2 else 2, 50.0, 16.0, 18.5, 16.0)
     return _panels(results[:_MOST_PANELS], draw, sizes, handles, "Stroke [mm]", "Force [N]")
+
+
+@style.styled
+def measured_element(result: MeasuredElement) -> Figure:
+    """Force against travel of a measured element: its curve over the points, phases numbered.
+
+    Points of loading and unloading have their colours. One column wide.
+    """
+    figure, ax = sheet.canvas(None, (style.COLUMN, 84.0), (14.0, 10.0, 2.0, 20.0))
+    element_curve(result.element, ax=ax)
+    points: list[Artist] = []
+    for way, direction in (("loading", 1), ("unloading", -1)):
+        rows = getattr(result, way)[:: 1 + len(getattr(result, way)) // _POINTS_OF_HALF]
+        if len(rows):
+            look = {"color": style.pale(style.direction_colour(direction)), "markersize": 1.6}
+            look |= {"markeredgewidth": 0.0, "linestyle": "", "zorder": 1.2}
+            points += ax.plot(*(rows * (style.MM, 1.0)).T, "o", **look, label=f"measured, {way}")
+    legends.above(ax, [*element_key([result.element]), *points], 2, left=3.0)
+    return figure
 
 
 # A colour and a dash for each law; either is unique.

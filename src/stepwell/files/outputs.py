@@ -37,6 +37,7 @@ _OF_COMMANDS = {
     "maze": ("robot.toml arena.toml maze.json walk.nc maze.mp4 maze.gif", "maze timeline"),
     "lab read": ("recordings.csv recordings.nc recordings.parquet recordings.json", "recordings"),
     "lab band": ("band.toml band.json", "laws"),
+    "lab element": ("element.csv design.toml element.json", "element"),
     "lab compare": ("compare.json curves.csv", "forces energies pairs chains"),
     "lab as-built": ("built.toml moved.toml built.json", ""),
     "lab calibrate": (

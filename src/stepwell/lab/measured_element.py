@@ -1,11 +1,12 @@
 """An element from a recording of a test machine: its phases, friction, noise and error band."""
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, Floats, InputError, check, to_unit
+from stepwell.base import ByValue, Drawn, Floats, InputError, Quantity, check, to_unit, write_csv
 from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.mechanism import Chain, Element, Fit, fitted
 
@@ -14,6 +15,8 @@ from stepwell.mechanism import Chain, Element, Fit, fitted
 _APART = 0.1
 # A half shorter than this fraction of the longest one is preload or settling.
 _WHOLE = 0.8
+# An element has up to ten phases.
+_MOST_TURNS = 19
 # Standard deviations of noise that a drop over all its rows must have to be seen in 95 % of curves.
 _SEEN = 24.0
 
@@ -26,6 +29,7 @@ class MeasuredElement(ByValue, Drawn):
         element: the smooth curve with friction and error band.
         recording: of the test.
         half: "loading", "unloading", or "both" for the mean of both.
+        curve: (n, 2) travel [m] and force [N] of the points through which the curve passes.
         loading, unloading: (n, 2) travel [m] and force [N] of the used rows, with the signs and the
             zero of force of the element; empty if that half is not used.
         noise: standard deviation of the forces about the curve [N].
@@ -41,6 +45,7 @@ class MeasuredElement(ByValue, Drawn):
     element: Element
     recording: Recording
     half: str
+    curve: Floats = field(repr=False)
     loading: Floats = field(repr=False)
     unloading: Floats = field(repr=False)
     noise: float
@@ -76,6 +81,11 @@ class MeasuredElement(ByValue, Drawn):
     def chain(self) -> Chain:
         """The element as a chain of one cell, which a design file can hold."""
         return Chain([self.element], title=self.element.name)
+
+    def to_csv(self, file: str | os.PathLike[str]) -> None:
+        """Write the curve as CSV with travel [mm] and force [N], which `load_element` reads."""
+        columns = zip((Quantity("travel", "mm"), Quantity("force", "N")), self.curve.T, strict=True)
+        write_csv(file, [*columns], 10)
 
     def __str__(self):
         ends = [f"{to_unit(a, 'mm'):.3g} to {to_unit(b, 'mm'):.3g} mm" for a, b in self.phases]
@@ -127,18 +137,20 @@ def measure_element(
     trim = not (stops if isinstance(stops, bool) else stops[0])
     try:
         halves, notes = _halves(recording, half)
-        fits = {way: fitted(*rows, least, drop, trim) for way, rows in halves.items()}
+        alone = trim and len(halves) == 1
+        fits = {way: fitted(*rows, least, drop, alone) for way, rows in halves.items()}
         fit, friction = next(iter(fits.values())), 0.0
         if len(fits) == 2:
             fit, friction = _mean(halves, fits, (least, drop, trim), notes)
+        _refuse_many(fit)
+        force = fit.force - (fit.offset or 0.0)
+        digits = 7 - int(np.floor(np.log10(np.max(np.abs(force)))))
+        curve = np.column_stack([np.round(fit.travel, 9), np.round(force, digits)])
         element = Element.from_table(
-            _rounded(fit.travel, 9),
-            _rounded(fit.force - (fit.offset or 0.0), 7 - _digits(fit.force)),
-            name or recording.name,
-            stops=stops,
-            friction=friction,
-            unusual=True,
+            *curve.T.tolist(), name or recording.name, stops=stops, friction=friction, unusual=True
         )
+        for slip in sizes.of_element(element):
+            raise InputError(f"{slip} Check the units in the header of the file.")
     except LabError:
         raise
     except InputError as error:
@@ -153,6 +165,7 @@ def measure_element(
         replace(element, error_band=float(f"{fit.band:.3g}")),
         recording,
         "both" if len(fits) == 2 else next(iter(fits)),
+        curve,
         shown.get("loading", empty),
         shown.get("unloading", empty),
         max(fit.scatter.sd, least),
@@ -201,7 +214,10 @@ def _halves(recording: Recording, half: str | None) -> tuple[dict[str, _Rows], l
     if left:
         notes.append(f"{left} shorter strokes are left out, such as preload.")
     wanted = [half] if half else sorted(ways)
-    return {way: (travel[ways[way][0]], force[ways[way][0]]) for way in wanted}, notes
+    chosen = {way: ways[way][0] for way in wanted}
+    # Halves share the row at which the stroke turns: it belongs to the first of them.
+    rows = {way: slice(one.start + (one.start > 0), one.stop) for way, one in chosen.items()}
+    return {way: (travel[one], force[one]) for way, one in rows.items()}, notes
 
 
 def _mean(
@@ -216,9 +232,7 @@ def _mean(
     low, high = max(up.travel[0], down.travel[0]), min(up.travel[-1], down.travel[-1])
 
     def apart(x: Floats) -> Floats:
-        return 0.5 * (
-            np.interp(x, up.travel, up.force) - np.interp(x, down.travel, down.force)
-        )
+        return 0.5 * (np.interp(x, up.travel, up.force) - np.interp(x, down.travel, down.force))
 
     # Force turns back over some travel at both ends.
     inner = apart(np.linspace(low + 0.1 * (high - low), high - 0.1 * (high - low), 161))
@@ -231,30 +245,35 @@ def _mean(
         )
     elif most - least > max(2.0 * error, 0.5 * abs(friction)):
         notes.append(
-            f"Half the difference of loading and unloading is {least:.2g} to {most:.2g} N: friction "
-            f"is not constant. The median is used; the rest is not in the element."
+            f"Half the difference of loading and unloading is {least:.2g} to {most:.2g} N: it is "
+            f"no constant friction. The median is used; the rest is not in the element."
         )
-    if up.offset is not None and down.offset is not None:
-        drift = down.offset - up.offset
-        if abs(drift) > error:
-            notes.append(f"The force before contact drifts by {drift:+.2g} N from half to half.")
     both: list[_Rows] = []
     for sign, way in ((1.0, "loading"), (-1.0, "unloading")):
         x, y = halves[way]
-        inside = (x >= low) & (x <= high) if way == "loading" or len(x) else slice(None)
+        inside = (x >= low) & (x <= high)
         both.append((x[inside], y[inside] - sign * apart(x[inside])))
     joined = fitted(*(np.concatenate(column) for column in zip(*both, strict=True)), *options)
-    # The curve is within half the scatter of the halves about their mean too.
+    drift = float(down.force[0] - up.force[0])
+    if joined.offset is not None and abs(drift) > error:
+        notes.append(f"The force before contact drifts by {drift:+.2g} N from half to half.")
     return joined, float(f"{friction:.3g}") if friction > 0.5 * error else 0.0
+
+
+def _refuse_many(fit: Fit) -> None:
+    """Raise ValueError for more turns than an element has: vibration."""
+    if len(fit.turns) > _MOST_TURNS:
+        raise InputError(
+            f"the force rises and falls {len(fit.turns) + 1} times: vibration or hum is likely. "
+            f"Give the smallest drop that counts as a snap, as least_drop= in N (--least-drop)."
+        )
 
 
 def _refuse_unlike(up: Fit, down: Fit) -> None:
     """Raise ValueError where loading and unloading have other turns: a snap during the test."""
     places = [fit.travel[list(fit.turns)] for fit in (up, down)]
     span = float(np.ptp(up.travel))
-    if len(places[0]) != len(places[1]) or np.any(
-        np.abs(places[0] - places[1]) > _APART * span
-    ):
+    if len(places[0]) != len(places[1]) or np.any(np.abs(places[0] - places[1]) > _APART * span):
         each = [_listed(one) for one in places]
         raise InputError(
             f"loading turns at {each[0]}, unloading at {each[1]}: their mean is no curve of one "
@@ -270,15 +289,23 @@ def _listed(travels: Floats) -> str:
 
 def _remarks(fit: Fit, approach: float, recording: Recording) -> Sequence[str]:
     notes: list[str] = []
+    least = float(np.min(fit.changes)) if fit.turns else np.inf
+    if least < 2.0 * fit.band:
+        notes.append(
+            f"The smallest change of force between turns, {least:.2g} N, is less than twice the "
+            f"error band: its phase is uncertain. Measure with less noise or more rows."
+        )
     if fit.offset is not None:
         notes.append(
             f"{to_unit(approach, 'mm'):.3g} mm without contact are left out; the force there, "
             f"{fit.offset:.2g} N, is taken as zero."
         )
     if fit.outliers:
-        notes.append(f"{fit.outliers} outliers of the force are replaced by neighbours.")
+        notes.append(f"Outliers of the force, replaced by their neighbours: {fit.outliers}.")
     if fit.scatter.step > 2.0 * fit.scatter.sd:
-        notes.append(f"Forces are multiples of {fit.scatter.step:.3g} N, which limits the accuracy.")
+        notes.append(
+            f"Forces are multiples of {fit.scatter.step:.3g} N, which limits the accuracy."
+        )
     if fit.scatter.rows:
         notes.append(
             f"The noise is correlated over about {fit.scatter.rows} rows (drift, vibration or a "
@@ -290,12 +317,3 @@ def _remarks(fit: Fit, approach: float, recording: Recording) -> Sequence[str]:
             "this force as negative."
         )
     return [*notes, *recording.remarks]
-
-
-def _digits(force: Floats) -> int:
-    return int(np.floor(np.log10(np.max(np.abs(force)))))
-
-
-def _rounded(values: Floats, decimals: int) -> Floats:
-    """Rounded to the nearest decimal numbers, as a file holds them."""
-    return np.array([float(f"{value:.{max(decimals, 0)}f}") for value in values.tolist()])

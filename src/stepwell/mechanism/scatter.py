@@ -72,16 +72,16 @@ def scatter_of(force: Floats, travel: Floats | None = None) -> Scatter:
 def without_outliers(force: Floats, sd: float) -> tuple[Floats, int]:
     """The (n,) forces with single outliers replaced by a median of five, and their number.
 
-    An outlier is more than 5 `sd` [N] from that median, and far more than its neighbours.
+    An outlier is more than 6 `sd` [N] from that median, and far more than its neighbours.
     """
-    from scipy.ndimage import median_filter, percentile_filter
+    from scipy.ndimage import median_filter
 
     if len(force) < 50:
         return force, 0
     middle = median_filter(force, 5, mode="nearest")
     off = np.abs(force - middle)
     # Percentiles of a window are slow: they are taken where they decide.
-    candidates = np.flatnonzero(off > 5.0 * sd)
+    candidates = np.flatnonzero(off > 6.0 * sd)
     if not len(candidates) or len(candidates) > 0.1 * len(force):
         return force, 0
     steps = np.abs(np.diff(force, append=force[-1:]))
@@ -128,14 +128,15 @@ def _size(contrast: Floats, coarse: bool) -> float:
 
 
 def _local(contrast: Floats, n: int) -> Floats:
-    """(n,) standard deviation of the neighbourhood, by the median of three blocks."""
+    """(n,) standard deviation of the neighbourhood, by the largest of three blocks."""
     blocks = min(24, len(contrast) // 60)
     if blocks < 3:
         return np.zeros(n)
     parts = np.array_split(np.abs(contrast), blocks)
     sizes = _MAD * np.array([np.median(part) for part in parts])
-    padded = np.pad(sizes, 1, mode="edge")
-    middle = np.median(np.stack([padded[:-2], padded[1:-1], padded[2:]]), axis=0)
+    # Kinks change few differences of a block. The ends of a noisy stretch are inside blocks.
+    padded = np.pad(np.where(sizes > 2.0 * np.median(sizes), sizes, 0.0), 1)
+    middle = np.max(np.stack([padded[:-2], padded[1:-1], padded[2:]]), axis=0)
     return np.repeat(middle, [len(part) for part in np.array_split(np.arange(n), blocks)])
 
 
@@ -151,7 +152,10 @@ def _long_run(force: Floats, sd: float) -> tuple[float, float, int]:
     ratios = np.array(deviations) * np.sqrt(sizes) / sd
     # Means of white noise scatter by chance, and the largest blocks see the shape of the curve.
     few = len(ratios) < 3
-    if np.sum(ratios > 0.8 * _CORRELATED) < 3 - few or np.max(ratios) < (1.3 if few else 1.0) * _CORRELATED:
+    if (
+        np.sum(ratios > 0.8 * _CORRELATED) < 3 - few
+        or np.max(ratios) < (1.3 if few else 1.0) * _CORRELATED
+    ):
         return 1.0, 0.0, 0
     most = int(np.argmax(ratios))
     grows = most == len(ratios) - 1 and ratios[-1] > 1.15 * ratios[-2]

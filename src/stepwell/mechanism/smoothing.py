@@ -1,6 +1,7 @@
 """The smooth curve through noisy points: its rising and falling stretches, and its error band."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from stepwell.mechanism.scatter import Scatter, scatter_of, without_outliers
 # Points are averaged over at most this many intervals of equal travel.
 _BINS = 2048
 # Spans of the spline, and points of the fine grid in each.
-_SPANS, _FINE = 160, 8
+_MOST_SPANS, _LEAST_SPANS, _FINE = 160, 8, 8
 # Standard deviations beyond the largest of many windows of noise, for a stretch that is proven to
 # rise or fall, and for a window in which the curve is too smooth.
 _PROVEN, _MISFIT = 3.0, 1.0
@@ -85,6 +86,11 @@ class Fit(NamedTuple):
     band: float
     offset: float | None
 
+    @property
+    def changes(self) -> Floats:
+        """Size of the change of force on each stretch between turns and ends [N]."""
+        return changes(self.force, self.turns)
+
 
 def changes(force: Floats, turns: Sequence[int]) -> Floats:
     """Size of the change of (n,) forces on each stretch between turns and ends [N]."""
@@ -107,6 +113,10 @@ def fitted(
         ValueError: no rise is larger than the noise; or the noise is correlated and could make a
             turn, and `least_drop` is 0.
     """
+    if not np.ptp(force):
+        raise InputError(f"the force is {float(force[0]):.4g} N everywhere: must rise and fall.")
+    new = np.append(True, (np.diff(travel) != 0.0) | (np.diff(force) != 0.0))
+    travel, force = travel[new], force[new]
     spaced = travel if len(travel) <= 500 and np.all(np.diff(travel) > 0.0) else None
     scatter = scatter_of(force, spaced)
     cleaned, outliers = without_outliers(force, max(scatter.sd, noise))
@@ -127,25 +137,50 @@ def fitted(
     first = turns[0] if turns else len(x) - 1
     contact = _contact(x[: first + 1], y[: first + 1], curve) if trim and curve.rises else None
     if contact is not None:
-        start, offset = contact
-        keep = np.flatnonzero((x > start) & ((y > offset) | (np.arange(len(x)) > first)))
-        x, y = np.append(start, x[keep]), np.append(offset, y[keep])
-        turns = tuple(turn - int(keep[0]) + 1 for turn in turns)
+        start, joins, offset = contact
+        keep = int(np.searchsorted(x, joins))
+        x, y = np.append(start, x[keep:]), np.append(offset, y[keep:])
+        turns = tuple(turn - keep + 1 for turn in turns)
+    x, y, turns = _with_rising_ends(x, y, turns)
     return Fit(x, y, turns, curve.rises, scatter, outliers, band, offset)
 
 
-def _contact(x: Floats, y: Floats, curve: Smooth) -> tuple[float, float] | None:
-    """Travel and force where a constant force ends; None if it does not begin constant."""
-    near = _SAME * float(np.max(curve.error))
+def _with_rising_ends(
+    x: Floats, y: Floats, turns: tuple[int, ...]
+) -> tuple[Floats, Floats, tuple[int, ...]]:
+    """Without the points next to an end because of which monotone cubics are flat there."""
+    while len(x) > 3 and 1 not in turns and _flat(np.diff(y[:3]) / np.diff(x[:3])):
+        x, y, turns = np.delete(x, 1), np.delete(y, 1), tuple(turn - 1 for turn in turns)
+    while (
+        len(x) > 3 and len(x) - 2 not in turns and _flat((np.diff(y[-3:]) / np.diff(x[-3:]))[::-1])
+    ):
+        x, y = np.delete(x, -2), np.delete(y, -2)
+    return x, y, turns
+
+
+def _flat(slopes: Floats) -> bool:
+    """Whether the slope of a stretch at an end is far less than that of the next."""
+    return bool(2.5 * abs(slopes[0]) < abs(slopes[1]))
+
+
+def _contact(x: Floats, y: Floats, curve: Smooth) -> tuple[float, float, float] | None:
+    """Travel where a constant force ends, travel where the curve joins, and that force.
+
+    None if the force does not begin constant.
+    """
+    near = max(_SAME * float(np.max(curve.error)), _EXACT * float(np.ptp(curve.force)))
     lead = x <= curve.travel[0] + _APPROACH * float(np.ptp(curve.travel))
     offset = float(np.median(y[lead]))
     last = int(np.argmax(np.append(np.abs(y - offset) > near, True)))
-    beyond = int(np.argmax(np.append(y - offset > 4.0 * near, True)))
-    if last >= len(x) - 1 or beyond >= len(x) or np.sum(lead) > last:
+    if last >= len(x) - 1 or np.sum(lead) > last or np.max(y) <= offset + 8.0 * near:
         return None
-    at = max(last - 1, 0)
-    slope = (y[beyond] - y[at]) / (x[beyond] - x[at])
-    return float(np.clip(x[beyond] - (y[beyond] - offset) / slope, x[at], x[beyond])), offset
+    # The line through two forces beyond, back to where it meets the constant one.
+    first, second = np.interp([offset + 4.0 * near, offset + 8.0 * near], y[last:], x[last:])
+    start = max(2.0 * float(first) - float(second), float(x[max(last - 1, 0)]))
+    # On a line that only begins slowly the curve would rise by little more than its error.
+    if 4.0 * near * (start - x[0]) < 6.0 * near * float(second - first):
+        return None
+    return start, float(first), offset
 
 
 def _refuse_slow(curve: Smooth, scatter: Scatter, least_drop: float) -> None:
@@ -256,23 +291,24 @@ def _spline(bins: Bins) -> tuple[Floats, Floats, Floats]:
     from scipy.sparse import diags_array
 
     low, high = float(bins.travel[0]), float(bins.travel[-1])
-    step = (high - low) / _SPANS
-    knots = low + step * np.arange(-3, _SPANS + 4)
+    spans = int(np.clip(len(bins.travel), _LEAST_SPANS, _MOST_SPANS))
+    step = (high - low) / spans
+    knots = low + step * np.arange(-3, spans + 4)
     design = BSpline.design_matrix(bins.travel, knots, 3, extrapolate=True)
-    fine = np.linspace(low, high, _SPANS * _FINE + 1)
+    fine = np.linspace(low, high, spans * _FINE + 1)
     on_fine = BSpline.design_matrix(fine, knots, 3, extrapolate=True)
     weight = diags_array(1.0 / bins.variance)
     normal = (design.T @ weight @ design).tocsr()
     right = design.T @ (bins.force / bins.variance)
-    bands = np.zeros((_WIDE, size := _SPANS + 3))
+    bands = np.zeros((_WIDE, size := spans + 3))
     for k in range(4):
         bands[_WIDE - 1 - k, k:] = normal.diagonal(k)
     scale = float(np.sum(bands[-1]))
     local = np.full(size - _WIDE + 1, _START * scale)
-    span = np.clip(((bins.travel - low) / step).astype(int), 0, _SPANS - 1)
+    span = np.clip(((bins.travel - low) / step).astype(int), 0, spans - 1)
 
     def solved(factor: float, wanted: Floats) -> Floats:
-        return solveh_banded(bands + _penalty(factor * local, 1e-10 * scale), wanted)
+        return solveh_banded(bands + _penalty(factor * local, 1e-9 * scale), wanted)
 
     for _ in range(_MOST_ROUNDS):
         bad = _misfit(bins, bins.force - design @ solved(1.0, right))
@@ -319,13 +355,11 @@ def _misfit(bins: Bins, rest: Floats) -> np.ndarray:
     return np.cumsum(marks)[:-1] > 0.5
 
 
-def _turns(
-    bins: Bins, x: Floats, y: Floats, stretches: list[tuple[int, int, int]]
-) -> list[int]:
+def _turns(bins: Bins, x: Floats, y: Floats, stretches: list[tuple[int, int, int]]) -> list[int]:
     """Indices of the grid at which the spline turns between proven stretches."""
     turns: list[int] = []
     last = 0
-    for (way, begin, _), (_, _, end) in zip(stretches, stretches[1:], strict=False):
+    for (way, begin, _), (_, _, end) in pairwise(stretches):
         edges = bins.travel[begin], bins.travel[end - 1]
         low, high = np.searchsorted(x, edges[0]), np.searchsorted(x, edges[1], side="right")
         low = max(int(low), last + 1)
@@ -360,7 +394,7 @@ def _monotone(x: Floats, y: Floats, error: Floats, turns: list[int], rises: bool
     tiny = max(0.1 * float(np.max(error)), 1e-5 * float(np.ptp(y))) / (x[-1] - x[0])
     places = [0, *turns, len(x) - 1]
     way = 1.0 if rises else -1.0
-    for k, (a, b) in enumerate(zip(places, places[1:], strict=False)):
+    for k, (a, b) in enumerate(pairwise(places)):
         part = slice(a, b + 1)
         ramp = tiny * (x[part] - x[a])
         weights = np.ones(b - a + 1)

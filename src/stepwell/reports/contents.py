@@ -165,6 +165,12 @@ def _band(fit: sw.lab.BandFit, account: Account) -> Contents:
     return Contents("lab band", "band.json", {"band.toml": account.record["table"]}, draws)
 
 
+def _measured_element(measured: sw.lab.MeasuredElement, account: Account) -> Contents:
+    draws = {"element": partial(figures.measured_element, measured)}
+    files = {"design.toml": design_text(account), "element.csv": measured.to_csv}
+    return Contents("lab element", "element.json", files, draws)
+
+
 def _comparison(comparison: sw.lab.Comparison, _: Account) -> Contents:
     draws: dict[str, Draw] = {}
     if comparison.cells:
@@ -299,6 +305,7 @@ CONTENTS: dict[str, Callable[..., Contents]] = {
     "Design": _design,
     "MapView": _map,
     "Maze": _simulated,
+    "MeasuredElement": _measured_element,
     "Prediction": _prediction,
     "Program": _program,
     "Reprogramming": _reprogramming,

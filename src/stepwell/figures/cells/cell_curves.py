@@ -44,7 +44,7 @@ def element_curve(element: Element, *, source: str = "", ax: Axes | None = None)
         ax: axes of the force; by default a new figure of one column's width, with the energy below.
     """
     own = ax is None
-    key = _key([element])
+    key = element_key([element])
     foot, head = 10.0 + 4.5 * bool(source), 2.5 + 4.0 * -(-len(key) // 2)
     figure, ax = sheet.canvas(
         ax, (style.COLUMN, foot + 74.0 + head), (14.0, foot + 28.0, 2.0, head)
@@ -84,7 +84,7 @@ def element_curves(elements: Mapping[str, Element]) -> Figure:
     across = min(max(1, int(page / _LEAST)), 3, len(elements))
     each, tall, foot = page / across, 54.0, 7.0
     rows = -(-len(elements) // across)
-    key = _key(elements.values())
+    key = element_key(elements.values())
     columns, lines = legends.grid_size(len(key), page, _ENTRY)
     foot += 3.8 * (lines - 1)
     figure = sheet.blank(page, rows * tall + foot)
@@ -234,7 +234,7 @@ def _circle(colour: str) -> dict[str, Any]:
     return style.hollow(4.6, colour, markeredgewidth=1.2, clip_on=False)
 
 
-def _key(elements: Iterable[Element]) -> list[Artist]:
+def element_key(elements: Iterable[Element]) -> list[Artist]:
     """Legend entries for the lines and marks that occur."""
     shown = list(elements)
     bistable = any(len(element.phases) > 1 for element in shown)
