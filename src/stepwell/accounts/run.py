@@ -1,11 +1,13 @@
 """A run: what a design does in a full cycle, and how far it is from doing something else."""
 
+from collections.abc import Callable
+
 from stepwell.accounts import changes, events, words
 from stepwell.accounts.chain import actuator_schema, cell_schema, cell_section, named, texts
 from stepwell.accounts.head import About, Shape, keys
 from stepwell.accounts.parts import PAGE, Account, Fact, Picture, Replay, Text
 from stepwell.accounts.yields import PICTURES, sample_words, yield_words
-from stepwell.base import Quantity, Schema, counted, in_measure, number, read_off
+from stepwell.base import Quantity, Schema, amount, counted, in_measure, number, read_off
 from stepwell.design import Run
 from stepwell.sequences import Cycle, Pathway
 from stepwell.statics import EventKind, Path
@@ -35,8 +37,20 @@ def run_schema(shape: Shape) -> Schema:
         ),
         *read_off(cycle_schema(shape), "cycle"),
         *keys(margin=changes.margin_schema(shape)),
+        *(_measured_schema(shape) if shape.elements else ()),
         *keys(ties=([str], lambda run: words.tie_notes(run.cycle.degenerate, run.chain))),
     )
+
+
+def _measured_schema(shape: Shape) -> Schema:
+    """What error bands and scatter of measured curves mean for a run."""
+
+    def end(k: int) -> Callable[[Run], float | None]:
+        return lambda run: run.dissipated_range and run.dissipated_range[k]
+
+    ends = keys(dissipated_low=("mJ", end(0)), dissipated_high=("mJ", end(1)))
+    notes = keys(curve_notes=([str], lambda run: words.curve_notes(run.chain)))
+    return (*in_measure(ends, shape.measure), *keys(other_sequences=[str]), *notes)
 
 
 def cycle_schema(shape: Shape) -> Schema:
@@ -65,7 +79,12 @@ def run_account(run: Run, about: About) -> Account:
     origin = f"{made}. {words.cells_of(chain)}."
     nearest, landings = changes.margin_words(margin), events.landing_words(run.landings)
     tied, measure = bool(cycle.degenerate), chain.measure
-    facts = (*cycle_facts(cycle), Fact("Margin", nearest), Fact("Landings", landings))
+    facts = (
+        *cycle_facts(cycle),
+        *_banded(run),
+        Fact("Margin", nearest),
+        Fact("Landings", landings),
+    )
     nearby = (
         Picture("margins", "Distance of each parameter to another sequence"),
         Picture("around", "Sequences around the most sensitive anchor"),
@@ -91,9 +110,18 @@ def run_account(run: Run, about: About) -> Account:
         **words.assumed(chain),
     }
     title, answer = chain.title or about.source or "Untitled chain", cycle_words(cycle)
-    warned = [words.degenerate(cycle.degenerate, chain)]
+    curves = words.scattered(words.curve_notes(chain), run.other_sequences)
+    warned = [words.degenerate(cycle.degenerate, chain), curves]
     hints = [_CHECK] if landings == events.NOT_CHECKED else []
     return Account(run, title, "run/2", answer, facts, sections, warned, origin, hints=hints)
+
+
+def _banded(run: Run) -> list[Fact]:
+    """The dissipated energy within the error bands of measured curves."""
+    if run.dissipated_range is None:
+        return []
+    low, high = (amount(one, "J", 3) for one in run.dissipated_range)
+    return [Fact("Dissipated within error bands", f"{low} to {high}")]
 
 
 def cycle_words(cycle: Cycle) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from stepwell.accounts.head import About
 from stepwell.accounts.parts import FULL, Notes, Sections, Warned
 from stepwell.base import Quantity, amount, counted, display_unit, grouped, join_first, number
-from stepwell.mechanism import Cell, Chain, Element, Linear
+from stepwell.mechanism import Cell, Chain, Element, Linear, scatter_of_curve
 
 if TYPE_CHECKING:
     from stepwell.sequences import Cycle, Program
@@ -159,6 +159,32 @@ def degenerate(ties: Iterable[Tie], chain: Chain | None) -> Warned:
         "The model cannot decide between their outcomes; a real mechanism will.",
         tie_notes(ties, chain),
     )
+
+
+def curve_notes(chain: Chain) -> list[str]:
+    """Sentences on elements whose points scatter so much that the scatter changes results."""
+    notes: list[str] = []
+    unit = chain.measure.force_unit
+    for name, cell in zip(chain.names, chain.cells, strict=True):
+        laws = cell.laws if isinstance(cell, Element) else ()
+        scatter = max((scatter_of_curve(one.rows, one.end) for one in laws), default=0.0)
+        if scatter:
+            # Noise of a table is before scales.
+            given = display_unit(unit)[1] * scatter / getattr(cell, "force_scale", 1.0)
+            key = f"noise_{display_unit(unit)[0]} = {given:.2g}"
+            notes.append(
+                f"{name}: its points scatter by about {amount(scatter, unit, 2)}, and the curve "
+                f"passes through all of them, so that stiffness, snaps and dissipated energy are "
+                f"partly scatter. Give {key} with its table, or use stepwell lab element."
+            )
+    return notes
+
+
+def scattered(notes: Sequence[str], sequences: Sequence[str] = ()) -> Warned:
+    """The warning of measured curves: `curve_notes`, and other sequences in error bands."""
+    others = f"Within the error bands the sequence can be {join_first(sequences, 4)} too."
+    text = "Scatter of measured points changes the result, or can change it."
+    return Warned("Measured curves", text, [*notes, *([others] if sequences else [])])
 
 
 def calibration(about: About) -> Sections:

@@ -8,13 +8,15 @@ import numpy as np
 
 from stepwell.base import ByValue, Drawn, Floats, InputError, Quantity, check, to_unit, write_csv
 from stepwell.lab.recordings.recording import LabError, Recording
-from stepwell.mechanism import Chain, Element, Fit, fitted
+from stepwell.mechanism import Chain, Element, Fit, fitted, sizes
 
 # Halves of one recording describe one curve if it turns at the same travels, within this fraction
 # of the travel.
 _APART = 0.1
 # A half shorter than this fraction of the longest one is preload or settling.
 _WHOLE = 0.8
+# Fewer rows do not show their noise.
+_FEWEST = 12
 # An element has up to ten phases.
 _MOST_TURNS = 19
 # Standard deviations of noise that a drop over all its rows must have to be seen in 95 % of curves.
@@ -134,6 +136,12 @@ def measure_element(
         raise InputError(f"half = {half!r}: must be 'loading', 'unloading' or None for both.")
     least = 0.0 if noise is None else check.positive("noise", noise, "N")
     drop = 0.0 if least_drop is None else check.positive("least_drop", least_drop, "N")
+    if len(recording) < _FEWEST and not least:
+        raise LabError(
+            recording.source,
+            f"{len(recording)} rows are too few to show their noise: must be {_FEWEST} or more. "
+            f"Give noise= in N (--noise), or write the points into a table.",
+        )
     trim = not (stops if isinstance(stops, bool) else stops[0])
     try:
         halves, notes = _halves(recording, half)

@@ -190,11 +190,14 @@ def scatter_of_curve(rows: Floats, end: float) -> float:
     """
     width = np.diff(rows[:, 0], append=end)
     _, c1, c2, c3 = rows[:, 1:5].T
-    goes_on = np.stack([c1 + width * (2 * c2 + 3 * c3 * width), c2 + 3 * c3 * width, c3])[:, :-1]
-    own = np.stack([c1, c2, c3])[:, 1:]
-    # A cut within one cubic is no point.
-    size = np.abs(goes_on) + np.abs(own)
-    given = np.append(True, np.any(np.abs(own - goes_on) > 1e-6 * size, axis=0))
+    # A cut within one cubic is no point. Slope, curvature and its change are compared by what they
+    # add to the slope.
+    ahead = np.stack([c1 + width * (2 * c2 + 3 * c3 * width), 2 * c2 + 6 * c3 * width, 3 * c3])
+    own = np.stack([c1, 2 * c2, 3 * c3])
+    by = width ** np.arange(3)[:, None]
+    size = np.sum(np.abs(own) * by, axis=0)
+    off = np.abs(own[:, 1:] - ahead[:, :-1]) * by[:, :-1]
+    given = np.append(True, np.any(off > 1e-6 * (size[1:] + size[:-1]), axis=0))
     travel, force = rows[given, 0], rows[given, 1]
     if len(travel) < _RECORDED:
         return 0.0

@@ -138,7 +138,7 @@ def fitted(
     contact = _contact(x[: first + 1], y[: first + 1], curve) if trim and curve.rises else None
     if contact is not None:
         start, joins, offset = contact
-        keep = int(np.searchsorted(x, joins))
+        keep = int(np.searchsorted(x, joins, side="right"))
         x, y = np.append(start, x[keep:]), np.append(offset, y[keep:])
         turns = tuple(turn - keep + 1 for turn in turns)
     x, y, turns = _with_rising_ends(x, y, turns)
@@ -175,8 +175,10 @@ def _contact(x: Floats, y: Floats, curve: Smooth) -> tuple[float, float, float] 
     if last >= len(x) - 1 or np.sum(lead) > last or np.max(y) <= offset + 8.0 * near:
         return None
     # The line through two forces beyond, back to where it meets the constant one.
-    first, second = np.interp([offset + 4.0 * near, offset + 8.0 * near], y[last:], x[last:])
-    start = max(2.0 * float(first) - float(second), float(x[max(last - 1, 0)]))
+    begin = max(last - 1, 0)
+    levels = [offset + 4.0 * near, offset + 8.0 * near]
+    first, second = np.interp(levels, y[begin:], x[begin:])
+    start = max(2.0 * float(first) - float(second), float(x[begin]))
     # On a line that only begins slowly the curve would rise by little more than its error.
     if 4.0 * near * (start - x[0]) < 6.0 * near * float(second - first):
         return None
