@@ -146,11 +146,12 @@ def measure_element(
     try:
         halves, notes = _halves(recording, half)
         alone = trim and len(halves) == 1
-        fits = {way: fitted(*rows, least, drop, alone) for way, rows in halves.items()}
+        fits = {way: fitted(x, y, least, drop, alone) for way, (x, y) in halves.items()}
         fit, friction = next(iter(fits.values())), 0.0
         if len(fits) == 2:
             fit, friction = _mean(halves, fits, (least, drop, trim), notes)
         _refuse_many(fit)
+        _refuse_falling(fit, stops)
         force = fit.force - (fit.offset or 0.0)
         digits = 7 - int(np.floor(np.log10(np.max(np.abs(force)))))
         curve = np.column_stack([np.round(fit.travel, 9), np.round(force, digits)])
@@ -261,7 +262,8 @@ def _mean(
         x, y = halves[way]
         inside = (x >= low) & (x <= high)
         both.append((x[inside], y[inside] - sign * apart(x[inside])))
-    joined = fitted(*(np.concatenate(column) for column in zip(*both, strict=True)), *options)
+    travel, force = (np.concatenate(column) for column in zip(*both, strict=True))
+    joined = fitted(travel, force, *options)
     drift = float(down.force[0] - up.force[0])
     if joined.offset is not None and abs(drift) > error:
         notes.append(f"The force before contact drifts by {drift:+.2g} N from half to half.")
@@ -274,6 +276,23 @@ def _refuse_many(fit: Fit) -> None:
         raise InputError(
             f"the force rises and falls {len(fit.turns) + 1} times: vibration or hum is likely. "
             f"Give the smallest drop that counts as a snap, as least_drop= in N (--least-drop)."
+        )
+
+
+def _refuse_falling(fit: Fit, stops: bool | tuple[bool, bool]) -> None:
+    """Raise ValueError where the force falls at an end that has no stop."""
+    given = (stops, stops) if isinstance(stops, bool) else stops
+    falls = not fit.rises, fit.rises == bool(len(fit.turns) % 2)
+    needed = [falls[k] or given[k] for k in (0, 1)]
+    if needed != [*given]:
+        ends = " and ".join(
+            f"at the {word} end" for k, word in enumerate(("low", "high")) if falls[k]
+        )
+        word = "both" if all(needed) else ("high", "low")[needed[0]]
+        raise InputError(
+            f"the force falls {ends} of the travel, where an element needs a stop. If there are "
+            f"stops, give stops={tuple(needed)} (--stops {word}); else test over more travel, or "
+            f"check the sign of the force."
         )
 
 

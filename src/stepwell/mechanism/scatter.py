@@ -74,11 +74,11 @@ def without_outliers(force: Floats, sd: float) -> tuple[Floats, int]:
 
     An outlier is more than 6 `sd` [N] from that median, and far more than its neighbours.
     """
-    from scipy.ndimage import median_filter
+    from scipy.ndimage import median_filter  # pyright: ignore[reportMissingTypeStubs]
 
     if len(force) < 50:
         return force, 0
-    middle = median_filter(force, 5, mode="nearest")
+    middle: Floats = median_filter(force, 5, mode="nearest")
     off = np.abs(force - middle)
     # Percentiles of a window are slow: they are taken where they decide.
     candidates = np.flatnonzero(off > 6.0 * sd)

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -279,7 +279,8 @@ def smooth(bins: Bins, least_drop: float = 0.0) -> Smooth:
     stretches = proven(bins)
     turns = _turns(bins, x, y, stretches)
     rises = not stretches or stretches[0][0] > 0
-    turns, rises = _without_small(y, turns, rises, least_drop)
+    # What a window shows and the curve does not is no turn of the curve.
+    turns, rises = _without_small(y, turns, rises, max(least_drop, float(np.max(error))))
     y = _monotone(x, y, error, turns, rises)
     keep = np.union1d(np.arange(0, len(x), _FINE), turns).astype(int)
     at = np.searchsorted(keep, turns)
@@ -288,18 +289,19 @@ def smooth(bins: Bins, least_drop: float = 0.0) -> Smooth:
 
 def _spline(bins: Bins) -> tuple[Floats, Floats, Floats]:
     """Fine grid of travels, the spline there, and its standard error."""
-    from scipy.interpolate import BSpline
-    from scipy.linalg import solveh_banded
-    from scipy.sparse import diags_array
+    from scipy.interpolate import BSpline  # pyright: ignore[reportMissingTypeStubs]
+    from scipy.linalg import solveh_banded  # pyright: ignore[reportMissingTypeStubs]
+    from scipy.sparse import diags_array  # pyright: ignore[reportMissingTypeStubs]
 
     low, high = float(bins.travel[0]), float(bins.travel[-1])
     spans = int(np.clip(len(bins.travel), _LEAST_SPANS, _MOST_SPANS))
     step = (high - low) / spans
     knots = low + step * np.arange(-3, spans + 4)
-    design = BSpline.design_matrix(bins.travel, knots, 3, extrapolate=True)
+    splines_at: Any = BSpline.design_matrix  # pyright: ignore[reportUnknownMemberType]
+    design = splines_at(bins.travel, knots, 3, extrapolate=True)
     fine = np.linspace(low, high, spans * _FINE + 1)
-    on_fine = BSpline.design_matrix(fine, knots, 3, extrapolate=True)
-    weight = diags_array(1.0 / bins.variance)
+    on_fine = splines_at(fine, knots, 3, extrapolate=True)
+    weight: Any = diags_array(1.0 / bins.variance)
     normal = (design.T @ weight @ design).tocsr()
     right = design.T @ (bins.force / bins.variance)
     bands = np.zeros((_WIDE, size := spans + 3))
@@ -310,7 +312,8 @@ def _spline(bins: Bins) -> tuple[Floats, Floats, Floats]:
     span = np.clip(((bins.travel - low) / step).astype(int), 0, spans - 1)
 
     def solved(factor: float, wanted: Floats) -> Floats:
-        return solveh_banded(bands + _penalty(factor * local, 1e-9 * scale), wanted)
+        solution: Any = solveh_banded(bands + _penalty(factor * local, 1e-9 * scale), wanted)
+        return solution
 
     for _ in range(_MOST_ROUNDS):
         bad = _misfit(bins, bins.force - design @ solved(1.0, right))
@@ -328,7 +331,7 @@ def _spline(bins: Bins) -> tuple[Floats, Floats, Floats]:
         rest = bins.force - design @ solved(factor, right)
         effective = float(np.trace(solved(factor, dense)))
         costs.append(float(np.sum(rest**2 / bins.variance)) + 2.0 * effective)
-    inverse = on_fine @ solved(factors[int(np.argmin(costs))], np.eye(size))
+    inverse: Floats = on_fine @ solved(factors[int(np.argmin(costs))], np.eye(size))
     error = np.sqrt(np.maximum(np.sum((normal @ inverse.T).T * inverse, axis=1), 0.0))
     return fine, inverse @ right, error
 
@@ -362,10 +365,9 @@ def _turns(bins: Bins, x: Floats, y: Floats, stretches: list[tuple[int, int, int
     turns: list[int] = []
     last = 0
     for (way, begin, _), (_, _, end) in pairwise(stretches):
-        edges = bins.travel[begin], bins.travel[end - 1]
-        low, high = np.searchsorted(x, edges[0]), np.searchsorted(x, edges[1], side="right")
-        low = max(int(low), last + 1)
-        high = max(int(high), low + 1)
+        first, final = float(bins.travel[begin]), float(bins.travel[end - 1])
+        low = max(int(np.searchsorted(x, first)), last + 1)
+        high = max(int(np.searchsorted(x, final, side="right")), low + 1)
         last = low + int(np.argmax(way * y[low:high]))
         turns.append(last)
     return [turn for turn in turns if 0 < turn < len(x) - 1]
@@ -390,7 +392,7 @@ def _without_small(
 
 def _monotone(x: Floats, y: Floats, error: Floats, turns: list[int], rises: bool) -> Floats:
     """The curve made monotone from turn to turn, and nowhere constant."""
-    from scipy.optimize import isotonic_regression
+    from scipy.optimize import isotonic_regression  # pyright: ignore[reportMissingTypeStubs]
 
     out = y.copy()
     tiny = max(0.1 * float(np.max(error)), 1e-5 * float(np.ptp(y))) / (x[-1] - x[0])
@@ -403,6 +405,7 @@ def _monotone(x: Floats, y: Floats, error: Floats, turns: list[int], rises: bool
         # Turns stay where they are, so that neighbouring stretches meet.
         weights[0] = 1e6 if k else 1.0
         weights[-1] = 1e6 if b < len(x) - 1 else 1.0
-        out[part] = way * (isotonic_regression(way * y[part] - ramp, weights=weights).x + ramp)
+        level: Any = isotonic_regression(way * y[part] - ramp, weights=weights)
+        out[part] = way * (level.x + ramp)
         way = -way
     return out
