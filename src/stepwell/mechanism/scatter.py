@@ -1,6 +1,6 @@
 """Scatter of measured forces about a smooth curve: size, resolution, correlation, spikes."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,9 @@ FEWEST = 12
 _BLOCKS = 64
 # Long-run over short-run deviation from which the noise counts as correlated.
 _CORRELATED = 1.5
+# Recordings of up to this many rows are compared with every other of their rows too, if they have
+# this many; white noise changes the ratio by less than this over the square root of their number.
+_SHORT, _FEWEST_ROWS, _BY_CHANCE = 2048, 100, 8.0
 # Largest fraction of differences that kinks and jumps of the curve may change.
 _TRIMMED = 0.02
 # Standard deviation over that of normal deviates up to 3, and over the median deviation.
@@ -74,11 +77,13 @@ def without_outliers(force: Floats, sd: float) -> tuple[Floats, int]:
 
     An outlier is more than 6 `sd` [N] from that median, and far more than its neighbours.
     """
-    from scipy.ndimage import median_filter  # pyright: ignore[reportMissingTypeStubs]
+    from scipy import ndimage  # pyright: ignore[reportMissingTypeStubs]
+
+    images: Any = ndimage
 
     if len(force) < 50:
         return force, 0
-    middle: Floats = median_filter(force, 5, mode="nearest")
+    middle: Floats = images.median_filter(force, 5, mode="nearest")
     off = np.abs(force - middle)
     # Percentiles of a window are slow: they are taken where they decide.
     candidates = np.flatnonzero(off > 6.0 * sd)
@@ -156,10 +161,31 @@ def _long_run(force: Floats, sd: float) -> tuple[float, float, int]:
         np.sum(ratios > 0.8 * _CORRELATED) < 3 - few
         or np.max(ratios) < (1.3 if few else 1.0) * _CORRELATED
     ):
-        return 1.0, 0.0, 0
+        return _of_every_other(force, sd)
     most = int(np.argmax(ratios))
     grows = most == len(ratios) - 1 and ratios[-1] > 1.15 * ratios[-2]
     return float(ratios[most]), np.inf if grows else max(deviations), sizes[most]
+
+
+def _of_every_other(force: Floats, sd: float) -> tuple[float, float, int]:
+    """The same from every 2nd, 3rd and 4th row: the means of short recordings are too few."""
+    if not _FEWEST_ROWS <= len(force) <= _SHORT:
+        return 1.0, 0.0, 0
+    deviations = [
+        _MAD
+        * min(
+            float(
+                np.median(np.abs(np.concatenate([_differences(one, order, None) for one in rows])))
+            )
+            for order in _ORDERS
+        )
+        for rows in ([force[k::apart] for k in range(apart)] for apart in (2, 3, 4))
+    ]
+    most = int(np.argmax(deviations))
+    ratio = deviations[most] / sd
+    if ratio < _CORRELATED * 0.8 or (ratio - 1.0) * len(force) ** 0.5 < _BY_CHANCE:
+        return 1.0, 0.0, 0
+    return float(ratio), deviations[most], most + 2
 
 
 def _resolution(force: Floats) -> float:

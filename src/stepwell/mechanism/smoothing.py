@@ -38,13 +38,11 @@ class Bins(NamedTuple):
     Args:
         travel, force: (n,) means [m], [N].
         variance: (n,) of each mean [N²].
-        count: (n,) points in each.
     """
 
     travel: Floats
     force: Floats
     variance: Floats
-    count: Floats
 
 
 class Smooth(NamedTuple):
@@ -211,7 +209,7 @@ def binned(travel: Floats, force: Floats, sd: Floats) -> Bins:
     full = count > 0
     count = count[full]
     x, y, v = (np.bincount(place, one)[full] / count for one in (travel, force, sd**2))
-    return Bins(x, y, v / count, count)
+    return Bins(x, y, v / count)
 
 
 def proven(bins: Bins) -> list[tuple[int, int, int]]:
@@ -289,19 +287,19 @@ def smooth(bins: Bins, least_drop: float = 0.0) -> Smooth:
 
 def _spline(bins: Bins) -> tuple[Floats, Floats, Floats]:
     """Fine grid of travels, the spline there, and its standard error."""
-    from scipy.interpolate import BSpline  # pyright: ignore[reportMissingTypeStubs]
-    from scipy.linalg import solveh_banded  # pyright: ignore[reportMissingTypeStubs]
-    from scipy.sparse import diags_array  # pyright: ignore[reportMissingTypeStubs]
+    from scipy import interpolate, linalg, sparse  # pyright: ignore[reportMissingTypeStubs]
 
+    splines: Any = interpolate.BSpline
+    solver: Any = linalg
+    matrices: Any = sparse
     low, high = float(bins.travel[0]), float(bins.travel[-1])
     spans = int(np.clip(len(bins.travel), _LEAST_SPANS, _MOST_SPANS))
     step = (high - low) / spans
     knots = low + step * np.arange(-3, spans + 4)
-    splines_at: Any = BSpline.design_matrix  # pyright: ignore[reportUnknownMemberType]
-    design = splines_at(bins.travel, knots, 3, extrapolate=True)
+    design = splines.design_matrix(bins.travel, knots, 3, extrapolate=True)
     fine = np.linspace(low, high, spans * _FINE + 1)
-    on_fine = splines_at(fine, knots, 3, extrapolate=True)
-    weight: Any = diags_array(1.0 / bins.variance)
+    on_fine = splines.design_matrix(fine, knots, 3, extrapolate=True)
+    weight = matrices.diags_array(1.0 / bins.variance)
     normal = (design.T @ weight @ design).tocsr()
     right = design.T @ (bins.force / bins.variance)
     bands = np.zeros((_WIDE, size := spans + 3))
@@ -312,8 +310,7 @@ def _spline(bins: Bins) -> tuple[Floats, Floats, Floats]:
     span = np.clip(((bins.travel - low) / step).astype(int), 0, spans - 1)
 
     def solved(factor: float, wanted: Floats) -> Floats:
-        solution: Any = solveh_banded(bands + _penalty(factor * local, 1e-9 * scale), wanted)
-        return solution
+        return solver.solveh_banded(bands + _penalty(factor * local, 1e-9 * scale), wanted)
 
     for _ in range(_MOST_ROUNDS):
         bad = _misfit(bins, bins.force - design @ solved(1.0, right))
