@@ -1,6 +1,7 @@
 """Made-up recordings with known phases: how many come back right, and how many noise invents.
 
-`PYTHONPATH=src:tests python tests/lab/known_curves.py [COUNT] [SEED]` prints the counts for COUNT curves of each kind.
+With src and tests on the path, `python tests/lab/known_curves.py [COUNT] [SEED]` prints the counts
+for COUNT curves of each kind.
 """
 
 import sys

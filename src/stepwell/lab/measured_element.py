@@ -59,7 +59,7 @@ class MeasuredElement(ByValue, Drawn):
     notes: tuple[str, ...]
 
     @property
-    def band(self) -> float:
+    def error_band(self) -> float:
         """Largest error of the curve [N], in 95 % of curves of known shape."""
         return self.element.error_band
 
@@ -93,7 +93,7 @@ class MeasuredElement(ByValue, Drawn):
         ends = [f"{to_unit(a, 'mm'):.3g} to {to_unit(b, 'mm'):.3g} mm" for a, b in self.phases]
         return (
             f"{len(ends)} phase{'s' * (len(ends) != 1)}: {', '.join(ends)}; noise "
-            f"{self.noise:.2g} N; error band {self.band:.2g} N"
+            f"{self.noise:.2g} N; error band {self.error_band:.2g} N"
         )
 
     def __repr__(self):

@@ -112,7 +112,7 @@ def _differences(force: Floats, order: int, travel: Floats | None) -> Floats:
     apart = x[:, None] - x[None]
     apart[np.arange(order + 1), np.arange(order + 1)] = 1.0
     # Divided differences; rows at one travel compare with each other alone.
-    scale = np.abs(x[-1] - x[0]) / order
+    scale: Floats = np.abs(x[-1] - x[0]) / order
     small = 1e-6 * scale
     apart = np.where(np.abs(apart) < small, np.where(apart < 0, -small, small), apart) / scale
     weights = 1.0 / np.prod(apart, axis=1)

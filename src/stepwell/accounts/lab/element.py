@@ -26,7 +26,7 @@ def _phases(measured: MeasuredElement) -> list[dict[str, float]]:
 
 _NUMBERS: base.Schema = (
     base.Quantity("noise", "N", "noise"),
-    base.Quantity("error_band", "N", "error band", "band"),
+    base.Quantity("error_band", "N", "error band"),
     base.Quantity("friction", "N", "friction"),
     base.Quantity("smallest_drop", "N", "smallest drop that is seen"),
     base.Quantity("approach", "mm", "travel without contact"),
@@ -49,7 +49,7 @@ def measured_element_account(measured: MeasuredElement, about: About) -> Account
         Fact("Rows", f"{measured.rows}, {halves}"),
     )
     band = (
-        "The error band holds the whole curve in 95 % of made-up curves with white noise.",
+        "In about 95 % of made-up curves with white noise, the whole curve is within the error band.",
         "Friction is Coulomb friction: half the difference between loading and unloading.",
         "Between the phases the curve is known only if the machine prescribed the travel.",
     )
