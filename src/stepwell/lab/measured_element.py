@@ -266,7 +266,7 @@ def _mean(
     joined = fitted(travel, force, *options)
     drift = float(down.force[0] - up.force[0])
     if joined.offset is not None and abs(drift) > error:
-        notes.append(f"The force before contact drifts by {drift:+.2g} N from half to half.")
+        notes.append(f"Before contact, unloading is {drift:+.2g} N from loading: drift or friction.")
     return joined, float(f"{friction:.3g}") if friction > 0.5 * error else 0.0
 
 
@@ -321,6 +321,10 @@ def _remarks(fit: Fit, approach: float, recording: Recording) -> Sequence[str]:
         notes.append(
             f"The smallest change of force between turns, {least:.2g} N, is less than twice the "
             f"error band: its phase is uncertain. Measure with less noise or more rows."
+        )
+    if fit.is_exact:
+        notes.append(
+            "The force shows no noise: it is computed, or was filtered. A filter can hide a snap."
         )
     if fit.offset is not None:
         notes.append(

@@ -10,6 +10,8 @@ from stepwell.base import Floats
 _ORDERS = (4, 6)
 # Fewer points show no scatter; differences of few points include the shape of the curve.
 FEWEST = 12
+# Forces that scatter by less than this fraction of their range are computed, or were filtered.
+EXACT = 1e-5
 # Means of blocks are compared with points as long as there are this many blocks.
 _BLOCKS = 64
 # Long-run over short-run deviation from which the noise counts as correlated.
@@ -68,7 +70,9 @@ def scatter_of(force: Floats, travel: Floats | None = None) -> Scatter:
     floor = step / 12**0.5
     sd = max(sizes[best], floor)
     local = np.maximum(_local(contrasts[best], n), sd)
-    ratio, slow, rows = _long_run(force, sd) if sd > 0.0 else (1.0, 0.0, 0)
+    # Without noise, means of blocks show the shape of the curve only.
+    exact = sd <= EXACT * float(np.ptp(force))
+    ratio, slow, rows = (1.0, 0.0, 0) if exact else _long_run(force, sd)
     return Scatter(sd, local, step, ratio, slow, rows)
 
 

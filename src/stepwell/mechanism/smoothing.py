@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, InputError, Ints
-from stepwell.mechanism.scatter import Scatter, scatter_of, without_outliers
+from stepwell.mechanism.scatter import EXACT, Scatter, scatter_of, without_outliers
 
 # Points are averaged over at most this many intervals of equal travel.
 _BINS = 2048
@@ -21,7 +21,8 @@ _PROVEN, _MISFIT = 3.0, 1.0
 _DIFFERENCE = (1.0, -4.0, 6.0, -4.0, 1.0)
 _WIDE, _START = len(_DIFFERENCE), 1e9
 _MOST_ROUNDS, _WEAKER = 40, 0.2
-# Largest deviation of the curve in units of its largest standard error, in 95 % of made-up curves.
+# Largest deviation of the curve in units of its largest standard error, in 95 % of made-up curves
+# (tests/lab/known_curves.py).
 _BAND = 6.5
 # A force within this many standard errors of the first one is that before contact, if it lasts for
 # more than this fraction of the travel.
@@ -83,6 +84,11 @@ class Fit(NamedTuple):
     outliers: int
     band: float
     offset: float | None
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the points show no noise: they are computed, or were filtered."""
+        return self.scatter.sd <= EXACT * float(np.ptp(self.force))
 
     @property
     def changes(self) -> Floats:

@@ -49,7 +49,7 @@ def measured_element_account(measured: MeasuredElement, about: About) -> Account
         Fact("Rows", f"{measured.rows}, {halves}"),
     )
     band = (
-        "In about 95 % of made-up curves with white noise, the whole curve is within the error band.",
+        "The whole curve is within the error band in about 95 % of made-up curves, white noise.",
         "Friction is Coulomb friction: half the difference between loading and unloading.",
         "Between the phases the curve is known only if the machine prescribed the travel.",
     )
