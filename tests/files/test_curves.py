@@ -141,12 +141,12 @@ def test_rows_that_step_back_a_little_are_sorted_and_rows_at_one_travel_averaged
     )
 
 
-def test_noise_larger_than_the_snap_is_refused(written):
+def test_noise_larger_than_the_curve_is_refused(written):
     x = np.linspace(0, 6, 80)
     scatter = np.random.default_rng(0).normal(0, 0.3, 80)
     rows = zip(x, np.sin(x) * 0.4 + 0.25 * x + scatter, strict=True)
     name = written("travel_mm,force_N\n" + "".join(f"{a:.6g},{b:.6g}\n" for a, b in rows))
-    says(refusal(name, noise=0.3), "dome.csv: ", "noise = 0.3 N", "snap", "N")
+    says(refusal(name, noise=5.0), "dome.csv: ", "from its noise", "5 N")
     says(refusal(name, stops=True), "dome.csv: ", "stretches")
 
 

@@ -4,7 +4,7 @@ from stepwell import base
 from stepwell.accounts import changes, yields
 from stepwell.accounts.head import CALIBRATED, About, Shape, keys
 from stepwell.accounts.parts import Account, Fact, Replay, Warned
-from stepwell.accounts.words import assumed, calibration, cells_of, degenerate, tie_notes
+from stepwell.accounts.words import assumed, calibration, cells_of, degenerate, scattered, tie_notes
 from stepwell.base import Quantity, amount, percent
 from stepwell.design import Check, Measurement
 
@@ -68,7 +68,11 @@ def check_account(check: Check, about: About) -> Account:
     )
     title, answer = chain.title or "A design", f"{check.verdict}: {check.reason}"
     origin, seed = f"{cells_of(chain)}.", sampled.seed
-    warned = Warned("Warnings", "", check.warnings), degenerate(check.path.degenerate, chain)
+    warned = (
+        Warned("Warnings", "", check.warnings),
+        degenerate(check.path.degenerate, chain),
+        scattered(chain),
+    )
     sections = {
         "Outcomes of the samples": yields.PICTURES,
         "Motion": Replay(check.target),

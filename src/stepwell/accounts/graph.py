@@ -7,7 +7,7 @@ from typing import Any
 from stepwell.accounts.events import way
 from stepwell.accounts.head import About, Row, Shape, keys
 from stepwell.accounts.parts import Account, Fact, RecordTable, Text
-from stepwell.accounts.words import LONGEST_IN_A_LINE, degenerate, tie_notes
+from stepwell.accounts.words import LONGEST_IN_A_LINE, degenerate, scattered, tie_notes
 from stepwell.base import Column, Columns, Quantity, Schema, counted, join_first, read_off
 from stepwell.sequences import ImplicitGraph, MemoryReading, Sequence, TransitionGraph, Walked
 
@@ -106,7 +106,8 @@ def transition_graph_account(value: TransitionGraph | MemoryReading, about: Abou
         answer = f"main loop {loop}, {counted(graph.reading.sub_loop_count, 'sub-loop')}"
     facts = [Fact(*one) for one in known.items()]
     sections = {"Nodes": Text(f"{len(graph)} nodes, {graph.transition_count} transitions.")}
-    ties, schema = [degenerate(graph.ties, graph.chain)], graph_schema(shape_of(graph))
+    ties = [degenerate(graph.ties, graph.chain), scattered(graph.chain)]
+    schema = graph_schema(shape_of(graph))
     return Account(graph, _title(graph), "graph/2", answer, facts, sections, ties, schema=schema)
 
 
@@ -159,7 +160,8 @@ def walked_account(walked: Walked, about: About) -> Account:
     title, schema = graph.chain.title or "Transition graph", implicit_graph_schema(shape_of(graph))
     facts = [Fact(*one) for one in graph.facts.items()]
     sections = {heading: RecordTable(_walked_columns(walked), "walk", more="nodes")}
-    answer, ties = graph.summary, [degenerate(graph.ties, graph.chain)]
+    ties = [degenerate(graph.ties, graph.chain), scattered(graph.chain)]
+    answer = graph.summary
     return Account(walked, title, "implicit_graph/2", answer, facts, sections, ties, schema=schema)
 
 

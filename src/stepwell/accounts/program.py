@@ -81,7 +81,6 @@ def program_account(program: Program, about: About) -> Account:
         **words.assumed(chain),
     }
     title, way = chain.title or "A stroke program", f"{program.start} to {program.target}"
-    curves = words.scattered(words.curve_notes(chain))
-    warnings = [words.degenerate(path.degenerate, chain), curves]
+    warnings = [words.degenerate(path.degenerate, chain), words.scattered(chain)]
     answer, origin = f"{way}: {ends}", f"A program from {way} for {words.cells_of(chain)}."
     return Account(program, title, "program/2", answer, facts, sections, warnings, origin)

@@ -110,7 +110,7 @@ def run_account(run: Run, about: About) -> Account:
         **words.assumed(chain),
     }
     title, answer = chain.title or about.source or "Untitled chain", cycle_words(cycle)
-    curves = words.scattered(words.curve_notes(chain), run.other_sequences)
+    curves = words.scattered(chain, run.other_sequences)
     warned = [words.degenerate(cycle.degenerate, chain), curves]
     hints = [_CHECK] if landings == events.NOT_CHECKED else []
     return Account(run, title, "run/2", answer, facts, sections, warned, origin, hints=hints)
@@ -171,5 +171,5 @@ def _motion(value: Cycle | Path, path: Path, what: str, answer: str, facts: list
     chain = path.chain
     title = f"{what} of {chain.title}" if chain.title else what
     sections = events.event_sections(chain, path.events, None)
-    warnings = [words.degenerate(path.degenerate, chain)]
+    warnings = [words.degenerate(path.degenerate, chain), words.scattered(chain)]
     return Account(value, title, answer=answer, facts=facts, sections=sections, warnings=warnings)

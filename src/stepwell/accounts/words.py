@@ -162,15 +162,22 @@ def degenerate(ties: Iterable[Tie], chain: Chain | None) -> Warned:
 
 
 def curve_notes(chain: Chain) -> list[str]:
-    """Sentences on elements whose points scatter so much that the scatter changes results."""
+    """Sentences on elements whose scatter or error band changes results, or can change them."""
     notes: list[str] = []
     unit = chain.measure.force_unit
     for name, cell in zip(chain.names, chain.cells, strict=True):
-        laws = cell.laws if isinstance(cell, Element) else ()
-        scatter = max((scatter_of_curve(one.rows, one.end) for one in laws), default=0.0)
+        if not isinstance(cell, Element):
+            continue
+        drops = [one.force_high - two.force_low for one, two in pairwise(cell.phases)]
+        if min(drops, default=cell.largest_force) < 2.0 * cell.error_band:
+            notes.append(
+                f"{name}: its error band of {amount(cell.error_band, unit, 2)} can make or hide a "
+                f"phase. Measure with less noise or more rows."
+            )
+        scatter = max(scatter_of_curve(one.rows, one.end) for one in cell.laws)
         if scatter:
             # Noise of a table is before scales.
-            given = display_unit(unit)[1] * scatter / getattr(cell, "force_scale", 1.0)
+            given = display_unit(unit)[1] * scatter / cell.force_scale
             key = f"noise_{display_unit(unit)[0]} = {given:.2g}"
             notes.append(
                 f"{name}: its points scatter by about {amount(scatter, unit, 2)}, and the curve "
@@ -180,10 +187,11 @@ def curve_notes(chain: Chain) -> list[str]:
     return notes
 
 
-def scattered(notes: Sequence[str], sequences: Sequence[str] = ()) -> Warned:
+def scattered(chain: Chain | None, sequences: Sequence[str] = ()) -> Warned:
     """The warning of measured curves: `curve_notes`, and other sequences in error bands."""
     others = f"Within the error bands the sequence can be {join_first(sequences, 4)} too."
     text = "Scatter of measured points changes the result, or can change it."
+    notes = [] if chain is None else curve_notes(chain)
     return Warned("Measured curves", text, [*notes, *([others] if sequences else [])])
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from stepwell.accounts.head import CALIBRATED, About, Shape, keys, recorded
 from stepwell.accounts.parts import CARD, FULL, Account, Fact, Picture, RecordTable, Text, Warned
-from stepwell.accounts.words import assumed, calibration, cells_of, turning_points
+from stepwell.accounts.words import assumed, calibration, cells_of, scattered, turning_points
 from stepwell.base import Column, Quantity, Schema, in_measure, number, percent, record
 from stepwell.design import Survival, Tolerances, Yield
 from stepwell.mechanism import Chain
@@ -136,7 +136,9 @@ def _of_samples(report: Account, about: About) -> Account:
     chain, value = report.value.chain, report.value
     sections = {**report.sections, **calibration(about), **assumed(chain, value.assumptions)}
     title, origin = chain.title or report.title, f"{cells_of(chain)}."
-    return replace(report, title=title, origin=origin, sections=sections, seed=value.seed)
+    warnings = [*report.warnings, scattered(chain)]
+    report = replace(report, warnings=warnings, seed=value.seed)
+    return replace(report, title=title, origin=origin, sections=sections)
 
 
 def critical_fact(result: Yield) -> Fact:

@@ -266,7 +266,9 @@ def _mean(
     joined = fitted(travel, force, *options)
     drift = float(down.force[0] - up.force[0])
     if joined.offset is not None and abs(drift) > error:
-        notes.append(f"Before contact, unloading is {drift:+.2g} N from loading: drift or friction.")
+        notes.append(
+            f"Before contact unloading is {drift:+.2g} N from loading: drift, or friction."
+        )
     return joined, float(f"{friction:.3g}") if friction > 0.5 * error else 0.0
 
 

@@ -140,10 +140,11 @@ class Element(ByValue, Drawn):
                 noise that is correlated and could make a phase, or a size that is probably in
                 another unit.
         """
+        if noise is not None:
+            noise = check.positive("noise", noise, measure.force_unit)
         x, y = element_curves.checked(travel, force, measure, 3 if noise is None else 5)
         band = 0.0
         if noise is not None:
-            noise = check.positive("noise", noise, measure.force_unit)
             fit = smoothing.fitted(x, y, noise, trim=not _both(stops)[0])
             x, y, band = fit.travel, fit.force, fit.band
         on = (Sheet.of(cubics.through(x, y), float(x[-1])),)
