@@ -170,7 +170,8 @@ def curve_notes(chain: Chain) -> list[str]:
         if not isinstance(cell, Element):
             continue
         drops = [one.force_high - two.force_low for one, two in pairwise(cell.phases)]
-        if min(drops, default=cell.largest_force) < 2.0 * cell.error_band:
+        # Without a drop, one of a fraction of the largest force would matter.
+        if min(drops, default=0.25 * cell.largest_force) < 2.0 * cell.error_band:
             notes.append(
                 f"{name}: its error band of {amount(cell.error_band, unit, 2)} can make or hide a "
                 f"phase. Measure with less noise or more rows."
