@@ -24,6 +24,7 @@ EVERY = {
     "paper": (),
     "lab read": (".",),
     "lab band": (".",),
+    "lab element": (".",),
     "lab compare": (".",),
     "lab calibrate": (".",),
     "lab as-built": ("forward.toml",),

@@ -14,7 +14,7 @@ import typer
 
 from golden.comparing import EXACT, FITTED, SIMULATED, Tolerance
 from golden.elements import DESIGNS
-from golden.recordings import bands, cells, on_a_rig, rubber, unclear
+from golden.recordings import bands, cells, clip, on_a_rig, rubber, unclear
 from stepwell.cli import app
 from stepwell.files import preset_text, presets
 
@@ -444,6 +444,16 @@ LABS = [
         slow=True,
         # The same from a recording is shown above.
         spare=True,
+    ),
+    Case(
+        "lab/element",
+        (
+            "lab element clip.csv --out out",
+            "lab element clip.csv --half loading --noise 0.02 --least-drop 0.3 --stops both "
+            "--name clip --json",
+        ),
+        prepare=clip,
+        within=FITTED,
     ),
     Case(
         "lab/compare-options",

@@ -67,6 +67,17 @@ def _rubber(stroke: Array) -> Array:
     return 35 * longer * (1 - 20 * longer + 400 * longer**2)
 
 
+def clip(folder: Path) -> None:
+    """A snapping element, loaded and unloaded, as clip.csv."""
+    travel = np.append(there := np.linspace(0.0, 11.0, 600), there[::-1])
+    t = travel / 10.0
+    force = 3.0 * t - 9.0 * t**2 + 7.0 * t**3 + 0.05 * np.repeat([1.0, -1.0], 600)
+    force += np.random.default_rng(0).normal(0.0, 0.01, 1200)
+    rows = np.column_stack([travel, force])
+    header = "Displacement (mm),Force (N)"
+    np.savetxt(folder / "clip.csv", rows, "%.4f", ",", header=header, comments="")
+
+
 def bands(folder: Path) -> None:
     """Tension tests of three samples in two cycles, under bands/."""
     rng = np.random.default_rng(0)
