@@ -184,6 +184,6 @@ def test_the_account_the_schema_and_the_figure_have_the_phases():
     assert [one["phase"] for one in record["phases"]] == [0, 1]
     for form in ("\n".join(line.text for line in terminal(account(found))), card(account(found))):
         says(form, "2 phases", "error band")
-    says(page(account(found)), "friction", "error band")
+    says(page(account(found)), "2 phases", "Friction")
     (ax, *_) = figures.plot(found).axes
     assert {"0", "1"} <= {one.get_text() for one in ax.texts}

@@ -155,9 +155,9 @@ def measure_element(
         force = fit.force - (fit.offset or 0.0)
         digits = 7 - int(np.floor(np.log10(np.max(np.abs(force)))))
         curve = np.column_stack([np.round(fit.travel, 9), np.round(force, digits)])
-        element = Element.from_table(
-            *curve.T.tolist(), name or recording.name, stops=stops, friction=friction, unusual=True
-        )
+        named = name or recording.name
+        x, y = curve.T.tolist()
+        element = Element.from_table(x, y, named, stops=stops, friction=friction, unusual=True)
         for slip in sizes.of_element(element):
             raise InputError(f"{slip} Check the units in the header of the file.")
     except LabError:

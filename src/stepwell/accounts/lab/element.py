@@ -3,7 +3,7 @@
 from stepwell import base
 from stepwell.accounts.chain import texts
 from stepwell.accounts.head import About, keys
-from stepwell.accounts.parts import CARD, PAGE, Account, Fact, Notes, Picture, RecordTable, Verbatim
+from stepwell.accounts.parts import CARD, Account, Fact, Notes, Picture, RecordTable
 from stepwell.lab import MeasuredElement
 
 _PHASE: base.Schema = (
@@ -57,14 +57,7 @@ def measured_element_account(measured: MeasuredElement, about: About) -> Account
         "Phases": RecordTable(_PHASE, "phases", more="phases", level=CARD),
         "Notes": Notes(measured.notes),
         "Curve": Picture("element", "The curve over the points, its phases numbered"),
-        "For a design file": Verbatim(_cell(measured), "Cell", PAGE),
         "Assumptions": Notes(band),
     }
     title, given = f"Element {measured.element.name}", {"data_sha256": about.data_sha256}
     return Account(measured, title, "lab.element/1", f"{measured}", facts, sections, given=given)
-
-
-def _cell(measured: MeasuredElement) -> str:
-    from stepwell.files import dumps
-
-    return dumps(measured.chain).partition("[chain]")[2].strip()
