@@ -52,6 +52,7 @@ def test_the_noise_that_the_warning_names_removes_it_and_gives_a_band():
     (note,) = account(noisy).record["curve_notes"]
     smooth = Run.of(chain(0.02, noise=float(note.partition("noise_N = ")[2].split()[0])))
     assert account(smooth).record["curve_notes"] == []
+    assert smooth.dissipated_range is not None
     low, high = smooth.dissipated_range
     exact = Run.of(chain(0.0)).cycle.dissipated
     assert low < exact < high

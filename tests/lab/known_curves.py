@@ -66,7 +66,7 @@ def correlated(rng, size: int, factor: float) -> np.ndarray:
     from scipy.signal import lfilter
 
     white = rng.standard_normal(size + 1000) * np.sqrt(1.0 - factor**2)
-    return lfilter([1.0], [1.0, -factor], white)[1000:]
+    return np.asarray(lfilter([1.0], [1.0, -factor], white))[1000:]
 
 
 def read(travel: np.ndarray, force: np.ndarray) -> Fit | None:
