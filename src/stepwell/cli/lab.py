@@ -57,11 +57,8 @@ def read(
 
 
 class Measuring(Group):
-    """How a recording of an element is read."""
+    """How an element is measured in a recording."""
 
-    half: str | None = opts.option(
-        "Half of the recording: loading or unloading; by default the mean of both.", "HALF"
-    )
     noise: float | None = opts.option(
         "Least standard deviation of the forces [N]; estimated by default.", "NUMBER", min=1e-9
     )
@@ -81,22 +78,20 @@ class Measuring(Group):
         ends |= {"none": (False, False), "both": (True, True)}
         if self.stops not in ends:
             raise wrong("--stops", f"{self.stops!r}: must be low, high, both or none.")
-        if self.half not in (None, "loading", "unloading"):
-            raise wrong("--half", f"{self.half!r}: must be loading or unloading.")
         return sw.lab.measure_element(
             recording,
             self.name,
-            half=self.half,
             noise=self.noise,
             least_drop=self.least_drop,
             stops=ends[self.stops],
         )
 
 
-@opts.command(commands)
+@opts.command(commands, ReadingCommand)
 def element(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Recording of an element.")],
-    how: Measuring,
+    part: Measuring,
+    how: ReadingOptions,
     *,
     output: Output,
 ) -> None:
@@ -109,10 +104,10 @@ def element(
     Example: stepwell lab element clip.csv --out clip
     """
     output.check_output_folder("lab element")
-    given = recordings_in([file])
+    given = how.recordings([file])
     if len(given) != 1:
-        raise wrong(str(file), f"holds {len(given)} recordings: give one file.")
-    result = how.measured(given[0])
+        raise wrong(str(file), f"holds {len(given)} recordings: give one file, and --sample.")
+    result = part.measured(given[0])
     output.report(result, sw.files.dumps(result.chain), data_sha256=sw.lab.hashes(given))
 
 

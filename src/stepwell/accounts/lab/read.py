@@ -77,9 +77,7 @@ def batch_account(batch: Batch, about: About) -> Account:
         f"Half cycles{first}": RecordTable(
             _across(few), "recordings", level=CARD, pick=_transposed
         ),
-        "All half cycles": RecordTable(
-            _HALF_COLUMNS, "recordings", how, level=FULL, pick=_halves
-        ),
+        "All half cycles": RecordTable(_HALF_COLUMNS, "recordings", how, level=FULL, pick=_halves),
         "Recordings": (
             Picture("recordings", "Force against stroke"),
             RecordTable(_COLUMNS, "recordings", more="recordings", level=FULL),
