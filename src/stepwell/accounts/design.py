@@ -115,7 +115,7 @@ def design_account(design: Design, about: About) -> Account:
     }
     spelled = len(chain) <= LONGEST_IN_A_LINE
     target = design.sequence if spelled else f"{len(chain)} cells in the target order"
-    answer = f"{target}, yield {base.percent(sampled.share)}"
+    answer = f"{target}, yield {base.percent(sampled.fraction)}"
     if len(chain) <= _MOST_ANCHORS and not chain.elements:
         anchors = (f"{row['name']} q ({BAND[2].cell(row)}) mm" for row in rows())
         answer += f": {', '.join(anchors)}"
