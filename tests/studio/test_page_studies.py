@@ -52,7 +52,9 @@ def cells(page: Page, table: str) -> list[list[str]]:
 def line(home: Path) -> Study:
     leg = files.preset("paper-forward")
     space = studies.Space((studies.Axis("outer.q.y", -0.015, 0.015, 12),))
-    return filled(studies.planned_study(leg, "cycle", space, home / "studies" / "line.zarr", chunk=12))
+    return filled(
+        studies.planned_study(leg, "cycle", space, home / "studies" / "line.zarr", chunk=12)
+    )
 
 
 def test_a_study_of_one_parameter_is_a_strip_with_exact_boundaries(page: Page, line: Study):
