@@ -185,20 +185,22 @@ def parted(name: str) -> tuple[str, str]:
 def _headings(block: NumberBlock, delimiter: str | None) -> tuple[list[str], list[str]]:
     """Names, and units of a line below the names; empty strings if there is none."""
     empty = [""] * block.width
-    rows = [row for fields in block.head if (row := _fitted(fields, block, delimiter))]
+    rows = list(filter(None, (_fitted(fields, block, delimiter) for fields in block.head)))
     if not rows:
         return empty, empty
-    below = rows[-1]
-    bracketed = all(not field or _BRACKETS.fullmatch(field) for field in below)
-    bare = [field.strip("()[] ") for field in below]
-    known = sum(spelled(unit) in UNIT_KIND for unit in bare)
-    filled = sum(map(bool, bare))
-    if len(rows) > 1 and (bracketed or (2 * known >= filled and known >= 1)):
-        names = [parted(field)[0] or field for field in rows[-2]]
-        return names, bare
-    if known == filled and known > 1 and not bracketed:
-        return below, bare
-    return below, empty
+    units, below_names, are_names = _as_units(rows[-1])
+    if below_names and len(rows) > 1:
+        return [parted(field)[0] or field for field in rows[-2]], units
+    return rows[-1], units if are_names else empty
+
+
+def _as_units(fields: Sequence[str]) -> tuple[list[str], bool, bool]:
+    """Fields without brackets; whether they are units below names, or the only names."""
+    units = [field.strip("()[] ") for field in fields]
+    known, filled = sum(spelled(unit) in UNIT_KIND for unit in units), sum(map(bool, units))
+    bracketed = all(not field or _BRACKETS.fullmatch(field) for field in fields)
+    below_names = bracketed or 2 * known >= max(filled, 2)
+    return units, below_names, known == filled > 1 and not bracketed
 
 
 def _fitted(fields: Sequence[str], block: NumberBlock, delimiter: str | None) -> list[str]:

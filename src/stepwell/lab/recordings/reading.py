@@ -14,7 +14,8 @@ from stepwell.lab.recordings.columns import FACTORS, spelled
 FLIPS = ("none", "stroke", "force", "both")
 HALVES = ("loading", "unloading", "both")
 FILE = "recording.toml"
-_COUNTED = ("cycle", "skip", "sample")
+_ALLOWED = {"flip": FLIPS, "half": HALVES, "decimal": (".", ",")}
+_LEAST = {"cycle": 1, "skip": 0, "sample": 1}
 _MOST = 10**9
 
 
@@ -49,22 +50,14 @@ class Reading:
 
     def __post_init__(self):
         for name in ("stroke", "force"):
-            value = getattr(self, name)
-            if isinstance(value, str) and value.strip().isdecimal() and value.isascii():
-                object.__setattr__(self, name, value := int(value))
-            if isinstance(value, int) and not isinstance(value, bool):
-                is_column = 1 <= value <= _MOST
-            else:
-                is_column = value is None or (isinstance(value, str) and bool(value.strip()))
-            if not is_column:
-                raise InputError(f"{name} = {value!r}: must be a column: its number or its name.")
+            object.__setattr__(self, name, _column(name, getattr(self, name)))
         if self.stroke is not None and self.stroke == self.force:
             raise InputError(f"force = {self.force!r}: must be another column than the stroke.")
-        for name, allowed in (("flip", FLIPS), ("half", HALVES), ("decimal", (".", ","))):
+        for name, allowed in _ALLOWED.items():
             if (value := getattr(self, name)) not in (None, *allowed):
                 raise InputError(f"{name} = {value!r}: must be one of {', '.join(allowed)}.")
-        for name in _COUNTED:
-            value, least = getattr(self, name), int(name != "skip")
+        for name, least in _LEAST.items():
+            value = getattr(self, name)
             if value is not None and not (type(value) is int and least <= value <= _MOST):
                 raise InputError(f"{name} = {value!r}: must be a whole number of {least} or more.")
         if self.unit is not None:
@@ -120,6 +113,19 @@ class Reading:
 
 
 WORDS = tuple(one.name for one in fields(Reading))
+
+
+def _column(name: str, value: Any) -> int | str | None:
+    """A column of a key; text of digits is its number. Raises ValueError for another value."""
+    if isinstance(value, str) and value.strip().isdecimal() and value.isascii():
+        value = int(value)
+    if isinstance(value, int) and not isinstance(value, bool):
+        is_column = 1 <= value <= _MOST
+    else:
+        is_column = value is None or (isinstance(value, str) and bool(value.strip()))
+    if not is_column:
+        raise InputError(f"{name} = {value!r}: must be a column: its number or its name.")
+    return value
 
 
 def _quoted(text: str) -> str:
