@@ -113,13 +113,41 @@ def _with_unit(column: TableColumn, given: dict[str, str]) -> TableColumn:
 
 def is_called(name: str, kind: str) -> bool:
     """Whether a name has a word of this kind of quantity."""
+    return _has_word(name, _WORDS[kind])
+
+
+def _has_word(name: str, words: str) -> bool:
     lower = name.lower().replace("_", " ")
-    return any(word in lower for word in _WORDS[kind].split())
+    return any(word in lower for word in words.split())
+
+
+class _Side(NamedTuple):
+    """The stroke or the force: its kinds of quantity, and the requested column and unit."""
+
+    key: str
+    kinds: dict[Measure, str]
+    wanted: int | str | None
+    unit: str | None
+
+    def words(self, kind: str, measures: Sequence[Measure]) -> str:
+        """What a column may be called: one kind, or all that these measures allow."""
+        if len(measures) == 1:
+            return kind
+        kinds = (self.kinds[m] for m in measures)
+        return " or ".join("travel" if one == "stroke" else one for one in kinds)
+
+
+_Ranks = dict[int, list[TableColumn]]  # columns that may have a role, by rank
 
 
 class _Table:
     def __init__(self, columns: Sequence[TableColumn], reading: Reading):
-        self._columns, self._reading = list(columns), reading
+        self._columns = list(columns)
+        unit, force_unit = reading.units or (None, None)
+        self._sides = (
+            _Side("stroke", TRAVELS, reading.stroke, unit),
+            _Side("force", FORCES, reading.force, force_unit),
+        )
         self._why: dict[int, str] = {}
 
     def listed(self) -> list[tuple[str, ...]]:
@@ -131,45 +159,41 @@ class _Table:
 
     def taken(self, measures: list[Measure]) -> list[Taken]:
         """The recordings; raises ValueError."""
-        if self._reading.units or None not in (self._reading.stroke, self._reading.force):
+        stroke, force = self._sides
+        if stroke.unit or None not in (stroke.wanted, force.wanted):
             measures = self._apply(measures)
-        ranks = {
-            kind: self._ranks(kind) for one in measures for kind in (TRAVELS[one], FORCES[one])
-        }
-        whole = [m for m in measures if ranks[TRAVELS[m]] and ranks[FORCES[m]]]
+        roles = [(side, side.kinds[m]) for m in measures for side in self._sides]
+        ranks = {kind: self._ranks(side, kind) for side, kind in roles}
+        measure = self._measure(measures, ranks)
+        found = [_best(ranks[side.kinds[measure]]) for side in self._sides]
+        pairs = _pairs(*found)
+        if not pairs:
+            found = [self._alike(side, some) for side, some in zip(self._sides, found, strict=True)]
+            pairs = _pairs(*found)
+        if not pairs:
+            side, several = next(
+                one for one in zip(self._sides, found, strict=True) if len(one[1]) > 1
+            )
+            words = side.words(side.kinds[measure], measures)
+            raise InputError(self._both(side.kinds[measure], words, several))
+        times = _times_of(pairs, self._times())
+        return [Taken(measure, x, y, time) for (x, y), time in zip(pairs, times, strict=True)]
+
+    def _measure(self, measures: Sequence[Measure], ranks: dict[str, _Ranks]) -> Measure:
+        """The one measure of which both columns exist."""
+        whole = [m for m in measures if all(ranks[side.kinds[m]] for side in self._sides)]
         if not whole:
             raise InputError(self._absent(measures, ranks))
-        named = [m for m in whole if _best(ranks[TRAVELS[m]])[0] >= _HOMEMADE] or whole
+        named = [m for m in whole if max(ranks[TRAVELS[m]]) >= _HOMEMADE] or whole
         if len(named) > 1:
             raise InputError(
                 "it has columns of "
                 + " and of ".join(f"{TRAVELS[m]} and {FORCES[m]}" for m in named)
                 + ": leave out one pair"
             )
-        (measure,) = named
-        kinds = TRAVELS[measure], FORCES[measure]
-        travels, forces = (_best(ranks[kind])[1] for kind in kinds)
-        pairs = _pairs(travels, forces)
-        if not pairs:
-            travels, forces = (
-                self._alike(kind, some) for kind, some in zip(kinds, (travels, forces), strict=True)
-            )
-            pairs = _pairs(travels, forces)
-        if not pairs:
-            for kind, several in zip(kinds, (travels, forces), strict=True):
-                if len(several) > 1:
-                    raise InputError(self._both(kind, several, measures))
-        times = self._times()
-        # Of specimens beside each other, each may have a time of its own, to the left of it.
-        before = [[t for t in times if t.number < max(x.number, y.number)] for x, y in pairs]
-        own = [one[-1:] if len(pairs) > 1 else times for one in before]
-        return [
-            Taken(measure, x, y, next(iter(one or times), None))
-            for (x, y), one in zip(pairs, own, strict=True)
-        ]
+        return named[0]
 
-    def _both(self, kind: str, several: Sequence[TableColumn], measures: Sequence[Measure]) -> str:
-        words = _words(kind, measures, TRAVELS if kind in TRAVELS.values() else FORCES)
+    def _both(self, kind: str, words: str, several: Sequence[TableColumn]) -> str:
         shown = ", ".join(repr(c.label[:40]) if c.label else f"{c.number}" for c in several)
         for column in several:
             self._why[column.number] = f"may be the {kind}"
@@ -177,31 +201,28 @@ class _Table:
 
     def _apply(self, measures: list[Measure]) -> list[Measure]:
         """Set requested units, and leave only the measures of the requested columns."""
-        reading, units = self._reading, self._reading.units
-        for key, unit in (("stroke", units and units[0]), ("force", units and units[1])):
-            wanted = getattr(reading, key)
-            kinds = [t[m] for m in measures for t in ((TRAVELS if key == "stroke" else FORCES),)]
-            for k, column in enumerate(self._columns):
-                asked = wanted is not None and column is self._requested(wanted)
-                blank = not column.kind and any(is_called(column.name, kind) for kind in kinds)
-                if unit and (asked or (wanted is None and blank)):
-                    if column.kind not in ("", UNIT_KIND[unit]):
-                        raise InputError(
-                            f"{column} is requested as the {key} in {unit}: give another column"
-                        )
-                    self._columns[k] = column._replace(unit=unit)
-        allowed = list(measures)
-        for key, kinds in (("stroke", TRAVELS), ("force", FORCES)):
-            wanted = getattr(reading, key)
-            if wanted is not None:
-                column = self._requested(wanted)
-                if column.values is None or not np.any(np.isfinite(column.values)):
-                    raise InputError(f"{column} holds no numbers: give another one.")
-                fit = [m for m in allowed if column.kind == kinds[m]]
-                if not fit:
-                    raise InputError(_unit_problem(column, [kinds[m] for m in allowed]))
-                allowed = fit
-        return allowed
+        for side in self._sides:
+            self._set_unit(side, [side.kinds[m] for m in measures])
+        for side in self._sides:
+            if side.wanted is not None:
+                measures = _measures_of(self._requested(side.wanted), side, measures)
+        return measures
+
+    def _set_unit(self, side: _Side, kinds: Sequence[str]) -> None:
+        """Set the requested unit of the requested column, else of columns named without a unit."""
+        if side.wanted is not None:
+            columns = [self._requested(side.wanted)]
+        else:
+            blank = [c for c in self._columns if not c.kind]
+            columns = [c for c in blank if any(is_called(c.name, kind) for kind in kinds)]
+        if side.unit is None:
+            return
+        for column in columns:
+            if column.kind not in ("", UNIT_KIND[side.unit]):
+                raise InputError(
+                    f"{column} is requested as the {side.key} in {side.unit}: give another column"
+                )
+            self._columns[column.number - 1] = column._replace(unit=side.unit)
 
     def _requested(self, wanted: int | str) -> TableColumn:
         """The column of a number or a name."""
@@ -218,19 +239,16 @@ class _Table:
             raise InputError(f"{count} with the name {wanted[:40]!r}: give its number")
         return exact[0]
 
-    def _ranks(self, kind: str) -> dict[int, list[TableColumn]]:
+    def _ranks(self, side: _Side, kind: str) -> _Ranks:
         """Columns that may have this role, by rank."""
-        key = "stroke" if kind in TRAVELS.values() else "force"
-        wanted = getattr(self._reading, key)
-        if wanted is not None:
-            column = self._requested(wanted)
+        if side.wanted is not None:
+            column = self._requested(side.wanted)
             return {_NAMED: [column]} if column.kind == kind else {}
-        other = self._reading.force if key == "stroke" else self._reading.stroke
-        taken = None if other is None else self._requested(other)
-        ranks: dict[int, list[TableColumn]] = {}
+        taken = {self._requested(s.wanted).number for s in self._sides if s.wanted is not None}
+        ranks: _Ranks = {}
         same = [c for c in self._columns if c.kind == kind and c.values is not None]
         for column in same:
-            if column is taken:
+            if column.number in taken:
                 continue
             rank, why = _rank(column, kind, same)
             self._why[column.number] = why or f"may be the {kind}"
@@ -238,10 +256,10 @@ class _Table:
                 ranks.setdefault(rank, []).append(column)
         return ranks
 
-    def _alike(self, kind: str, several: list[TableColumn]) -> list[TableColumn]:
+    def _alike(self, side: _Side, several: list[TableColumn]) -> list[TableColumn]:
         """Columns without copies of others: strokes may differ by their zero and sign."""
         kept: list[TableColumn] = []
-        travels = kind in TRAVELS.values()
+        travels = side.key == "stroke"
         for column in several:
             twin = next((c for c in kept if _same(c.si, column.si, travels)), None)
             if twin is None:
@@ -262,38 +280,50 @@ class _Table:
         plain = [c for c in named if "cycle" not in c.name.lower()]
         return plain or named
 
-    def _absent(
-        self, measures: list[Measure], ranks: dict[str, dict[int, list[TableColumn]]]
-    ) -> str:
+    def _absent(self, measures: Sequence[Measure], ranks: dict[str, _Ranks]) -> str:
         """Why there is no pair: no names, no unit, other units, or no such column."""
         if not any(c.name or c.unit for c in self._columns):
             return (
                 f"no line above the numbers names the {len(self._columns)} columns: add one, as in "
                 f"{EXAMPLE}"
             )
-        x = [m for m in measures if ranks[TRAVELS[m]]]
-        y = [m for m in measures if ranks[FORCES[m]]]
-        if x and y:
-            a, b = (_best(ranks[t[m]])[1][0] for t, m in ((TRAVELS, x[0]), (FORCES, y[0])))
+        kinds = [[side.kinds[m] for m in measures if ranks[side.kinds[m]]] for side in self._sides]
+        if all(kinds):
+            a, b = (_best(ranks[some[0]])[0] for some in kinds)
             return (
                 f"columns {a.label[:40]!r} in {a.unit} and {b.label[:40]!r} in {b.unit} do not "
                 f"belong together: must be {PAIRS}"
             )
-        missing = TRAVELS if not x else FORCES
-        for kind in dict.fromkeys(missing[m] for m in measures):
-            words = _HOME.get(kind, "").split()
+        side = self._sides[1 if kinds[0] else 0]
+        return (
+            self._of_other_unit(side.kinds[m] for m in measures)
+            or self._of_other_pair(measures)
+            or self._of_other_names(side, measures)
+        )
+
+    def _of_other_unit(self, kinds: Iterable[str]) -> str:
+        """The problem of the first column whose name is that of such a kind; empty for none."""
+        for kind in dict.fromkeys(kinds):
+            words = f"{_WORDS[kind]} {_HOME.get(kind, '')}"
             for column in self._columns:
-                named = is_called(column.name, kind) or any(w in column.name.lower() for w in words)
-                if named and not _is_other(column.name):
+                if _has_word(column.name, words) and not _is_other(column.name):
                     if column.kind == kind:
                         return f"{column} holds no numbers: export it again."
                     return _unit_problem(column, [kind])
-        pair = next((m for m in Measure if _has(self._columns, m)), None)
-        if pair is not None and pair not in measures:
-            has = f"has {pair.travel} and {pair.force}, not stroke and force"
-            return f"{has}: read it as an element (`load_element`, table_csv in a design file)."
+        return ""
+
+    def _of_other_pair(self, measures: Sequence[Measure]) -> str:
+        """The problem of a table of another pair of quantities; empty if it is none."""
+        kinds = {c.kind for c in self._columns if c.values is not None}
+        pair = next((m for m in Measure if {TRAVELS[m], FORCES[m]} <= kinds), None)
+        if pair is None or pair in measures:
+            return ""
+        has = f"has {pair.travel} and {pair.force}, not stroke and force"
+        return f"{has}: read it as an element (`load_element`, table_csv in a design file)."
+
+    def _of_other_names(self, side: _Side, measures: Sequence[Measure]) -> str:
         shown = ", ".join(c.name[:40] for c in self._columns if c.name) or "none"
-        words = _words(missing[measures[0]], measures, missing)
+        words = side.words(side.kinds[measures[0]], measures)
         example = f"{EXAMPLE}, or {PAIRS}" if len(measures) > 1 else EXAMPLE
         return (
             f"no column for the {words} (columns: {shown}): name the columns and units as in "
@@ -301,9 +331,14 @@ class _Table:
         )
 
 
-def _has(columns: Sequence[TableColumn], measure: Measure) -> bool:
-    kinds = {c.kind for c in columns if c.values is not None}
-    return {TRAVELS[measure], FORCES[measure]} <= kinds
+def _measures_of(column: TableColumn, side: _Side, measures: list[Measure]) -> list[Measure]:
+    """The measures of a requested column, of which there must be one."""
+    if column.values is None or not np.any(np.isfinite(column.values)):
+        raise InputError(f"{column} holds no numbers: give another one.")
+    fit = [m for m in measures if column.kind == side.kinds[m]]
+    if not fit:
+        raise InputError(_unit_problem(column, [side.kinds[m] for m in measures]))
+    return fit
 
 
 def names_columns(fields: Sequence[str]) -> bool:
@@ -313,12 +348,6 @@ def names_columns(fields: Sequence[str]) -> bool:
         bool(unit in UNIT_KIND or any(is_called(name, k) for k in _WORDS)) for name, unit in parts
     ]
     return sum(known) >= 2
-
-
-def _words(kind: str, measures: Sequence[Measure], table: dict[Measure, str]) -> str:
-    if len(measures) == 1:
-        return kind
-    return " or ".join("travel" if table[m] == "stroke" else table[m] for m in measures)
 
 
 def _unit_problem(column: TableColumn, kinds: Sequence[str]) -> str:
@@ -331,9 +360,8 @@ def _unit_problem(column: TableColumn, kinds: Sequence[str]) -> str:
     )
 
 
-def _best(ranks: dict[int, list[TableColumn]]) -> tuple[int, list[TableColumn]]:
-    rank = max(ranks)
-    return rank, ranks[rank]
+def _best(ranks: _Ranks) -> list[TableColumn]:
+    return ranks[max(ranks)]
 
 
 def _is_other(name: str) -> str:
@@ -346,23 +374,29 @@ def _rank(column: TableColumn, kind: str, same: Sequence[TableColumn]) -> tuple[
     values = column.values
     assert values is not None
     good = values[np.isfinite(values)]
+    others = [c for c in same if c is not column]
     if len(good) < 1:
         return _NEVER, "no numbers"
     if what := _is_other(column.name):
         return _NEVER, f"{what} by its name"
     if len(good) > 2 and np.ptp(good) == 0:
         return _STILL, "constant"
-    others = [c for c in same if c is not column]
     if what := _by_numbers(good, column, others):
         return _STILL, what
-    lower = column.name.lower().replace("_", " ").strip()
-    if any(word in lower for word in _HOME.get(kind, "").split()):
+    return _rank_by_name(column, kind, alone=not others)
+
+
+def _rank_by_name(column: TableColumn, kind: str, alone: bool) -> tuple[int, str]:
+    """The same for a column of measured numbers, by its name."""
+    if _has_word(column.name, _HOME.get(kind, "")):
         return _HOMEMADE, ""
-    if column.unit in WEIGHTS and not is_called(column.name, kind):
+    called = is_called(column.name, kind)
+    if column.unit in WEIGHTS and not called:
         return _NEVER, "a mass that is not called a weight"
-    if not is_called(column.name, kind) and lower not in _SYMBOLS[kind].split():
+    lower = column.name.lower().replace("_", " ").strip()
+    if not called and lower not in _SYMBOLS[kind].split():
         return _BY_UNIT, ""
-    return (_LESSER if _LESS.search(lower) and others else _NAMED), ""
+    return (_NAMED if alone or not _LESS.search(lower) else _LESSER), ""
 
 
 def _by_numbers(good: Floats, column: TableColumn, others: Sequence[TableColumn]) -> str:
@@ -428,3 +462,14 @@ def _pairs(
         {re.sub(r"[\W_]*\d*$", "", c.name.lower()) for c in some} for some in (travels, forces)
     ]
     return pairs if apart and all(len(one) == 1 for one in names) else []
+
+
+def _times_of(
+    pairs: Sequence[tuple[TableColumn, TableColumn]], times: Sequence[TableColumn]
+) -> list[TableColumn | None]:
+    """The time of each pair: of pairs beside each other, the last one to the left of it."""
+    best = next(iter(times), None)
+    if len(pairs) == 1:
+        return [best]
+    before = ([t for t in times if t.number < max(x.number, y.number)] for x, y in pairs)
+    return [one[-1] if one else best for one in before]
