@@ -10,7 +10,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from stepwell.base import Bools, ByValue, Floats, grouped, join_first
-from stepwell.lab.recordings import recording as recorded
+from stepwell.lab.recordings import recording as recorded, signs
 from stepwell.lab.recordings.read import natural
 from stepwell.lab.recordings.recording import Recording
 from stepwell.lab.recordings.recording_warnings import batch_warnings
@@ -145,12 +145,13 @@ def loops_of(
 
 def _positive(recording: Recording) -> Recording:
     """The recording with tension and its stroke positive, where both are counted negative."""
-    stroke, force = recording.stroke, recording.force
-    far = stroke < 0.5 * float(np.min(stroke))
-    if -np.min(stroke) <= np.max(stroke) or np.mean(force[far]) >= 0 or np.max(stroke) > REACH:
+    x, f, why = signs.pulled(recording.stroke, recording.force, REACH)
+    if not why:
         return recording
-    why = "stroke and tension are counted negative: both signs are changed"
-    return replace(recording, stroke=-stroke, force=-force, remarks=(*recording.remarks, why))
+    remarks = (*recording.remarks, why)
+    return replace(
+        recording, stroke=x * recording.stroke, force=f * recording.force, remarks=remarks
+    )
 
 
 def _gauge(gauges: Sequence[float | None], notes: list[str]) -> float | None:

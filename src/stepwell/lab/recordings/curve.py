@@ -3,14 +3,14 @@
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 
 from stepwell.base import ByValue, Floats, InputError, Measure, display_unit, to_unit
+from stepwell.lab.recordings import recording as recorded
 from stepwell.lab.recordings.read import samples_of, several
 from stepwell.lab.recordings.reading import Reading
-from stepwell.lab.recordings.recording import LabError, Recording, turns_of, without_spikes
+from stepwell.lab.recordings.recording import LabError, Recording, without_spikes
 
 STEP = 0.05e-3  # [m] between the strokes of a mean curve
 
@@ -115,7 +115,7 @@ class MeasuredCurve(ByValue):
         """
         if half not in (None, "loading", "unloading"):
             raise InputError(f"half = {half!r}: must be 'loading', 'unloading' or None.")
-        turns = turns_of(self.travel)
+        turns = recorded.turns_of(self.travel)
         unit, factor = display_unit(self.measure.travel_unit)
         if half is None and turns:
             at = turns[0]
@@ -128,8 +128,8 @@ class MeasuredCurve(ByValue):
             )
         x, y = self.travel, self.force
         if half is not None:
-            parts = [slice(a, b + 1) for a, b in pairwise([0, *turns, len(x) - 1])]
-            matching = [p for p in parts if (x[p][-1] < x[p][0]) == (half == "unloading")]
+            halves = recorded.halves_of(x, turns)
+            matching = [p for p in halves if recorded.direction_of(x[p]) == half]
             if not matching:
                 raise LabError(self.source, f"half = {half!r}: the file has no such half.")
             x, y = x[matching[0]], y[matching[0]]

@@ -143,8 +143,7 @@ class Recording(ByValue, Drawn):
     @property
     def halves(self) -> tuple[slice, ...]:
         """Slices between turning points: loading and unloading halves in order."""
-        ends = [0, *self.turns, len(self) - 1]
-        return tuple(slice(a, b + 1) for a, b in pairwise(ends))
+        return halves_of(self.stroke, self.turns)
 
     @property
     def direction(self) -> str:
@@ -153,8 +152,7 @@ class Recording(ByValue, Drawn):
 
     def direction_of(self, half: slice) -> str:
         """Whether the stroke rises (loading) or falls (unloading) over these samples."""
-        moved = self.stroke[half]
-        return "loading" if moved[-1] >= moved[0] else "unloading"
+        return direction_of(self.stroke[half])
 
     def __repr__(self):
         return (
@@ -187,6 +185,17 @@ def turns_of(stroke: Floats) -> tuple[int, ...]:
                 turns.append(low)
             rising, high, top = True, i, u
     return tuple(turns)
+
+
+def halves_of(stroke: Floats, turns: Sequence[int] | None = None) -> tuple[slice, ...]:
+    """Slices between turning points of strokes in any unit; a half ends where the next begins."""
+    ends = [0, *(turns_of(stroke) if turns is None else turns), len(stroke) - 1]
+    return tuple(slice(a, b + 1) for a, b in pairwise(ends))
+
+
+def direction_of(stroke: Floats) -> str:
+    """Whether the strokes of a half rise (loading) or fall (unloading) as a whole."""
+    return "loading" if stroke[-1] >= stroke[0] else "unloading"
 
 
 _RUN = re.compile(r"^(?P<stem>.*?)_?(?P<run>\d+)$")

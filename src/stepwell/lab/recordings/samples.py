@@ -1,7 +1,7 @@
 """Every specimen in a file, in SI: the one path from bytes to stroke and force."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import accumulate, pairwise
+from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from stepwell.base import GRAVITY, Floats, InputError, Measure, counted, display_unit, to_unit
 from stepwell.lab.recordings import columns as headings, roles, signs, workbook
 from stepwell.lab.recordings.reading import Reading
-from stepwell.lab.recordings.recording import turns_of
+from stepwell.lab.recordings.recording import direction_of, halves_of
 from stepwell.lab.recordings.roles import Taken
 from stepwell.lab.recordings.tables import NumberBlock, blocks
 from stepwell.lab.recordings.text import Style, TableText
@@ -229,36 +229,40 @@ def _signed(one: Specimen, reading: Reading) -> Specimen:
 def _part(one: Specimen, reading: Reading) -> Specimen:
     """The requested half or cycle."""
     half = None if reading.half == "both" else reading.half
-    if half is None and reading.cycle is None:
+    keys = {"half": half, "cycle": reading.cycle}
+    asked = " ".join(f"{key} = {value!r}" for key, value in keys.items() if value is not None)
+    if not asked:
         return one
-    ends = [0, *turns_of(one.travel), len(one.travel) - 1]
-    parts = [slice(a, b + 1) for a, b in pairwise(ends)]
-    rises = [bool(one.travel[p][-1] >= one.travel[p][0]) for p in parts]
-    # A cycle is a loading half and the unloading half after it, or either one alone.
-    cycles = list(accumulate(int(up or k == 0) for k, up in enumerate(rises)))
-    wanted = [
-        (part, number)
-        for part, up, number in zip(parts, rises, cycles, strict=True)
-        if (half is None or up == (half == "loading")) and number == (reading.cycle or number)
-    ]
+    parts = _numbered_halves(one.travel)
+    total = parts[-1].cycle
+    wanted = [p for p in parts if half in (None, p.direction) and reading.cycle in (None, p.cycle)]
     if not wanted:
-        has = f"the file has {counted(cycles[-1], 'cycle')}"
-        asked = " ".join(
-            f"{key} = {value!r}"
-            for key, value in (("half", half), ("cycle", reading.cycle))
-            if value is not None
-        )
+        has = f"the file has {counted(total, 'cycle')}"
         raise InputError(f"{asked}: the file has no such half ({has}).")
-    number = wanted[0][1]
-    first = [part for part, cycle in wanted if cycle == number]
+    number = wanted[0].cycle
+    first = [part.rows for part in wanted if part.cycle == number]
     rows = slice(first[0].start, first[-1].stop)
     shown = f"the {half} half of " * (half is not None)
     return one._replace(
         time=one.time[rows],
         travel=one.travel[rows],
         force=one.force[rows],
-        reading=(*one.reading, f"part: {shown}cycle {number} of {cycles[-1]}"),
+        reading=(*one.reading, f"part: {shown}cycle {number} of {total}"),
     )
+
+
+class _Half(NamedTuple):
+    rows: slice
+    direction: str
+    cycle: int
+
+
+def _numbered_halves(travel: Floats) -> list[_Half]:
+    """All halves; a cycle is a loading half and the unloading half after it, or either alone."""
+    rows = halves_of(travel)
+    directions = [direction_of(travel[half]) for half in rows]
+    begins = (int(k == 0 or one == "loading") for k, one in enumerate(directions))
+    return list(map(_Half, rows, directions, accumulate(begins)))
 
 
 def _described(one: Specimen, taken: Taken) -> Specimen:

@@ -1,13 +1,11 @@
 """Signs of stroke and force: which are counted negative, decided by the work."""
 
-from collections.abc import Sequence
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.lab.recordings.recording import turns_of
+from stepwell.lab.recordings.recording import halves_of, turns_of
 
 # Fractions of the largest force and of the recorded strokes, below which both count as zero.
 _REST, _NEAR = 0.05, 0.1
@@ -42,45 +40,68 @@ def decided(stroke: Floats, force: Floats) -> Signs:
     """
     if len(stroke) < _ENOUGH or not np.ptp(stroke) or not np.any(force):
         return Signs(1, 1, "as recorded")
-    range_ = float(np.ptp(stroke))
-    zero = abs(float(stroke[0])) <= _NEAR * range_
-    outside = is_far(stroke)
     turns = turns_of(stroke)
-    half = _first_half(stroke, turns)
-    falls = bool(stroke[half][-1] < stroke[half][0]) and (zero or outside)
-    at_rest = abs(float(np.median(force[:3]))) <= _REST * float(np.max(np.abs(force)))
-    work = _share(stroke[half], force[half])
-    if not turns:
-        if falls and not outside:  # as an unloading test that is set to zero before
-            return Signs(1, 1, f"as recorded: a stroke that falls is unloading; {_BOTH}")
-        if not (at_rest and abs(work) >= _SPRINGS and _springs(stroke, force)):
-            return _as_recorded(work)
-        x = -1 if falls else 1
-        return _signs(x, x if work > 0 else -x)
-    closed = abs(float(stroke[-1] - stroke[0])) <= _NEAR * range_
+    zero = abs(float(stroke[0])) <= _NEAR * float(np.ptp(stroke))
+    # The first half that covers at least half of the recorded strokes.
+    halves = halves_of(stroke, turns)
+    half = next((h for h in halves if 2 * np.ptp(stroke[h]) >= np.ptp(stroke)), halves[0])
+    begin = _Beginning(
+        bool(stroke[half][-1] < stroke[half][0]) and (zero or is_far(stroke)),
+        abs(float(np.median(force[:3]))) <= _REST * float(np.max(np.abs(force))),
+        _share(stroke[half], force[half]),
+    )
+    return (_of_cycles if turns else _of_one_half)(stroke, force, begin)
+
+
+class _Beginning(NamedTuple):
+    """The first half: whether it loads to falling strokes, starts at no force; its work."""
+
+    falls: bool
+    at_rest: bool
+    work: float
+
+    @property
+    def loading(self) -> int:
+        """Factor of the stroke for which the half loads."""
+        return -1 if self.falls else 1
+
+
+def _of_one_half(stroke: Floats, force: Floats, begin: _Beginning) -> Signs:
+    if begin.falls and not is_far(stroke):  # as an unloading test that is set to zero before
+        return Signs(1, 1, f"as recorded: a stroke that falls is unloading; {_BOTH}")
+    if not (begin.at_rest and abs(begin.work) >= _SPRINGS and _springs(stroke, force)):
+        return _as_recorded(begin.work)
+    return _signs(begin.loading, begin.loading if begin.work > 0 else -begin.loading)
+
+
+def _of_cycles(stroke: Floats, force: Floats, begin: _Beginning) -> Signs:
+    closed = abs(float(stroke[-1] - stroke[0])) <= _NEAR * float(np.ptp(stroke))
     loop = _share(stroke, force) if closed else 0.0
-    x = -1 if falls else 1
-    if at_rest and work <= _GIVEN:
-        return _signs(x, -x)
-    if at_rest and work < _TAKEN and abs(loop) < -_TAKEN:
+    gives = begin.at_rest and begin.work < _TAKEN
+    if gives and begin.work > _GIVEN and abs(loop) < -_TAKEN:
         return Signs(1, 1)
-    if loop < (_TAKEN if at_rest and work < _TAKEN else 2 * _TAKEN):
-        return _signs(x, -x)
-    return _as_recorded(work) if x == 1 and loop < -_TAKEN else _signs(x, x)
-
-
-def _first_half(stroke: Floats, turns: Sequence[int]) -> slice:
-    """The first half that covers at least half of the recorded strokes."""
-    ends = [0, *turns, len(stroke) - 1]
-    halves = [slice(a, b + 1) for a, b in pairwise(ends)]
-    most = float(np.ptp(stroke))
-    return next((h for h in halves if 2 * np.ptp(stroke[h]) >= most), halves[0])
+    if (gives and begin.work <= _GIVEN) or loop < (_TAKEN if gives else 2 * _TAKEN):
+        return _signs(begin.loading, -begin.loading)
+    if loop < -_TAKEN and not begin.falls:
+        return _as_recorded(begin.work)
+    return _signs(begin.loading, begin.loading)
 
 
 def _as_recorded(work: float) -> Signs:
     """The signs of the file, which the work leaves open."""
     gives = f": the specimen gives off work at first; {_FORCE}" if work <= -_SPRINGS else ""
     return Signs(1, 1, f"as recorded{gives}")
+
+
+def pulled(stroke: Floats, force: Floats, near: float) -> Signs:
+    """Signs of a specimen that only pulls: both turned if its strokes and forces are negative.
+
+    Strokes of at most `near` above zero may be of its slack; no reason if nothing is turned.
+    """
+    low, high = float(np.min(stroke)), float(np.max(stroke))
+    if -low <= high or high > near or np.mean(force[stroke < 0.5 * low]) >= 0:
+        return Signs(1, 1)
+    return Signs(-1, -1, "stroke and tension are counted negative: both signs are changed")
 
 
 def is_far(stroke: Floats) -> bool:
