@@ -75,59 +75,78 @@ def blocks(
     Raises:
         ValueError: there is none, or there are more than 1000 columns or blocks.
     """
-    found: list[_Growing] = []
-    head: list[_Row] = []  # lines that belong to no block, or not yet
-    first: list[tuple[str, ...]] = []
-    line = 1
+    reader, line = _Blocks(style, is_header), 1
     for some in chunks:
-        current = found[-1] if found and not head else None
-        if current is not None and (count := current.add_all(some, line)):
-            line += count
-            continue
-        chunk = list(enumerate(some.rows(), line))
-        line += len(chunk)
-        if current is not None and current.add_columns(chunk):
-            continue
-        at = 0
-        while at < len(chunk):
-            number, fields = chunk[at]
-            current = found[-1] if found else None
-            if current is not None and current.fits(fields):
-                if _label(head):
-                    head = [*((0, list(f)) for f in current.head), *head]
-                    found.append(current := _Growing(chunk[at:], style, head, first))
-                elif (
-                    head
-                    and _names(head, current.width, style)
-                    and (any(is_header(f) for _, f in head) or current.numbers_in(fields))
-                ):
-                    found.append(current := _Growing(chunk[at:], style, head, first))
-                else:
-                    current.bad += head
-                head = []
-                at += current.add(chunk[at:])
-                continue
-            if any(field.strip() for field in fields):
-                if _begins(chunk[at:], style) and (current is None or _names(head, 0, style)):
-                    if len(fields) > _WIDEST:
-                        raise InputError(f"has {len(fields)} columns: at most {_WIDEST} are read.")
-                    found.append(_Growing(chunk[at:], style, head, first))
-                    head = []
-                    continue
-                head.append((number, fields))
-                if current is None:
-                    first += [tuple(fields)] * (len(first) < _HEAD)
-                    del head[:-_HEAD]
-            at += 1
-        if len(found) > _MOST_BLOCKS:
+        line += reader.add(some, line)
+        if len(reader.found) > _MOST_BLOCKS:
             raise InputError(f"has more than {_MOST_BLOCKS} tables: export one test each.")
-    if not found:
+    if not reader.found:
         raise InputError(
             "holds no row of two or more numbers: a recording is rows of time, displacement and "
             "force."
         )
-    found[-1].bad += head
-    return [one.block(delimiter) for one in found]
+    reader.found[-1].bad += reader.head
+    return [one.block(delimiter) for one in reader.found]
+
+
+class _Blocks:
+    """Blocks that are being read, and the lines that belong to none of them, or not yet."""
+
+    def __init__(self, style: Style, is_header: Callable[[Sequence[str]], bool]):
+        self.style, self.is_header = style, is_header
+        self.found: list[_Growing] = []
+        self.head: list[_Row] = []
+        self.first: list[tuple[str, ...]] = []
+
+    def add(self, some: RowSource, line: int) -> int:
+        """Add rows from this line on and return how many: all at once if they are regular."""
+        current = self.found[-1] if self.found and not self.head else None
+        if current is not None and (count := current.add_all(some, line)):
+            return count
+        rows = list(enumerate(some.rows(), line))
+        if current is None or not current.add_columns(rows):
+            at = 0
+            while at < len(rows):
+                at += self._add_some(rows[at:])
+        return len(rows)
+
+    def _add_some(self, rows: Sequence[_Row]) -> int:
+        """Add the first rows and return how many; 0 if a block begins with them."""
+        number, fields = rows[0]
+        current = self.found[-1] if self.found else None
+        if current is not None and current.fits(fields):
+            return self._continued(current, rows).add(rows)
+        if not any(field.strip() for field in fields):
+            return 1
+        may_begin = current is None or _names(self.head, 0, self.style)
+        if may_begin and _begins(rows, self.style):
+            if len(fields) > _WIDEST:
+                raise InputError(f"has {len(fields)} columns: at most {_WIDEST} are read.")
+            self._begin(rows)
+            return 0
+        self.head.append((number, fields))
+        if current is None:
+            self.first += [tuple(fields)] * (len(self.first) < _HEAD)
+            del self.head[:-_HEAD]
+        return 1
+
+    def _continued(self, block: "_Growing", rows: Sequence[_Row]) -> "_Growing":
+        """The block of rows that fit this one: a new one below a label or a header."""
+        if _label(self.head):
+            self.head = [*((0, list(fields)) for fields in block.head), *self.head]
+            return self._begin(rows)
+        if _names(self.head, block.width, self.style) and (
+            any(self.is_header(fields) for _, fields in self.head) or block.numbers_in(rows[0][1])
+        ):
+            return self._begin(rows)
+        block.bad += self.head
+        self.head = []
+        return block
+
+    def _begin(self, rows: Sequence[_Row]) -> "_Growing":
+        self.found.append(_Growing(rows, self.style, self.head, self.first))
+        self.head = []
+        return self.found[-1]
 
 
 def _begins(rows: Sequence[_Row], style: Style) -> bool:
