@@ -112,25 +112,32 @@ class Chunk(NamedTuple):
 
         By NumPy's reader, up to ten times as fast as row by row.
         """
-        lines = self.lines
-        if any('"' in line for line in lines):
-            if any(line.count('"') != 2 * width for line in lines):
-                return None
-            lines = [line.replace('"', "") for line in lines]
-        some = None if len(places) == width else places
-        mark, count = self.delimiter, width - 1
-        # NumPy ignores more fields than the last one that it needs.
-        if some and (mark is None or any(line.count(mark) != count for line in lines)):
+        lines, text, whole = self.lines, "".join(self.lines), len(places) == width
+        if not self._is_regular(text, width, whole):
             return None
+        if '"' in text:
+            lines = [line.replace('"', "") for line in lines]
         if self.style.decimal == ",":
-            if self.delimiter == "," or any("." in line for line in lines):
-                return None
             lines = [line.replace(",", ".") for line in lines]
+        some = None if whole else places
         try:
-            table = np.loadtxt(lines, delimiter=mark, comments=None, ndmin=2, usecols=some)
+            table = np.loadtxt(
+                lines, delimiter=self.delimiter, comments=None, ndmin=2, usecols=some
+            )
         except (ValueError, OverflowError):
             return None
         return table if table.shape == (len(lines), len(places)) else None
+
+    def _is_regular(self, text: str, width: int, whole: bool) -> bool:
+        """Whether NumPy reads the lines of this text as they are meant."""
+        if self.style.decimal == "," and (self.delimiter == "," or "." in text):
+            return False
+        marks = {'"': 2 * width} if '"' in text else {}
+        if not whole:  # NumPy ignores further fields
+            if self.delimiter is None:
+                return False
+            marks[self.delimiter] = width - 1
+        return all(line.count(mark) == n for mark, n in marks.items() for line in self.lines)
 
 
 def split(lines: Iterator[str], delimiter: str | None) -> Iterator[list[str]]:
