@@ -7,7 +7,7 @@ from hypothesis import given, strategies as st
 from facts import refuses, says
 from lab.machine import HEADER, export, recording, there, unit
 from stepwell import lab
-from stepwell.lab.recordings import text as _text
+from stepwell.lab.recordings import rows as _rows
 from stepwell.lab.recordings.samples import Specimen, samples
 
 GOOD = HEADER + "0.0 0.0 0.1\r\n0.02 0.1 0.2\r\n0.04 0.2 0.3\r\n"
@@ -230,7 +230,7 @@ def test_one_bad_row_does_not_make_the_others_slow_or_different(tmp_path, monkey
     file.write_text("\n".join(["Displacement (mm), Force (N)", "0, 0", *rows, "1, 1"]), "utf-8")
     found = []
     for size in (1, 7, 10**6):
-        monkeypatch.setattr(_text, "CHUNK", size)
+        monkeypatch.setattr(_rows, "CHUNK", size)
         found.append(lab.read(file))
     for one in found[1:]:
         assert np.array_equal(one.stroke, found[0].stroke)

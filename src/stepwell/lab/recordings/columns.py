@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import GRAVITY, UNITS, Floats, spellings
+from stepwell.lab.recordings.rows import split
 from stepwell.lab.recordings.tables import NumberBlock
-from stepwell.lab.recordings.text import split
 
 WEIGHTS = spellings("kg")
 # Units of a column of each kind, with factors to SI. A mass is read as its weight.

@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import GRAVITY, Floats, InputError, Measure, counted, display_unit, to_unit
-from stepwell.lab.recordings import columns as headings, roles, signs, workbook
+from stepwell.lab.recordings import columns as headings, roles, signs
 from stepwell.lab.recordings.reading import Reading
 from stepwell.lab.recordings.recording import direction_of, halves_of
 from stepwell.lab.recordings.roles import Taken
+from stepwell.lab.recordings.rows import Style, TableText, is_workbook, sheets
 from stepwell.lab.recordings.tables import NumberBlock, blocks
-from stepwell.lab.recordings.text import Style, TableText
 
 _SHOWN = 40
 _DIGITS = 6  # decimal places, more than any reading has
@@ -93,14 +93,14 @@ def _labelled(found: Sequence[Specimen]) -> list[Specimen]:
 
 def _tables(content: bytes, reading: Reading) -> Iterator[tuple[str, NumberBlock, str | None]]:
     """Blocks of numbers, each with the name of its sheet and the delimiter."""
-    if not workbook.is_workbook(content):
+    if not is_workbook(content):
         text = TableText.of(content, reading.skip, reading.decimal)
         for block in blocks(text.chunks(), text.style, roles.names_columns, text.delimiter or " "):
             yield "", block, text.delimiter
         return
     nothing: InputError | None = None
     any_block = False
-    for name, rows in workbook.sheets(content, reading.skip):
+    for name, rows in sheets(content, reading.skip):
         try:
             for block in blocks(rows, Style(), roles.names_columns, ", "):
                 any_block = True

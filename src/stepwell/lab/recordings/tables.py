@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from stepwell.base import Floats, InputError, Ints
-from stepwell.lab.recordings.text import Style, is_missing
+from stepwell.lab.recordings.rows import Style, is_missing
 
 _LOOKED_AT = 50  # rows that decide which columns hold numbers
 _HEAD = 400  # most lines above the numbers that are kept
