@@ -165,7 +165,7 @@ def test_no_figure_is_left_out_here(chains, robots, tmp_path):
         "band_laws", "calibration", "graph_classes",
         # Below.
         "animation", "moving", "measured_forces", "measured_energies", "measured_pairs",
-        "recording", "recordings", "outcomes",
+        "recording", "recordings", "measured_element", "outcomes",
     }  # fmt: skip
     assert tried | elsewhere == set(figures.__all__), "draw it with names in `of_chains` or below"
     cycle = named(sw.preset("paper-forward"), ALL).cycle()
@@ -188,6 +188,11 @@ def test_no_figure_is_left_out_here(chains, robots, tmp_path):
     assert check(partial(figures.outcomes, study), f"{other}1.q.x") > 0
     assert check(partial(figures.recording, replace(runs[0], source=ALL)), ALL) == 1
     assert check(partial(figures.recordings, [replace(runs[0], source=ALL)]), ALL) == 1
+    travel = np.linspace(0.0, 0.01, 200)
+    hinge = lab.measure_element(
+        replace(runs[0], time=travel, stroke=travel, force=50.0 * travel), ALL
+    )
+    check(partial(figures.measured_element, hinge), ALL)
 
 
 @pytest.mark.slow

@@ -74,5 +74,5 @@ def test_outcomes_are_counted_in_a_table_of_three_columns(tmp_path):
     found = yields(sw.preset("paper-forward"), Tolerances(anchor=0.003), samples=200)
     found.to_csv(tmp_path / "yield.csv")
     head, *counts = rows((tmp_path / "yield.csv").read_text("utf-8"))
-    assert head == ["outcome", "count", "share_1"]
+    assert head == ["outcome", "count", "fraction_1"]
     assert sum(int(row[1]) for row in counts) == 200

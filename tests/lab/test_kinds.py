@@ -103,7 +103,7 @@ def test_the_warning_stands_first_on_the_screen_in_json_and_on_the_page(tmp_path
     shown = CliRunner().invoke(app, [*arguments, "--out", str(out)], env={"COLUMNS": "80"})
     text = " ".join(shown.stdout.split())
     says(text, "one kind", "2 of 3", "28.5 N/m")
-    assert text.index("one kind of") < text.index("Stiffness 28.5 N/m")
+    assert text.index("one kind of") < text.index("Rest length")
     assert max(map(len, shown.stdout.partition("For a design file")[0].splitlines())) <= 80
     record = json.loads((out / "band.json").read_text("utf-8"))
     says(record["warnings"][0], "one kind", "2 of 3", "28.5 N/m", "Samp2")

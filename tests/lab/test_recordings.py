@@ -23,7 +23,8 @@ def comparison(recordings):
 
 @pytest.fixture(scope="module")
 def bands(kamp2024):
-    return lab.band_test(lab.read_all([kamp2024 / "Rubber_bands"]).recordings)
+    recordings = lab.read_all([kamp2024 / "Rubber_bands"]).recordings
+    return lab.band_test(recordings, window=(0.005, 0.035))
 
 
 def pair_named(comparison, name):

@@ -538,7 +538,7 @@ def test_designs_are_ranked_by_value_then_by_the_next_column_and_never_without_a
     share, time = [0.5, 1.0, math.nan, 1.0, 0.5, 1.0], [3.0, 9.0, 1.0, math.nan, 3.0, 2.0]
     columns = {"fraction": np.array(share), "time": np.array(time)}
     assert ranked(columns, ["fraction", "-time"]) == [5, 1, 3, 0, 4]
-    assert ranked(columns, ["-share"]) == [0, 4, 1, 3, 5]
+    assert ranked(columns, ["-fraction"]) == [0, 4, 1, 3, 5]
     assert ranked(columns, ["time"]) == [1, 0, 4, 5, 2]
 
 
