@@ -3,11 +3,13 @@
 import csv
 import json
 from importlib import import_module
+from typing import Any
 
 import pytest
 import xarray
 
 from cli.folders import written
+from docs.pages import ROOT, steps
 from stepwell import files
 from stepwell.cli import robots, screen
 from stepwell.simulation import Settings, walk
@@ -152,6 +154,16 @@ def test_export_writes_a_model_that_mujoco_opens_standing_at_its_start(stepwell,
     # Bands, levers, links and antennas are there to be seen.
     assert model.ntendon > 0
     assert (model.tendon_rgba[:, 3] > 0).any()
+
+
+@pytest.mark.slow
+def test_the_complete_script_of_the_page_needs_only_the_exported_file(stepwell):
+    stepwell("export", "robot-forward")
+    page = (ROOT / "docs" / "how-to" / "own-mujoco-script.md").read_text("utf-8")
+    script = next(step.body for step in steps(page) if step.body.startswith("import mujoco"))
+    names: dict[str, Any] = {}
+    exec(script, names)
+    assert names["steps"] == pytest.approx([0.75] * 3, abs=0.01)
 
 
 @pytest.mark.slow

@@ -293,7 +293,7 @@ def export(
     """Export a robot as MJCF, the format of MuJoCo.
 
     The file opens in MuJoCo's own viewer, with bands, levers, links and antennas. In its keyframe
-    `start` the robot stands on the floor with every cell in state 0.
+    `start` the feet are at the floor, the supports above it, and every cell is in state 0.
 
     Example: stepwell export robot-forward --out robot.xml
     """

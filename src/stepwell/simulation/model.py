@@ -100,7 +100,7 @@ def spec(robot: Robot, arena: Arena | None = None, settings: Settings | None = N
 
     Returns:
         MuJoCo's MjSpec, in SI. Its reference position has every lever at θ = 0; the keyframe
-        "start" stands on the floor with every cell at 0.
+        "start" has the feet at the floor and every cell at 0.
 
     Raises:
         ValueError: a band, load or antenna that the simulator does not support.
