@@ -408,14 +408,14 @@ def test_who_needs_a_chain_or_a_robot_is_reported_in_one_line_when_it_is_the_oth
         "preset:robot-forward: ",
         "a robot",
         "a chain",
-        "`stepwell walk`",
-        "`stepwell robot show`",
+        "`stepwell robot show preset:robot-forward --full`",
+        "`stepwell walk preset:robot-forward`",
     )
     with pytest.raises(DesignError) as caught:
         _ = load("preset:paper-forward").robot
     (line,) = str(caught.value).splitlines()
     says(line, "preset:paper-forward: ", "a chain", "a robot", "[[leg]]")
-    says(line, "`stepwell new robot.toml", "--preset robot-forward`")
+    says(line, "`stepwell new robot.toml", "--preset robot-forward`", "docs/how-to/robots.md")
     assert loads(LEAST).robot == loads(LEAST).subject
     assert loads(CELLS).chain == loads(CELLS).subject
 

@@ -49,9 +49,9 @@ class DesignFile(ByValue):
         """The chain; DesignError if the file has a robot."""
         if isinstance(self.subject, Chain):
             return self.subject
-        problem = (
-            "is a robot, and this needs a chain: try `stepwell walk` or `stepwell robot show`."
-        )
+        name = "ROBOT" if self.name == "design" else self.name
+        way = f"`stepwell robot show {name} --full` lists its gaits and their changes by antennas"
+        problem = f"is a robot, and this needs a chain: {way}, `stepwell walk {name}` simulates it."
         raise DesignError(self.name, [problem])
 
     @property
@@ -59,7 +59,10 @@ class DesignFile(ByValue):
         """The robot; DesignError if the file has a chain."""
         if not isinstance(self.subject, Chain):
             return self.subject
-        way = "`stepwell new robot.toml --preset robot-forward` writes one to start from."
+        way = (
+            "`stepwell new robot.toml --preset robot-forward` writes one, and \"A designed leg\" in "
+            "docs/how-to/robots.md puts a chain into it."
+        )
         problem = f"is a chain, and this needs a robot, which has [[leg]]: {way}"
         raise DesignError(self.name, [problem])
 
