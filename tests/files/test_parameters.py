@@ -170,7 +170,7 @@ def test_the_text_of_a_file_does_as_well_as_a_robot():
         ),
         (
             {"drive.stroke_mm": 41},
-            "drive.amplitude = 41 mm: must be <= 40 mm, the full stroke of the legs' chains; a "
+            "drive.stroke_mm = 41 mm: must be <= 40 mm, the full stroke of the legs' chains; a "
             "longer one pushes against their stops.",
         ),
     ],

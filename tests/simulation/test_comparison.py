@@ -12,7 +12,7 @@ from stepwell.simulation.comparison import _same_cycle
 
 def test_a_walk_in_its_predicted_gait_says_so():
     comparison = compare_gaits(walk(robot(), 2))
-    assert (comparison.same, comparison.text) == (True, "as predicted")
+    assert (comparison.same, comparison.text) == (True, "gaits as predicted")
     assert comparison.predicted == (FORWARD, FORWARD)
 
 

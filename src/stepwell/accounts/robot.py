@@ -114,8 +114,8 @@ def prediction_account(prediction: Prediction, about: About) -> Account:
             Picture("prediction", "The gait that statics predicts"),
         ),
         "Predicted gaits": RecordTable(_LEG, recorded(_LEG, legs), gaits, more="legs", level=CARD),
-        "Pushes": _of_legs(_PUSH, "pushes", pushes),
         "Gait changes by antennas": _of_legs(_FLIP, "flips", flips),
+        "Pushes": _of_legs(_PUSH, "pushes", pushes),
         **parameter_section(robot),
         "Assumptions": parts.Notes(prediction.assumptions, FULL),
     }
@@ -156,6 +156,8 @@ def depth_words(robot: Robot, depths: Sequence[tuple[float, float] | None]) -> s
     """Depth of the feet, and the depths [m] between which each leg keeps its gait."""
     each = [
         f"{leg.name} {base.to_unit(one[0], 'mm'):.2f} to {base.to_unit(one[1], 'mm'):.2f} mm"
+        if one[0] < one[1]
+        else f"{leg.name} uncertain at this depth"
         for leg, one in zip(robot.legs, depths, strict=True)
         if one is not None
     ]

@@ -40,8 +40,6 @@ _GAITS = (
     Quantity("states", head="states"),
     Quantity("slip", "mm", "slip per cycle", form=3),
 )
-_SOURCES = "`stepwell robot show --full` lists every number of a robot with its source."
-_SIMULATED: dict[str, Any] = {"hints": [_SOURCES], "packages": ["mujoco"]}
 _TOUCHED: Schema = (
     Quantity("obstacle", head="obstacle", read=lambda touch: touch[0]),
     Quantity("time", "s", "first touched", read=lambda touch: touch[1], none="never"),
@@ -101,7 +99,8 @@ def walk_account(walk: Walk, about: About) -> Account:
     """Advance, turn, work, gaits and contacts of a simulated walk."""
     robot, mean = walk.robot, _trial(walk)
     title = robot.title or "A walk"
-    cycles = f"{counted(walk.cycles, 'cycle')} of {amount(robot.drive.period, 's')}"
+    done = number(walk.duration / robot.drive.period)
+    cycles = f"{done} cycle{'s' * (done != '1')} of {amount(robot.drive.period, 's')}"
     after = " after the first" if walk.cycles > 1 else ""
     any_cycle = bool(walk.cycles)
     facts = (
@@ -111,7 +110,7 @@ def walk_account(walk: Walk, about: About) -> Account:
         Fact("u_max", amount(robot.u_max, "m"), TERMINAL),
         Fact("Work per cycle", amount(mean.work, "J") * any_cycle, TERMINAL),
         _transport_fact(walk, CARD),
-        Fact("Comparison with statics", lambda: walk.comparison.text, TERMINAL),
+        Fact("Comparison with statics", lambda: _comparison(walk, mean.advance), TERMINAL),
         Fact("Foot depth", lambda: of_robot.depth_words(robot, walk.comparison.depths), TERMINAL),
         of_robot.assumed_fact(robot),
     )
@@ -133,7 +132,24 @@ def walk_account(walk: Walk, about: About) -> Account:
     answer = f"Walked {amount(walk.distance, 'm')} in {cycles}"
     origin = "Simulated on a flat floor." if walk.arena is None else _simulated_in(walk.arena)
     warned = _stopped_early("The simulation", walk.stopped)
-    return Account(walk, title, "walk/1", answer, facts, sections, warned, origin, **_SIMULATED)
+    options = _simulated(about)
+    return Account(walk, title, "walk/1", answer, facts, sections, warned, origin, **options)
+
+
+def _simulated(about: About, *hints: str) -> dict[str, Any]:
+    """Options of the account of a simulation."""
+    show = f"`stepwell robot show {about.source or 'ROBOT'} --full`"
+    sources = f"{show} lists every number with its source."
+    return {"hints": [*hints, sources], "packages": ["mujoco"]}
+
+
+def _comparison(walk: Walk, advance: float) -> str:
+    """Comparison of the gaits with statics, and of the advance after the first cycle."""
+    statics = walk.comparison
+    if walk.cycles < 2 or not statics.predicted:
+        return statics.text
+    predicted = walk.robot.predict().advance
+    return f"d/u_max {advance:z.3f}, predicted {predicted:z.2f}; {statics.text}"
 
 
 def _input_sections(walk: Walk) -> parts.Sections:
@@ -198,8 +214,12 @@ def maze_account(maze: Maze, about: About) -> Account:
     off = ", ".join(one.name for one in antennas if not one.connected)
     fitted = f"{len(antennas) or 'none'}" + f"; levers disconnected: {off}" * bool(off)
     end = ", ".join(number(base.to_unit(one, "mm")) for one in maze.end or ())
+    goal = "; no goal in the arena" * (maze.arena.goal is None)
+    late = maze.arena.goal is not None and maze.outcome.name == "TIMED_OUT"
+    hints = ["`--limit` sets the time limit [s]."] * late
     facts = (
         Fact("Arena", maze.arena.title, TERMINAL),
+        Fact("Duration", f"{amount(walk.duration, 's')}, limit {amount(maze.limit, 's')}{goal}"),
         Fact("Obstacles touched", f"{touched} of {len(maze.touched)}" * bool(maze.touched)),
         Fact("Antennas", fitted, TERMINAL),
         Fact("Distance", amount(walk.distance, "m"), TERMINAL),
@@ -223,7 +243,7 @@ def maze_account(maze: Maze, about: About) -> Account:
     }
     origin, warned = _simulated_in(maze.arena), _stopped_early("The simulation", walk.stopped)
     seeds = {name: about.seeds.get(name) for name in ("start_seed", "layout_seed")}
-    options = {**_SIMULATED, "given": seeds}
+    options = {**_simulated(about, *hints), "given": seeds}
     return Account(maze, title, "maze/1", maze.ending, facts, sections, warned, origin, **options)
 
 
@@ -238,7 +258,7 @@ SWEEP = keys(keys=([str], lambda sweep: list(sweep.values)), trials=([_TRIAL], _
 def sweep_account(sweep: Sweep, about: About) -> Account:
     """Results per cycle of several robots."""
     failed = [one for one in sweep.trials if one.stopped]
-    count = counted(len(sweep.trials), "robot")
+    count, completed = counted(len(sweep.trials), "robot"), len(sweep.trials) - len(failed)
     columns: list[Column | Quantity] = [
         Column(key, lambda row, k=k: number(row["values"][k], 6), True)
         for k, key in enumerate(sweep.values)
@@ -250,7 +270,7 @@ def sweep_account(sweep: Sweep, about: About) -> Account:
         "Results": Picture("sweep", "Results per cycle of each robot"),
         "Robots": RecordTable(columns, "trials", "", wide, more="robots", level=CARD),
     }
-    answer = f"{len(sweep.trials) - len(failed)} of {count} walked to the end"
+    answer = f"{completed} of {counted(len(sweep.trials), 'run')} completed"
     origin = f"Varied: {', '.join(sweep.values) or 'nothing'}."
     reason = f"{early}{failed[0].stopped}" if failed else ""
     warned = _stopped_early("The simulation of some robots", reason)

@@ -297,6 +297,8 @@ def export(
 
     Example: stepwell export robot-forward --out robot.xml
     """
+    if out.suffix.lower() != ".xml":
+        raise screen.wrong("--out", f"{out}: an MJCF file ends in .xml, as in robot.xml.")
     options.free_file(out, force)
     _, design = options.read_robot(robot)
     place = sw.files.load_arena(arena) if arena is not None else None

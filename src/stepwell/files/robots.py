@@ -129,7 +129,10 @@ def robot(keys: schema.RobotKeys, name: str) -> Robot:
         try:
             made = Robot(legs, antennas=antennas, **how)
         except ValueError as error:
-            problems += lines_of(error)
+            # The only attribute with another name in files.
+            problems += [
+                line.replace("drive.amplitude", "drive.stroke_mm") for line in lines_of(error)
+            ]
         else:
             problems += sources(made, keys.source.lists())[1]
             if not problems:

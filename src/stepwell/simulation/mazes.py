@@ -1,5 +1,6 @@
 """Runs in an arena: the walk, contacts with obstacles, and changes of gait."""
 
+import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass
@@ -148,7 +149,11 @@ class Maze(ByValue, Drawn):
         """How and when it ended; without a goal, the turn at the last obstacle, if any."""
         if self.outcome is Outcome.TIMED_OUT and self.arena.goal is None:
             return self._turn() or f"walked for {self.duration:.0f} s, no goal in the arena"
-        return f"{self.outcome} after {self.duration:.0f} s"
+        ending = f"{self.outcome} after {self.duration:.0f} s"
+        if self.outcome is Outcome.REACHED or self.arena.goal is None or self.end is None:
+            return ending
+        distance = math.dist(self.end, self.arena.goal.at)
+        return f"{ending}, {distance:.2f} m from the centre of the goal"
 
     def _turn(self) -> str:
         """The turn away from the last obstacle; "" without one."""
