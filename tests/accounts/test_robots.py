@@ -10,8 +10,10 @@ pytest.importorskip("mujoco")
 
 import stepwell as sw
 from accounts.schemas import violations
+from facts import says
 from stepwell import files
 from stepwell.accounts import About, account, card, page, terminal
+from stepwell.accounts.robot import depth_words
 from stepwell.robot import leg_cycles, predict
 from stepwell.simulation import Convergence, Resolution, Sweep, Trial, compare_gaits
 
@@ -23,6 +25,11 @@ _ARENA = {"start_mm": [0, 0], "wall": [_WALL], "goal": {"at_mm": [150, 0], "radi
 @pytest.fixture(scope="module")
 def prediction():
     return sw.preset("robot-forward").predict()
+
+
+def test_a_depth_at_which_the_gait_is_uncertain_is_no_range():
+    text = depth_words(sw.preset("robot-forward"), [(9e-4, 9e-4), (0.0, 1e-3)])
+    says(text, "left uncertain", "right 0.00", "1.00 mm")
 
 
 @pytest.fixture(scope="module")

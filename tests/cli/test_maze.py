@@ -6,6 +6,7 @@ import pytest
 import xarray
 
 from cli.folders import written
+from facts import says
 from stepwell.files import arenas, load, load_arena, preset_text
 
 WRITTEN = {"arena.toml", "maze.json", "report.html", "robot.toml", "walk.nc"} | {
@@ -22,6 +23,8 @@ def test_a_contact_is_reported_with_the_leg_that_it_reprograms(stepwell, tmp_pat
     assert written(tmp_path / "out") == WRITTEN
     record = json.loads((tmp_path / "out" / "maze.json").read_text("utf-8"))
     assert record["outcome"] == "timed_out" and record["duration_s"] == 36
+    says(result.stdout.splitlines(), "36 s", "limit 36 s", "no goal")
+    says(result.stdout.splitlines(), "show robot-explorer --full`")
     (contact,) = record["contacts"]
     assert contact["antenna"] == "left"
     assert {change["leg"] for change in record["changes"]} == {"right"}

@@ -10,6 +10,7 @@ import xarray
 
 from cli.folders import written
 from docs.pages import ROOT, steps
+from facts import says
 from stepwell import files
 from stepwell.cli import robots, screen
 from stepwell.simulation import Settings, walk
@@ -176,6 +177,12 @@ def test_the_viewers_command_is_the_one_that_walks(stepwell):
         control(model, data)
         mujoco.mj_step(model, data)
     assert float(data.qpos[0]) == pytest.approx(walk(robot, 1).x[-1], abs=2e-4)
+
+
+def test_export_refuses_a_file_that_mujoco_does_not_read(stepwell, tmp_path):
+    result = stepwell("export", "robot-forward", "-o", "r.txt")
+    assert (result.exit_code, (tmp_path / "r.txt").exists()) == (2, False)
+    says(result.stderr, "r.txt", ".xml")
 
 
 def test_view_without_a_display_says_so_in_a_line(stepwell, monkeypatch):

@@ -89,7 +89,7 @@ def test_a_part_of_a_cycle_is_a_walk_too_and_a_video_is_written_where_frames_can
 ):
     result = stepwell("walk", "robot-forward", "--cycles", 0.1, "--out", "out")
     assert result.exit_code == 0
-    assert "in 0 cycles of 2 s" in result.stdout
+    assert "in 0.1 cycles of 2 s" in result.stdout
     record = json.loads((tmp_path / "out" / "walk.json").read_text("utf-8"))
     assert record["mean_advance_over_u_max"] is None
     names = written(tmp_path / "out")

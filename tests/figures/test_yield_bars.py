@@ -96,6 +96,7 @@ def test_long_sequences_are_reported_by_what_moves():
 
 def test_texts_are_broken_and_shortened():
     assert wrapped("00>10>11>01>00", 6) == ["00>10>", "11>01>", "00"]
+    assert wrapped("turned away at 40 s", 17) == ["turned away at", "40 s"]
     assert shortened("one", 5) == "one"
     assert shortened("a long name", 6) == "a lon…"
     assert shortened("a long name", 6, 2) == "a long\nname"

@@ -408,7 +408,7 @@ def test_who_needs_a_chain_or_a_robot_is_reported_in_one_line_when_it_is_the_oth
         "preset:robot-forward: ",
         "a robot",
         "a chain",
-        "robot show preset:robot-forward --full`",
+        "show preset:robot-forward --full`",
         "`stepwell walk preset:robot-forward`",
     )
     with pytest.raises(DesignError) as caught:

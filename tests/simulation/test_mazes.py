@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from facts import says
 from simulation.robots import FORWARD, explorer, robot
 from sizes import SIZE
 from stepwell.files import load
@@ -83,6 +84,12 @@ def test_a_goal_that_is_reached_ends_the_way():
     assert reached.arena.goal.reached(reached.walk.x[-1], reached.walk.y[-1])
     assert reached.duration < 15.0
     assert "reached the goal" in repr(reached)
+
+
+def test_a_run_that_ends_before_its_goal_has_the_distance_to_it():
+    late = maze(robot(), Arena(goal=Goal((1.0, 0.0), 0.05)), limit=2.0)
+    distance = math.dist((late.walk.x[-1], late.walk.y[-1]), (1.0, 0.0))
+    says(late.ending, "2 s", f"{distance:.2f} m", "goal")
 
 
 def test_a_start_and_a_heading_are_where_the_robot_begins():

@@ -60,8 +60,8 @@ class DesignFile(ByValue):
         if not isinstance(self.subject, Chain):
             return self.subject
         way = (
-            "`stepwell new robot.toml --preset robot-forward` writes one, and \"A designed leg\" in "
-            "docs/how-to/robots.md puts a chain into it."
+            "`stepwell new robot.toml --preset robot-forward` writes one, and "
+            "docs/how-to/robots.md puts a designed chain into its legs."
         )
         problem = f"is a chain, and this needs a robot, which has [[leg]]: {way}"
         raise DesignError(self.name, [problem])

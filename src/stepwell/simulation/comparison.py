@@ -58,7 +58,9 @@ def compare_gaits(walk: Walk) -> GaitComparison:
     ]
     why = too_soft(robot)
     if not off:
-        return GaitComparison(robot, predicted, True, f"gaits as predicted{f': {why}' if why else ''}")
+        return GaitComparison(
+            robot, predicted, True, f"gaits as predicted{f': {why}' if why else ''}"
+        )
     differ = ", ".join(
         f"{robot.legs[i].name} goes {walked[i] or 'through no state'} instead of {predicted[i]}"
         for i in off
@@ -67,7 +69,9 @@ def compare_gaits(walk: Walk) -> GaitComparison:
     reasons = [why] if why else []
     reasons += [reason for i in off for reason in _reasons(walk, prediction, i, walked[i])]
     explanation = "; ".join(dict.fromkeys(reasons)) or _unknown(prediction)
-    return GaitComparison(robot, predicted, False, f"gaits not as predicted: {differ}: {explanation}")
+    return GaitComparison(
+        robot, predicted, False, f"gaits not as predicted: {differ}: {explanation}"
+    )
 
 
 def _same_cycle(one: str, other: str) -> bool:

@@ -50,8 +50,8 @@ class Critical(base.ByValue):
     def __str__(self):
         before, after = self.names
         return (
-            f"{self.way}, {before} before {after} ({self.by}); reversed in "
-            f"{base.percent(self.fraction)} of the samples"
+            f"{before} moves before {after} while {self.way} ({self.by}); "
+            f"{base.percent(self.fraction)} of the samples reverse this order"
         )
 
 

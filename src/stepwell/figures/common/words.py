@@ -15,9 +15,12 @@ from stepwell.mechanism import Chain
 
 
 def wrapped(text: str, most: int) -> list[str]:
-    """Lines of at most `most` characters, broken after a blank, a > or a comma."""
+    """Lines of at most `most` characters, broken after a blank, a > or a comma.
+
+    A number and its unit stay on one line.
+    """
     lines = [""]
-    for word in re.split(r"(?<=[ >,])", text):
+    for word in re.split(r"(?<=[ >,])(?!(?<=\d )[^\W\d_]{1,2}\b)", text):
         if lines[-1] and len(lines[-1]) + len(word.rstrip()) > most:
             lines.append("")
         lines[-1] += word

@@ -206,6 +206,7 @@ _SYMBOLS = {"p", "q"}
 # Keys that are unclear on their own.
 _WORDS = {"below": "depth", "limit": "angle limit", "link": "length of a link"}
 _LINE = 4.2  # a line of the key [mm]
+_OUTLINED: dict[str, Any] = {"markeredgecolor": style.INK, "markeredgewidth": 0.4}
 
 
 @style.styled
@@ -227,7 +228,9 @@ def sweep(result: Sweep) -> Figure:
     shown = _read(result, keys)
     foot = _LINE * len(shown.colours) + 4.0
     figure = {1: _over_one, 2: _over_two}.get(len(keys), _over_many)(shown, foot)
-    handles = [legends.mark(literal(gait), color=one) for gait, one in shown.colours.items()]
+    handles = [
+        legends.mark(literal(gait), color=one, **_OUTLINED) for gait, one in shown.colours.items()
+    ]
     legends.below(figure, handles, 1, _LEFT, labelspacing=0.35)
     return figure
 
@@ -360,7 +363,8 @@ def _points(ax: Axes, x: Floats, y: Floats, shown: _Shown, least: float) -> None
 
 
 def _discs(ax: Axes, x: Floats, y: Floats, shown: _Shown, size: float) -> None:
-    look = {"markersize": size, "markeredgewidth": 0, "zorder": 3, "gid": "robots"}
+    # Light colours have an outline on white.
+    look = {"markersize": size, **_OUTLINED, "zorder": 3, "gid": "robots"}
     for gait, colour in shown.colours.items():
         some = shown.gaits == gait
         ax.plot(x[some], y[some], "o", color=colour, **look)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -53,7 +52,7 @@ def maze(maze: Maze) -> Figure:
     scale = min(_LARGEST, (page - 4.0) / (box[1] - box[0]), _TALLEST / (box[3] - box[2]))
     wide, high = (box[1] - box[0]) * scale, (box[3] - box[2]) * scale
     title = f"{arena.title}: " if arena.title else ""
-    headline = wrap(f"{title}{maze.ending}", int(page / _LETTER))
+    headline = words.wrapped(f"{title}{maze.ending}", int(page / _LETTER))
     handles = _key(maze)
     columns, rows = legends.grid_size(len(handles), page, _ENTRY, 5)
     key = _KEY + _ROW * (rows - 1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from textwrap import fill, wrap
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 
 from stepwell.base import Floats, InputError
 from stepwell.figures.common import legends, marks, sheet, style
-from stepwell.figures.common.words import literal
+from stepwell.figures.common.words import literal, wrapped
 from stepwell.figures.robots.parts import frame, in_world
 from stepwell.figures.robots.walks import cycle_samples, number_cycles, refuse_empty
 
@@ -76,13 +76,16 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
     remarks = [
         [name] * bool(name) + ["stopped early"] * bool(w.stopped) for name, w in walks.items()
     ]
-    names = [wrap(", ".join(words), int((page - _LEFT) / _LETTER)) for words in remarks]
+    most = int((page - _LEFT) / _LETTER)
+    names = [wrapped(", ".join(words), most) if words else [] for words in remarks]
     named = [5.0 + _LINE * (len(lines) - 1) if lines else 0.0 for lines in names]
     lower = 0.0 if side_by_side else _LOW + _BELOW + _APART
     handles = [
         legends.line("path of the body", style.BLUE),
         legends.mark("start", **_START),
         legends.mark("end"),
+        legends.line("robot at start", style.FAINT, 0.7),
+        legends.line("robot at end", style.INK, 0.7),
         legends.mark("heading at each cycle", "$\\rightarrow$", 7.0, markeredgewidth=0),
         legends.shade("along the heading", style.BLUE),
         legends.mark("to its left", "D", **_SIDEWAYS),
