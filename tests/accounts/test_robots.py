@@ -152,7 +152,7 @@ def test_a_sweep_has_the_reason_of_every_robot_that_stopped(sweep):
     assert math.isclose(good["turn_deg"], math.degrees(0.3)) and good["work_mJ"] == 2.1
     assert bad["advance_over_u_max"] is None
     for form in (text_of(found), card(found), page(found)):
-        assert "1 of 2 robots" in form and "0.720" in form
+        assert "1 of 2 runs" in form and "0.720" in form
         assert "must be" in form
 
 

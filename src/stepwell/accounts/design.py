@@ -211,8 +211,8 @@ def _force_table(change: Reprogramming) -> RecordTable:
     distance = to_unit(change.distance, "mm")
     columns = (
         base.Column("moved [mm]", lambda row: number(row["fraction"] * distance), True),
-        base.Column("moved in x [mm]", lambda row: number(row["at_mm"][0]), True),
-        base.Column("moved in y [mm]", lambda row: number(row["at_mm"][1]), True),
+        base.Column("Δx [mm]", lambda row: number(row["at_mm"][0]), True),
+        base.Column("Δy [mm]", lambda row: number(row["at_mm"][1]), True),
         *_PLACE[2:],
     )
     about = (
