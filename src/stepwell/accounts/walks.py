@@ -216,7 +216,7 @@ def maze_account(maze: Maze, about: About) -> Account:
     end = ", ".join(number(base.to_unit(one, "mm")) for one in maze.end or ())
     goal = "; no goal in the arena" * (maze.arena.goal is None)
     late = maze.arena.goal is not None and maze.outcome.name == "TIMED_OUT"
-    hints = ["`--limit` sets the time limit [s]."] * late
+    hints = ["`--limit S` sets the time limit [s]."] * late
     facts = (
         Fact("Arena", maze.arena.title, TERMINAL),
         Fact("Duration", f"{amount(walk.duration, 's')}, limit {amount(maze.limit, 's')}{goal}"),

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 _WIDE, _BAR, _GAP = 66.0, 35.0, 15.0
 # Height of bars below a path; width of an entry and height of a row of the legend [mm].
-_LOW, _ENTRY, _ROW = 34.0, 27.0, 3.8
+_LOW, _ENTRY, _ROW = 34.0, 36.0, 3.8
 _APART = 1.5  # between the name of x and the numbers of the bars below it [mm]
 _LEFT, _ABOVE, _BELOW, _KEY = 14.0, 6.0, 10.0, 6.0
 _LINE, _LETTER = 3.4, 1.7  # height of a line and width of a letter of a name [mm]
