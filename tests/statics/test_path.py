@@ -2,6 +2,7 @@
 
 import csv
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,6 +18,12 @@ from stepwell.statics.sorted_cycle import sorted_cycle
 INNER = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0)))
 OUTER = INNER.with_anchors(q=(0.020, 0.0))
 LEG = sw.Chain([INNER, OUTER])
+
+
+@pytest.mark.parametrize("lever", [0.01414, math.sqrt(0.0002), 0.014142])
+def test_of_an_equal_pull_and_push_the_peak_force_is_the_pull(lever):
+    leg = sw.Chain([replace(cell, lever=lever) for cell in LEG.levers])
+    assert leg.cycle().peak_force == pytest.approx(0.6476, abs=1e-3)
 
 
 def test_the_paper_forward_leg_snaps_near_both_ends_and_takes_the_stated_strokes():

@@ -222,7 +222,7 @@ class Cycle(ByValue, Drawn):
 
     @property
     def peak_force(self) -> float:
-        """Largest actuator force in size [N], with its sign."""
+        """Largest actuator force in size [N], with its sign; of equal ones the positive."""
         return self.path.peak_force
 
     @property

@@ -443,9 +443,8 @@ def _moved_on(designs: Designs, work: _Work, k: int) -> tuple[int, int]:
 
 @leaf
 def _peak(log: logged.Log) -> float:
-    peak = log.segments[0, logged.FORCE_0] if log.used[0] > 0 else 0.0
+    high = low = log.segments[0, logged.FORCE_0] if log.used[0] > 0 else 0.0
     for k in range(log.used[0]):
         for force in (log.segments[k, logged.FORCE_0], log.segments[k, logged.FORCE_1]):
-            if abs(force) > abs(peak):
-                peak = force
-    return peak
+            high, low = max(high, force), min(low, force)
+    return logged.signed_peak(high, low)

@@ -305,11 +305,11 @@ class Path(base.ByValue, base.Drawn):
 
     @property
     def peak_force(self) -> float:
-        """Largest actuator force in size on the way [N], with its sign."""
+        """Largest actuator force in size on the way [N], with its sign; of equal ones positive."""
         # λ is monotone between events, so it peaks at an end of a segment.
         ends = self._log.segments[:, [logged.FORCE_0, logged.FORCE_1]]
         forces = np.append(ends, self._start_force)
-        return float(forces[np.argmax(np.abs(forces))])
+        return float(logged.signed_peak(np.max(forces), np.min(forces)))
 
     @cached_property
     def end(self) -> base.Floats:

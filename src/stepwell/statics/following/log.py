@@ -27,6 +27,8 @@ DECIDED, FOLLOW = 13, 14
 NEAR_FORCE, NEAR_TRAVEL, ERROR = range(15, SEGMENT_COLUMNS)
 MOVER_COLUMNS = 7
 CELL, PIECE, OFFSET, TRAVEL_0, TRAVEL_1, SHEET_0, SHEET_1 = range(MOVER_COLUMNS)
+# Relative difference below which the largest pull and the largest push are equal.
+ALIKE = 1e-6
 
 # Two numbers, mostly of a beginning and an end.
 Pair = tuple[float, float]
@@ -54,6 +56,13 @@ def longer(log: Log) -> Log:
     for old, new in zip(log, fresh, strict=True):
         new[: len(old)] = old
     return fresh
+
+
+@leaf
+def signed_peak(high: float, low: float) -> float:
+    """The larger of two forces in size, with its sign; of equal sizes the positive one [N]."""
+    size = max(high, -low)
+    return size if high >= (1.0 - ALIKE) * size else -size
 
 
 @leaf
