@@ -2,12 +2,14 @@
 
 import json
 import math
+from dataclasses import replace
 
 import pytest
 
 import stepwell as sw
 from accounts.forms import PRESETS, SHAPES, forms, sealed, shapes, shown
 from accounts.schemas import violations
+from facts import says
 from stepwell.accounts import account, card, page, terminal
 from stepwell.accounts.rendering.terminal import SCREEN
 from stepwell.base import number
@@ -51,6 +53,12 @@ def test_a_cell_with_a_lever_has_what_elements_have_and_an_element_has_null_inst
     assert lever["force_down_N"] == [lever["F1_N"]]
     assert lever["stopped"] == [True, True]
     assert {dome[key] for key in ("F0_N", "F1_over_kr", "peak_angle_deg", "barrier_mJ")} == {None}
+
+
+def test_cells_of_one_name_are_reported(forward):
+    chain = sw.Chain([replace(cell, name="foo") for cell in forward.chain.levers])
+    says(shown(account(Run.of(chain))), "Equal names", "Cells 1, 2", "named foo")
+    assert "Equal names" not in shown(account(forward))
 
 
 def test_the_record_has_what_the_values_have_in_the_units_of_its_names(forward):

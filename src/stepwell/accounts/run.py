@@ -1,14 +1,25 @@
 """A run: what a design does in a full cycle, and how far it is from doing something else."""
 
+from collections import Counter
 from collections.abc import Callable
 
 from stepwell.accounts import changes, events, words
 from stepwell.accounts.chain import actuator_schema, cell_schema, cell_section, named, texts
 from stepwell.accounts.head import About, Shape, keys
-from stepwell.accounts.parts import PAGE, Account, Fact, Picture, Replay, Text
+from stepwell.accounts.parts import PAGE, Account, Fact, Picture, Replay, Text, Warned
 from stepwell.accounts.yields import PICTURES, sample_words, yield_words
-from stepwell.base import Quantity, Schema, amount, counted, in_measure, number, read_off
+from stepwell.base import (
+    Quantity,
+    Schema,
+    amount,
+    counted,
+    in_measure,
+    join_first,
+    number,
+    read_off,
+)
 from stepwell.design import Run
+from stepwell.mechanism import Chain
 from stepwell.sequences import Cycle, Pathway
 from stepwell.statics import EventKind, Path
 
@@ -111,9 +122,21 @@ def run_account(run: Run, about: About) -> Account:
     }
     title, answer = chain.title or about.source or "Untitled chain", cycle_words(cycle)
     curves = words.scattered(chain, run.other_sequences)
-    warned = [words.degenerate(cycle.degenerate, chain), curves]
+    warned = [words.degenerate(cycle.degenerate, chain), curves, _namesakes(chain)]
     hints = [_CHECK] if landings == events.NOT_CHECKED else []
     return Account(run, title, "run/2", answer, facts, sections, warned, origin, hints=hints)
+
+
+def _namesakes(chain: Chain) -> Warned:
+    """The warning of cells with the same name."""
+    shared = [name for name, count in Counter(chain.names).items() if count > 1]
+    numbers = {name: [k for k, one in enumerate(chain.names, 1) if one == name] for name in shared}
+    lines = [
+        f"Cells {join_first(list(map(str, cells)), 4)} are all named {name}: give each cell its "
+        f"own name. Options take the number of such a cell, such as {cells[0]}."
+        for name, cells in numbers.items()
+    ]
+    return Warned("Equal names", "Results cannot tell these cells apart.", lines)
 
 
 def _banded(run: Run) -> list[Fact]:

@@ -54,12 +54,20 @@ def _line(problem: ErrorDetails, tables: Tables) -> str:
             path, given = key_path([*keys, key]), given.get(key) if bare else None
             bare = given is None
         shown = "" if bare else f" = {value_text(given)}"
-        return f"{path}{shown}: {context['problem']}"
+        return f"{path}{shown}: {_in_cell(keys, problem['input'], context['problem'])}"
     if kind in ("tuple_type", "list_type"):
         must = f"a list of tables, each under [[{_plain(keys)}]]"
     else:
         must = f"a table, as in [{_plain(keys)}]"
     return f"{path} = {value_text(given)}: must be {must}."
+
+
+def _in_cell(keys: list[str | int], table: Any, problem: str) -> str:
+    """The problem; with the number from 1 and the name of a cell without a key."""
+    if not problem.startswith("is missing") or keys[-2:-1] != ["cell"]:
+        return problem
+    name = f" ({value_text(table['name'])})" if "name" in table else ""
+    return problem.replace("is missing", f"is missing in cell {int(keys[-1]) + 1}{name}", 1)
 
 
 def _plain(keys: list[str | int]) -> str:
