@@ -5,7 +5,7 @@ import os
 import pytest
 
 from facts import refuses, says
-from stepwell.files import DesignError, load, loads, preset
+from stepwell.files import DesignError, load, loads, preset, text_of
 from stepwell.files.schema.chain import TABLES
 
 CELL = "[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n"
@@ -132,7 +132,8 @@ def answer(text: str) -> str:
         # anchors, laws and loads that contradict each other
         (
             "[chain]\n[[chain.cell]]\np_mm = [-10, 0]",
-            "forward.toml: chain.cell[0].q_mm: is missing: two numbers in mm, as in [10, 0].",
+            "forward.toml: chain.cell[0].q_mm: is missing in cell 1: two numbers in mm, as in "
+            "[10, 0].",
         ),
         (
             f"[chain]\n{CELL}bands = []",
@@ -186,6 +187,16 @@ def answer(text: str) -> str:
         ),
         # TOML itself
         ("[chain]\nlever_mm = = 3", "forward.toml: line 2, column 12: Invalid value."),
+        (
+            "[chain]\nlever_mm = 14,14",
+            "forward.toml: line 2, column 14: Expected newline or end of document after a "
+            "statement. Numbers have a decimal point: 14.14.",
+        ),
+        (
+            "[[chain.cell]]\nq_mm = [20 0]",
+            "forward.toml: line 2, column 12: Unclosed array. A comma is missing between the "
+            "numbers: 20, 0.",
+        ),
         ("a.b = 1\na.b.c = 2", "forward.toml: line 2, at the end: Cannot overwrite a value."),
         ("a = " + "[" * 100_000, "forward.toml: is nested too deeply to be a design file."),
     ],
@@ -312,3 +323,11 @@ def test_a_preset_asked_for_like_a_file_is_answered_with_its_name():
     with pytest.raises(DesignError) as caught:
         load("robot-forward")
     says(str(caught.value), "robot-forward: ", "no such file", "preset:robot-forward?")
+
+
+@pytest.mark.parametrize("name", ["forward", "preset:forward"])
+def test_a_wrong_name_is_answered_with_presets_that_the_command_takes(name):
+    for robots, kept, left in ((False, "paper", "robot"), (True, "robot", "paper")):
+        with refuses(DesignError, f"{kept}-forward", "stepwell presets") as refused:
+            text_of(name, robots=robots)
+        assert f"{left}-forward" not in str(refused.value)

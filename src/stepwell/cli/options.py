@@ -96,7 +96,7 @@ _OUT = typer.Option(
     "--out",
     "-o",
     metavar="DIR",
-    help="Write the results into this folder.",
+    help="Write the results into this folder. Results of the same command in it are replaced.",
     file_okay=False,
     callback=local,
 )
@@ -108,7 +108,7 @@ Json = Annotated[
         "--json", callback=silence, help="Print the result as JSON only; see docs/commands/."
     ),
 ]
-Full = Annotated[bool, typer.Option("--full", help="Print all lines, not one screen of them.")]
+Full = Annotated[bool, typer.Option("--full", help="Print all lines, not only the first screen.")]
 NO_OPEN = "Do not open a browser."
 CYCLES = "Number of drive cycles."
 TIME_LIMIT = "Time limit of a simulation [s]."
@@ -280,8 +280,9 @@ WITHOUT = "Without --out the result is shown, and --json prints all of it."
 
 def read_chain(design: str) -> tuple[str, sw.Chain]:
     """The text of a design file, and the chain that it describes."""
-    file = sw.files.load(by_name(design) or design)
-    return file.text, file.chain
+    name = by_name(design) or design
+    text = sw.files.text_of(name, robots=False)
+    return text, sw.files.loads(text, name).chain
 
 
 def read_design(design: str) -> tuple[str, sw.Chain | sw.robot.Robot]:
@@ -293,7 +294,7 @@ def read_design(design: str) -> tuple[str, sw.Chain | sw.robot.Robot]:
 def read_robot(robot: str) -> tuple[str, sw.robot.Robot]:
     """The text of a robot's design file, and the robot."""
     name = by_name(robot) or robot
-    text = sw.files.text_of(name)
+    text = sw.files.text_of(name, robots=True)
     return text, sw.files.loads(text, name).robot
 
 

@@ -123,11 +123,12 @@ def tables_in(text: str, name: str = "design") -> dict[str, Any]:
     return toml_text.in_floats(tables)
 
 
-def text_of(design: str | os.PathLike[str]) -> str:
+def text_of(design: str | os.PathLike[str], *, robots: bool | None = None) -> str:
     """The unchecked text of a design file, with the numbers of its CSV files inserted.
 
     Args:
         design: path of a file, or "preset:" and a name in `presets`.
+        robots: whether errors suggest presets of robots only, or of chains only; None for both.
 
     Raises:
         DesignError: there is none, it is not UTF-8 text, a command was stopped while it replaced
@@ -135,7 +136,7 @@ def text_of(design: str | os.PathLike[str]) -> str:
     """
     name = os.fspath(design)
     if name.startswith(PRESET):
-        return preset_text(name.removeprefix(PRESET))
+        return preset_text(name.removeprefix(PRESET), robots=robots)
     try:
         text = content_of(Path(design), "design_bytes").decode("utf-8-sig")
         if (mixed := mixed_results(Path(design))) is None:
@@ -144,7 +145,7 @@ def text_of(design: str | os.PathLike[str]) -> str:
     except DesignError:
         raise
     except FileNotFoundError:
-        problem = f"no such file.{_similar_file_hint(Path(design))}"
+        problem = f"no such file.{_similar_file_hint(Path(design), robots)}"
     except UnicodeDecodeError as error:
         line, byte = error.object[: error.start].count(b"\n") + 1, error.object[error.start]
         problem = f"line {line}: byte 0x{byte:02x} is not UTF-8: save the file as UTF-8 text."
@@ -164,17 +165,16 @@ def presets() -> Presets:
     return Presets({name: tomllib.loads(text)["title"] for name, text in _texts().items()})
 
 
-def preset_text(name: str) -> str:
+def preset_text(name: str, *, robots: bool | None = None) -> str:
     """Text of a design file in the package, TOML with comments, for editing.
 
     Raises:
-        DesignError: there is none of that name; the message has the nearest name.
+        DesignError: there is none of that name; the message has similar names, with `robots` as in
+            `text_of`.
     """
     texts = _texts()
     if name not in texts:
-        raise DesignError(
-            f"preset {name}", [f"no such design. {toml_text.did_you_mean(name, texts)}"]
-        )
+        raise DesignError(f"preset {name}", [f"no such design.{_similar_presets(name, robots)}"])
     return texts[name]
 
 
@@ -216,14 +216,22 @@ def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | No
     return made, program
 
 
-def _similar_file_hint(path: Path) -> str:
-    if str(path) in presets():
+def _similar_file_hint(path: Path, robots: bool | None) -> str:
+    if str(path) in _texts():
         return f" Did you mean {PRESET}{path}?"
     with suppress(OSError):
         others = [one.name for one in path.parent.iterdir() if one.suffix in (".toml", path.suffix)]
         if near := nearest_word(path.name, others):
             return f" Did you mean {path.with_name(near)}?"
-    return ""
+    is_name = path.name == str(path) and not path.suffix
+    return _similar_presets(path.name, robots, PRESET) if is_name else ""
+
+
+def _similar_presets(name: str, robots: bool | None, before: str = "") -> str:
+    known = [one for one in _texts() if robots in (None, one.startswith("robot-"))]
+    near = [one for one in known if name.lower() in one][:3] or [nearest_word(name, known)]
+    meant = f" Did you mean {' or '.join(f'{before}{one}' for one in near)}?" if near[0] else ""
+    return f"{meant} `stepwell presets` lists the presets."
 
 
 @cache

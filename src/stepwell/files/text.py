@@ -147,10 +147,20 @@ def parsed(text: str, name: str, empty: str) -> dict[str, Any]:
         problem = f"{error}."
         if place := re.search(r" \(at (?:(line \d+, column \d+)|end of document)\)$", str(error)):
             where = place[1] or f"line {text.count(chr(10)) + 1}, at the end"
-            problem = f"{where}: {str(error)[: place.start()]}."
+            problem = f"{where}: {str(error)[: place.start()]}.{_slip_hint(text, place[1])}"
     except ValueError:
         problem = "holds an integer of thousands of digits."
     raise DesignError(name, [problem])
+
+
+def _slip_hint(text: str, place: str | None) -> str:
+    """A sentence on a decimal comma or a missing comma in the line of a syntax error."""
+    line = text.split("\n")[int(place.split()[1].strip(",")) - 1] if place else ""
+    if number := re.search(r"=\s*([+-]?\d+),(\d+)", line):
+        return f" Numbers have a decimal point: {number[1]}.{number[2]}."
+    if pair := re.search(r"[\[,]\s*([+-]?[\d.]+)\s+([+-]?[\d.]+)", line):
+        return f" A comma is missing between the numbers: {pair[1]}, {pair[2]}."
+    return ""
 
 
 def _decimal(text: str) -> Decimal:
