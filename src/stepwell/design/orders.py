@@ -32,6 +32,9 @@ def checked_cycle(target: str, last: str, name: str = "target", names: tuple[str
             f"state {short(wrong)!r} must be {len(last)} {digits}, one per cell, cell 1 (the inner "
             f"one) first, with > between states;"
         )
+        if len(states) == 1 and len(parts := re.findall(r"\d+", wrong)) > 1:
+            last = last[: len(parts[0])]
+            problem = f"write > between states, {short('>'.join(parts))}; a full cycle is,"
     elif {states[0], states[-1]} != {"0" * len(last)} or last not in states:
         ends = ("at 0", "at 1") if two else ("in their first phase", "in their last")
         problem = (
