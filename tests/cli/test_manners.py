@@ -192,6 +192,7 @@ def test_one_option_name_has_one_meaning_in_all_commands():
         (("check", "forward.toml", "--stiffness-spread", "3"), "--stiffness-tolerance"),
         (("sweep", "cycle", "forward.toml", "--built", "3"), "--monte-carlo"),
         (("graph", "forward.toml", "--start", "00"), "--from"),
+        (("new", "my.toml", "--from", "paper-forward"), "--preset"),
     ],
 )
 def test_a_former_or_usual_name_is_answered_with_the_present_one(stepwell, words, name):

@@ -100,7 +100,11 @@ def presets_account(presets: Presets, about: About) -> Account:
     """Names and titles of the designs that come with Stepwell."""
     title, answer = "Designs that come with Stepwell", base.counted(len(presets), "design")
     sections = {"Names and titles": _table(_PRESET, presets.items(), more="designs", level=CARD)}
-    return Account(presets, title, "presets/1", answer, sections=sections, computed=False)
+    hints = ["`stepwell run preset:NAME` computes a chain, `stepwell walk NAME` simulates a robot."]
+    hints += ["`stepwell new my.toml --preset NAME` writes a copy to edit."]
+    return Account(
+        presets, title, "presets/1", answer, sections=sections, hints=hints, computed=False
+    )
 
 
 def verdicts_account(verdicts: Verdicts, about: About) -> Account:

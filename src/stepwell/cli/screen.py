@@ -230,6 +230,7 @@ _OPTION_NAMES = {
     "--lever-tolerance": "--lever",
     "--monte-carlo": "--built --mc --samples",
     "--out": "--dest --file --output",
+    "--preset": "--copy --from --template",
     "--rank-by": "--by",
     "--rest-length-tolerance": "--rest-length --rest-length-spread",
     "--samples": "--mc --monte-carlo --n --number",
@@ -318,6 +319,9 @@ class Commands(TyperGroup):
 def _suggest_option(error: Any) -> None:
     """Name the option for a former or usual name of it, if the command has that option."""
     given = getattr(error, "option_name", None)
+    if error.ctx and error.ctx.info_name == "presets" and error.message.endswith(")"):
+        error.message += ". To compute a preset: stepwell run preset:NAME. To copy a preset: "
+        error.message += "stepwell new my.toml --preset NAME."
     if given is None or error.ctx is None:
         return
     names = {name for one in error.ctx.command.params for name in one.opts}
