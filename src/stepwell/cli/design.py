@@ -24,15 +24,14 @@ BANDS = {"paper": (28.5, 10.0), "robot": (30.0, 10.0), "antennas": (47.0, 22.0)}
 
 FORCE_SCALE, TRAVEL_SCALE = Range(0.5, 2.0), Range(1.0, 1.0)
 
-_Side = Annotated[
-    Range | None,
-    typer.Option(
+
+def _side(axis: str, usual: str) -> Any:
+    return option(
+        f"Anchor positions: allowed range of q along {axis} [mm]. By default {usual} for the "
+        "paper's lever, scaled for other levers, mirrored for p.",
+        "FROM:TO",
         parser=span,
-        metavar="FROM:TO",
-        help="Anchor positions: allowed range of q along this axis [mm]. By default 0:20, -15:15 "
-        "for the paper's lever, scaled for other levers, mirrored for p.",
-    ),
-]
+    )
 
 
 def between(text: str | Range) -> Range:
@@ -74,8 +73,8 @@ class Objective(StrEnum):
 class Parts(Group):
     """Available parts, and allowed positions of their anchors."""
 
-    x: _Side = None
-    y: _Side = None
+    x: Range | None = _side("x", "0:20")
+    y: Range | None = _side("y", "-15:15")
     place: Free = option(
         "Anchors to place: q with p at (-10, 0) mm, p with q at (10, 0) mm, or both, with p the "
         "mirror image of q.",

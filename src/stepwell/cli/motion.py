@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 import stepwell as sw
 from stepwell.cli import options, screen
@@ -180,20 +178,18 @@ def animate(
 
 
 CELL, ACROSS, UP = "outer", Range(0, 20, 200), Range(-15, 15, 200)
-_Axis = Annotated[
-    Range,
-    typer.Option(
-        parser=grid, metavar="FROM:TO:COUNT", help="Anchor positions: grid along this axis [mm]."
-    ),
-]
-_Parameter = Annotated[
-    Range | None,
-    typer.Option(
-        parser=parameter_range,
-        metavar="NAME=FROM:TO:COUNT",
-        help=f"Parameter on this axis instead of the anchor [mm, deg, N or N/m], as in {EXAMPLE}.",
-    ),
-]
+
+
+def _axis_of(axis: str, usual: Range) -> Any:
+    text = f"Anchor positions: grid along {axis} [mm]."
+    return option(text, "FROM:TO:COUNT", default=usual, parser=grid)
+
+
+def _parameter_on(axis: str) -> Any:
+    text = (
+        f"Parameter on the {axis} axis instead of the anchor [mm, deg, N or N/m], as in {EXAMPLE}."
+    )
+    return option(text, "NAME=FROM:TO:COUNT", parser=parameter_range)
 
 
 class PlaneOptions(options.Group):
@@ -204,10 +200,10 @@ class PlaneOptions(options.Group):
         "CELL",
         default=CELL,
     )
-    x: _Axis = ACROSS
-    y: _Axis = UP
-    across: _Parameter = None
-    up: _Parameter = None
+    x: Range = _axis_of("x", ACROSS)
+    y: Range = _axis_of("y", UP)
+    across: Range | None = _parameter_on("horizontal")
+    up: Range | None = _parameter_on("vertical")
 
     def parameters(self) -> tuple[Range, Range] | None:
         """The two parameters; None if the position of an anchor is varied."""

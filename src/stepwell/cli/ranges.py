@@ -81,6 +81,8 @@ def read_range(text: str, form: str, example: str, number: Callable[[str], float
     try:
         ends = Range(number(start), number(stop), points, name or "", bool(log))
     except ValueError:
+        if "=" in form and number is float:
+            wrong.message += " Write numbers without a unit; lengths are in mm."
         raise wrong from None
     if points is not None and points < 2:
         raise typer.BadParameter(f"{text!r}: the count must be 2 or more.")
