@@ -220,7 +220,10 @@ def test_tolerances_are_those_that_the_cells_have():
 def test_the_smallest_changes_are_reported_by_what_they_change():
     margin = pair(Measure.VOLUME).margin()
     words = margin_words(margin)
-    for kind, label in (("force_scale", "% in pressures"), ("friction", "% in friction")):
+    for kind, label in (
+        ("force_scale", "% in pressures"),
+        ("friction", "% of the largest pressure in friction"),
+    ):
         least = min(one.distance for one in margin.changes if one.parameter == kind)
         assert f"{number(least * 100)} {label}" in words
     ((table,),) = margin_section(margin).values()

@@ -302,7 +302,7 @@ def test_a_long_chain_names_the_cells_that_change_places():
         chain, ("3.q.x", (0.0, 0.020)), ("3.q.y", (-0.010, 0.010)), search=31
     )
     named = [curve.changes for curve in curves]
-    assert any("cell 3" in text and "change places while" in text for text in named)
+    assert any("cell 3" in text and "change order while" in text for text in named)
     assert all(">" not in text for text in named)
     assert all(">" in side for curve in curves for side in curve.sequences)
 
@@ -324,7 +324,7 @@ def test_a_curve_prints_what_changes_and_how_it_was_found():
     )
     assert curves[0].error < 1e-14
     assert f"exact, within {curves[0].error:.1g} of the axes" in repr(curves[0])
-    assert "change places" in repr(curves[0])
+    assert "change order" in repr(curves[0])
 
 
 @pytest.mark.parametrize(

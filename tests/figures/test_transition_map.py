@@ -134,8 +134,8 @@ def test_curves_are_numbered_by_what_changes_across_them(drawn_pair):
     meaning = key(drawn_pair)
     assert meaning["1"] != meaning["2"]
     assert {meaning["1"], meaning["2"]} == {
-        "inner and outer change places while loading",
-        "inner and outer change places while unloading",
+        "inner and outer change order while loading",
+        "inner and outer change order while unloading",
     }
     on_map = [t.get_text() for t in drawn_pair.axes[0].texts if t.get_gid() == "number"]
     assert sorted(on_map) == ["1", "1", "2", "2"]
@@ -339,5 +339,5 @@ def test_a_long_key_stands_beside_the_map_and_below_it():
     assert beside.get_position().x0 > ax.get_position().x1
     assert below.get_position().y1 < ax.get_position().y0
     rows = [text.get_text() for text in below.texts if not text.get_text().isdigit()]
-    assert len(rows) > 5 and all("change places" in row for row in rows)
-    assert not any("change places" in text.get_text() for text in beside.texts)
+    assert len(rows) > 5 and all("change order" in row for row in rows)
+    assert not any("change order" in text.get_text() for text in beside.texts)

@@ -62,8 +62,12 @@ def _moved(change: Change, of: str = "") -> str:
     if isinstance(change.move, tuple):
         x, y = (base.signed(base.to_unit(v, "mm")) for v in change.move)
         return f"{part} by ({x}, {y}) mm"
-    largest = f" of the largest {measure.force}" * (change.parameter == "friction")
-    return f"{part} by {base.signed(change.move * 100)} %{largest}"
+    return f"{part} by {base.signed(change.move * 100)} %{_of_largest(change)}"
+
+
+def _of_largest(change: Change) -> str:
+    is_friction = change.parameter == "friction"
+    return f" of the largest {change.chain.measure.force}" if is_friction else ""
 
 
 def part_words(part: str, measure: base.Measure) -> str:
@@ -93,7 +97,8 @@ def margin_words(margin: Margin) -> str:
         finite = [c for c in margin.changes if c.parameter == kind and math.isfinite(c.distance)]
         if finite:
             nearest = min(finite, key=lambda change: change.distance)
-            words.append(f"{_distance(nearest)} in {part_words(kind, measure)}")
+            part = f"{part_words(kind, measure)} of {margin.chain.names[nearest.cell]}"
+            words.append(f"{_distance(nearest)}{_of_largest(nearest)} in {part}")
     if words:
         return f"{', '.join(words)} to another sequence ({margin.method})"
     if len(margin.chain.elements) == len(margin.chain):

@@ -31,10 +31,10 @@ def between(a: Sequence, b: Sequence, names: tuple[str, ...]) -> tuple[plane.Bou
         return plane.BoundaryKind.PATHWAY, both or _parting(a, b)
     loading, unloading = (_swapped(first[k], second[k], names) for k in (0, 1))
     if loading == unloading:
-        words = f"{loading} change places while loading and unloading"
+        words = f"{loading} change order while loading and unloading"
     else:
         ways = (("loading", loading), ("unloading", unloading))
-        words = ", ".join(f"{who} change places while {way}" for way, who in ways if who)
+        words = ", ".join(f"{who} change order while {way}" for way, who in ways if who)
     kind = plane.BoundaryKind.PATHWAY
     if not (loading and unloading):
         kind = plane.BoundaryKind["LOADING_ORDER" if loading else "UNLOADING_ORDER"]
