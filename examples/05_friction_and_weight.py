@@ -1,4 +1,4 @@
-"""Friction delays the snaps and eats what they release; a weight moves them one way."""
+"""Friction delays snaps and reduces the energy that they release; a weight moves all one way."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Ten cells, any order up and any order down: two sorted lists of forces write the sequence."""
+"""Ten cells, any order up and any order down: two sorted lists of forces give the sequence."""
 
 import numpy as np
 
