@@ -136,7 +136,7 @@ def _namesakes(chain: Chain) -> Warned:
         f"own name. Options take the number of such a cell, such as {cells[0]}."
         for name, cells in numbers.items()
     ]
-    return Warned("Equal names", "Results cannot tell these cells apart.", lines)
+    return Warned("Equal names", "Results show equal names for different cells.", lines)
 
 
 def _banded(run: Run) -> list[Fact]:
