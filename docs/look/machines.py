@@ -16,7 +16,7 @@ from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
 from stepwell.files import preset_text
-from stepwell.studio.standalone import filled
+from stepwell.studio.standalone import motion_page
 
 FOLDER = Path(__file__).resolve().parents[1] / "gallery"
 HERE = "<!-- machines: one card of each, made by docs/look/machines.py -->"
@@ -156,7 +156,7 @@ Copy it, change it, and give its name wherever `preset:{name}` stands above.
 def replay(one: dict[str, Any]) -> str:
     """The page that plays a machine, with the script and the styles of today."""
     data = (FOLDER / f"{one['name']}.motion").read_text("utf-8").strip()
-    return filled(one["title"], one["version"], data)
+    return motion_page(one["title"], one["version"], data)
 
 
 def still(moving: str) -> str:
