@@ -1,23 +1,22 @@
 """Four pictures of the README, what one can do: `python 00_pictures_of_the_front_page.py`.
 
-All are of one size, and every number and curve in them is computed here.
+All are 640 pixels wide, and every number and curve in them is computed here.
 """
 
 import math
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import stepwell as sw
 from stepwell import figures
 from stepwell.figures.cells.linkage import Drawing
-from stepwell.figures.common.marks import along_y, plain
+from stepwell.figures.common.marks import plain
 from stepwell.figures.common.sheet import blank, place, text_at
 from stepwell.figures.common.style import (
-    BLOCK,
     BLUE,
     COLUMN,
     FAINT,
@@ -26,16 +25,13 @@ from stepwell.figures.common.style import (
     LOADING,
     MM,
     UNLOADING,
-    VERMILLION,
-    cell_colours,
-    hollow,
     pale,
     styled,
 )
 from stepwell.mechanism.layout import ChainLayout
 
-# 640 by 400 pixels.
-TALL, DPI = COLUMN * 400 / 640, 640 / COLUMN * 25.4
+# Of 400 in 640 pixels.
+TALL = COLUMN * 400 / 640
 BIG = 8.5
 # What is wished for, and what a careful workshop can hold, as `stepwell design` takes it to be.
 WISH, PATHWAY = "00>01>11>10>00", "counterclockwise"
@@ -117,34 +113,10 @@ def real() -> Figure:
     return figure
 
 
-@styled
 def build() -> Figure:
-    """Holes to drill for a target sequence."""
+    """Holes to drill for a target sequence, as `stepwell design --out` draws them."""
     made = sw.design(WISH, holes=HOLES, tolerances=WORKSHOP)
-    assert made.yield_ is not None
-    figure = blank(COLUMN, TALL)
-    colours = cell_colours(len(made.chain))
-    for k, (cell, colour) in enumerate(zip(made.chain.levers, colours, strict=True)):
-        ax = place(figure, 13.0 + 30.0 * k, 8.0, 27.5, 44.0)
-        plain(ax, (-9.5, 23.5, -25.0, 26.3))
-        plate(ax, np.array(cell.bands[0].q) * MM, colour, first=k == 0)
-        name = f"{made.chain.names[k]} $q$"
-        ax.text(10.0, 20.0, name, color=colour, ha="center", fontsize=BIG, fontweight="bold")
-    told = f"target {WISH}; anchors ±0.3 mm, stiffness\n±5 %: {surely(made.yield_)}"
-    text_at(figure, COLUMN / 2, 1.5, told, ha="center", fontsize=7.5)
-    return figure
-
-
-def plate(ax: Axes, q: np.ndarray, colour: str, *, first: bool) -> None:
-    """The holes of one outer block, in mm from the midpoint between its lever joints."""
-    across, up = np.meshgrid(np.arange(0, 21, 5), np.arange(-15, 16, 5))
-    ax.fill([-3, 23, 23, -3], [-18, -18, 18, 18], facecolor=pale(BLOCK, 0.4), edgecolor=INK, lw=0.7)
-    ax.plot(across.ravel(), up.ravel(), "o", **hollow(3.0, FAINT, markeredgewidth=0.6))
-    ax.plot(0, 0, "+", color=BLUE, markersize=7, markeredgewidth=1.4, zorder=5)
-    ax.plot(*q, "o", color=colour, markersize=6.5, zorder=6)
-    ax.text(10.0, -19.5, point(q), ha="center", va="top", fontsize=7.5)
-    if first:
-        along_y(ax, (-15, -10), (0.0, -6.0), "5 mm", colour=VERMILLION)
+    return figures.compose([partial(figures.holes, made.chain, made.holes)], width=120.0)
 
 
 def surely(found: sw.Yield) -> str:
@@ -169,7 +141,8 @@ def tell(figure: Figure, x: float, rows: list[tuple[str, str, str]]) -> None:
 def draw(folder: Path) -> None:
     """Write the four pictures into `folder`."""
     for make in (see, want, real, build):
-        figures.save(make(), folder / f"{make.__name__}.png", dpi=DPI)
+        figure = make()
+        figures.save(figure, folder / f"{make.__name__}.png", dpi=640 / figure.get_figwidth())
 
 
 if __name__ == "__main__":

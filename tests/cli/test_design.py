@@ -21,7 +21,7 @@ def test_what_is_found_does_it_and_runs(stepwell, tmp_path):
     assert result.exit_code == 0
     assert result.stdout.startswith(f"{BACK}, yield")
     names = {"design.toml", "design.json", "report.html", "yield.csv"}
-    names |= {"force-plane.png", "force-plane.svg"}
+    names |= {"force-plane.png", "force-plane.svg", "holes.png", "holes.svg"}
     assert written(tmp_path / "out") == names
     assert str(sw.load("out/design.toml").cycle().sequence) == BACK
     assert stepwell("run", "out/design.toml").stdout.startswith(f"{BACK}, ")
@@ -42,7 +42,7 @@ def test_json_alone_says_everything(stepwell, tmp_path):
         assert row["q_mm"] == pytest.approx([v * 1e3 for v in cell.bands[0].q])
     again = yields(chain, Tolerances(0.0003, 0.05), samples=2000)
     assert record["yield"]["fraction"] == again.fraction
-    assert len(record.pop("files")) == 6
+    assert len(record.pop("files")) == 8
     assert record == json.loads((tmp_path / "out" / "design.json").read_text())
 
 

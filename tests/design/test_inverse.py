@@ -601,18 +601,18 @@ def test_chosen_holes_pass_through_the_middle_of_the_joints():
     made = design(NESTED, lever=0.040, holes=0.005, samples=1)
     np.testing.assert_allclose(made.anchors / 0.005, np.round(made.anchors / 0.005), atol=1e-9)
     assert usual_box(0.040).clamped(made.anchors) == pytest.approx(made.anchors)
-    assert "not on the grid" not in made.method
+    assert not made.off_grid
 
 
 def test_an_anchor_beside_the_grid_of_holes_is_named_and_stays():
     assert fits_grid((-0.010, 0.0), 0.005) and not fits_grid((-0.010, 0.0), 0.003)
     made = design(NESTED, holes=0.003, samples=1)
-    says(made.method, "p (-10, 0) mm", "not on", "grid of holes", "3 mm apart")
+    says(made.off_grid, "p (-10, 0) mm", "--free both")
     assert {cell.bands[0].p for cell in made.chain.levers} == {(-0.010, 0.0)}
     both = design(NESTED, holes=0.003, free="both", samples=1)
-    assert "not on the grid" not in both.method
+    assert not both.off_grid
     other = design(NESTED, holes=0.003, free="p", samples=1)
-    says(other.method, "q (10, 0) mm", "not on", "grid of holes", "3 mm apart")
+    says(other.off_grid, "q (10, 0) mm", "--free both")
 
 
 def test_an_area_between_the_holes_is_refused_and_the_advice_works():

@@ -59,6 +59,7 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     cell = sw.Cell(sw.Band(p=(-0.010, 0.0), q=(0.010, 0.0)), name=name)
     yield partial(figures.labelled_cell, cell)
     yield partial(figures.labelled_chain, chain)
+    yield partial(figures.holes, chain)
     yield partial(
         figures.transition_map,
         transition_map(chain, 1, x=x, y=y),

@@ -9,7 +9,7 @@ from stepwell import base
 from stepwell.accounts import run, yields
 from stepwell.accounts.chain import BAND, actuator_schema, cell_columns, cell_schema, named
 from stepwell.accounts.head import About, Shape, keys, of_class, recorded
-from stepwell.accounts.parts import CARD, FULL, Account, Fact, RecordTable, Text
+from stepwell.accounts.parts import CARD, FULL, Account, Fact, Picture, RecordTable, Text
 from stepwell.accounts.words import LONGEST_IN_A_LINE, assumed, cells_of
 from stepwell.base import Quantity, Schema, amount, join_first, number, signed, to_unit
 from stepwell.design import Design, Impossible, Reprogramming
@@ -28,6 +28,7 @@ _SCALES: Schema = (
     Quantity("travel_scale", head="travel scale", holds=float, left=False),
 )
 _LEVER: Schema = (Quantity("lever", "mm", "lever"), Quantity("limit", "deg"))
+_HOLES = Picture("holes", "The plates of each cell with p, q and the holes, origin and axes")
 # Tables have every k-th place of a displacement.
 _EVERY = 5
 _PLACE: Schema = (
@@ -47,7 +48,7 @@ def design_schema(shape: Shape) -> Schema:
         *keys(states_whole=(bool, "reached.whole"), states_how=(str, "reached.how")),
         *keys(actuator=(actuator_schema(shape), "chain")),
         *keys(cells=([built_schema(shape)], lambda one: named(one.chain))),
-        *keys(holes="mm", candidates=int, robustness=_ROBUSTNESS),
+        *keys(holes="mm", off_grid=str, candidates=int, robustness=_ROBUSTNESS),
         Quantity("yield", read="yield_", holds=yields.inner_yield_schema(shape)),
         Quantity("assumptions"),
     )
@@ -59,6 +60,15 @@ def design_schema(shape: Shape) -> Schema:
         *of_class(Design, built),
         *of_class(Impossible, gaps),
     )
+
+
+def _origin(design: Design) -> str:
+    """The origin and axes of the anchors, and the distance of the holes."""
+    if design.chain.elements:
+        return ""
+    apart = f"{amount(design.holes, 'm')} apart, " if design.holes else ""
+    axes = "x across to the outer block, y along the stroke"
+    return f"{apart}origin in the middle of the joints; {axes}"
 
 
 def _states(design: Design) -> tuple[str, ...] | None:
@@ -91,6 +101,8 @@ def design_account(design: Design, about: About) -> Account:
     facts = (
         *yields.counted_facts(sampled),
         yields.critical_fact(sampled),
+        Fact("Holes" if design.holes else "Axes", _origin(design)),
+        Fact("Off the grid", design.off_grid),
         Fact("Cycle", run.cycle_words(design.cycle), FULL),
         *(replace(fact, level=FULL) for fact in run.cycle_facts(design.cycle)),
     )
@@ -106,7 +118,7 @@ def design_account(design: Design, about: About) -> Account:
         return text + f"; there may be more: {reached.how}" * (not reached.whole)
 
     sections = {
-        "Cells, innermost first": cells,
+        "Cells, innermost first": (cells, _HOLES),
         "Robustness": Text(lambda: str(design.robustness or "")),
         "Reachable states": Text(reachable),
         "Outcomes of the samples": (yields.PICTURES[1], yields.other_outcomes(sampled)),

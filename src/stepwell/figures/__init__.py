@@ -12,6 +12,7 @@ from stepwell.figures.cells.cell_curves import (
     unit_cell_force,
 )
 from stepwell.figures.cells.force_plane import force_plane
+from stepwell.figures.cells.holes import holes
 from stepwell.figures.cells.labelled import labelled_cell, labelled_chain
 from stepwell.figures.cells.mechanism import mechanism
 from stepwell.figures.common.write import PRINT_DPI, save, svg
@@ -56,6 +57,7 @@ __all__ = [
     "force_plane",
     "force_stroke",
     "gait",
+    "holes",
     "influences",
     "labelled_cell",
     "labelled_chain",

@@ -25,7 +25,7 @@ _OF_COMMANDS = {
     ),
     "map": ("map.nc map.json boundaries.csv", "map"),
     "program": ("design.toml program.csv program.json", "program"),
-    "design": ("design.toml design.json yield.csv", "force-plane"),
+    "design": ("design.toml design.json yield.csv", "holes force-plane"),
     "check": ("design.toml check.json", ""),
     "yield": ("design.toml yield.json yield.csv survival.json", "yield force-plane"),
     "reprogram": ("design.toml reprogram.json way.csv", ""),

@@ -105,7 +105,10 @@ def _check(check: Check, account: Account) -> Contents:
 
 def _design(design: Design, account: Account) -> Contents:
     files = {"design.toml": design_text(account), "yield.csv": design.yield_.to_csv}
-    return Contents("design", "design.json", files, {"force-plane": partial(figures.plot, design)})
+    draws = {"force-plane": partial(figures.plot, design)}
+    if len(design.chain) <= MOST_PLAYED and not design.chain.elements:
+        draws["holes"] = partial(figures.holes, design.chain, design.holes)
+    return Contents("design", "design.json", files, draws)
 
 
 def _reprogramming(result: Reprogramming, _account: Account) -> Contents:

@@ -14,6 +14,7 @@ from stepwell.design.margins.robustness import Robustness, robustness
 from stepwell.design.orders import short
 from stepwell.design.switches import are_relays, switching_forces
 from stepwell.design.synthesis.attempt import Attempt
+from stepwell.design.synthesis.region import fits_grid
 from stepwell.design.synthesis.slack import RegionsOf, slack_advice
 from stepwell.design.targets import Reached, Target, reached
 from stepwell.design.tolerances.draws import levers_of
@@ -97,6 +98,19 @@ class Design(ByValue, Drawn):
         return robustness(self.chain) if relays or SortedChain.of(self.chain) else None
 
     @property
+    def off_grid(self) -> str:
+        """The anchors that are in no hole of the grid, and the remedy; "" for none."""
+        bands = [cell.bands[0] for cell in levers_of(self.chain)] if self.holes else []
+        places = dict.fromkeys((name, getattr(one, name)) for one in bands for name in "pq")
+        off = [
+            f"{name} ({base.to_unit(x, 'mm'):.4g}, {base.to_unit(y, 'mm'):.4g}) mm"
+            for name, (x, y) in places
+            if not fits_grid((x, y), self.holes or math.inf)
+        ]
+        remedy = ": drill it separately, or search with --free both, where p = -q"
+        return ", ".join(off) + remedy if off else ""
+
+    @property
     def assumptions(self) -> str:
         """Assumptions of the design and its yield."""
         return f"{self.standing}; yield: {self.yield_.assumptions}"
@@ -132,7 +146,7 @@ class Design(ByValue, Drawn):
             lines.append(f"critical: {self.critical}")
         if self.robustness is not None:
             lines.append(str(self.robustness))
-        return "\n".join([*lines, self.method])
+        return "\n".join([*lines, self.method, *filter(None, [self.off_grid])])
 
     def __repr__(self):
         if self.chain.elements:

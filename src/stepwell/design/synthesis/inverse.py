@@ -173,7 +173,7 @@ def design(
         holes,
         placed.candidates,
         attempt is not None and placed.complete,
-        how + _off_grid(rule, holes),
+        how,
         _standing(attempt) + _not_searched(target, counted),
     )
 
@@ -351,18 +351,6 @@ def _check_holes(regions: Sequence[Region], holes: float | None) -> None:
             f"through (0, 0), halfway between the lever joints: move the region, or use holes "
             f"{to_unit(finer, 'mm'):.4g} mm apart."
         )
-
-
-def _off_grid(rule: Rule, holes: float | None) -> str:
-    """The note on a fixed anchor that is not in a hole of the grid."""
-    if holes is None or rule.free == "both" or areas.fits_grid(rule.fixed, holes):
-        return ""
-    x, y = (to_unit(part, "mm") for part in rule.fixed)
-    name = "q" if rule.free == "p" else "p"
-    return (
-        f"; {name} ({x:.4g}, {y:.4g}) mm is not on the grid of holes "
-        f"{to_unit(holes, 'mm'):.4g} mm apart"
-    )
 
 
 def _enclosing_box(regions: tuple[Region, ...]) -> Box:
