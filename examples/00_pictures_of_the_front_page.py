@@ -1,6 +1,6 @@
 """Four pictures of the README, what one can do: `python 00_pictures_of_the_front_page.py`.
 
-All are 640 pixels wide, and every number and curve in them is computed here.
+All are of one size, and every number and curve in them is computed here.
 """
 
 import math
@@ -30,7 +30,7 @@ from stepwell.figures.common.style import (
 )
 from stepwell.mechanism.layout import ChainLayout
 
-# Of 400 in 640 pixels.
+# 640 by 400 pixels.
 TALL = COLUMN * 400 / 640
 BIG = 8.5
 # What is wished for, and what a careful workshop can hold, as `stepwell design` takes it to be.
@@ -116,7 +116,13 @@ def real() -> Figure:
 def build() -> Figure:
     """Holes to drill for a target sequence, as `stepwell design --out` draws them."""
     made = sw.design(WISH, holes=HOLES, tolerances=WORKSHOP)
-    return figures.compose([partial(figures.holes, made.chain, made.holes)], width=120.0)
+    assert made.yield_ is not None
+    title = f"{WISH}: {surely(made.yield_)}"
+    draw = partial(figures.holes, made.chain, made.holes)
+    figure = figures.compose({title: [draw]}, width=120.0)
+    # Rows a little further apart, for the size of the other pictures.
+    figure.set_size_inches(120.0 / 25.4, 75.0 / 25.4)
+    return figure
 
 
 def surely(found: sw.Yield) -> str:

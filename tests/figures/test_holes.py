@@ -36,7 +36,8 @@ def test_both_anchors_are_drawn_at_their_places_and_named_with_them(pitch):
         for name, (x, y) in (("p", band.p), ("q", band.q)):
             number = f"({x * 1e3:g}, {y * 1e3:g})".replace("-", "\N{MINUS SIGN}")
             says(drawn.says(figure), f"{name} {number} mm")
-    says(drawn.says(figure), "middle of", "joints")
+    (key,) = figure.legends
+    says([text.get_text() for text in key.get_texts()], "origin", "middle", "joints")
     says(drawn.says(figure), "on the back")
 
 

@@ -191,11 +191,11 @@ class _Plates:
         """Name of the cell, the side of its marks, and its limit angle and travel."""
         cell = self._cells[i]
         back = bool(self.linkage.sides[i] < 0)
-        look = {"va": "top", "fontsize": 7.0}
+        look: dict[str, Any] = {"va": "top", "fontsize": 7.0}
         name = words.literal(words.shortened(self.chain.names[i], 14))
-        bold = {"fontweight": "bold", "color": self.colours[i]}
+        bold: dict[str, Any] = {"fontweight": "bold", "color": self.colours[i]}
         start = 2.0 + sheet.current().indent
-        ax.text(start, high - 1.5, name + ", on the back" * back, **look | bold)
+        ax.text(start, high - 1.5, name + ", on the back" * back, **(look | bold))
         stops = rf"$\theta_c$ = {math.degrees(cell.limit):.4g}°, travel {mm(cell.full_travel)} mm"
         ax.text(start, high - 1.5 - _LINE, stops, **look)
 
@@ -207,7 +207,7 @@ class _Plates:
             tip = at + length * np.array(way)
             arrow(ax, at, tip, style.BLUE, 0.8)
             look = {"ha": "center", "va": "center", "color": style.BLUE, "zorder": 9}
-            ax.text(*(tip + off), f"${name}$", **look)
+            ax.text(tip[0] + off[0], tip[1] + off[1], f"${name}$", **look)
 
     @property
     def _step(self) -> int:
