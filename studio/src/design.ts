@@ -228,13 +228,31 @@ export function fromHash(hash: string): Design | null {
   }
 }
 
-/** The design that JSON holds; null where it is none. */
+/** The design that JSON holds; null if it has another structure. */
 export function designIn(json: string | null): Design | null {
   try {
     const value: unknown = JSON.parse(json ?? "null");
-    const design = value as Design | null;
-    return Array.isArray(design?.chain?.cell) || isRobot(design) ? design : null;
+    return isDesign(value) ? value : null;
   } catch {
     return null;
   }
+}
+
+const isTable = (value: unknown): value is Record<string, unknown> =>
+  typeof value === "object" && value !== null && !Array.isArray(value);
+
+const isChain = (value: unknown): boolean =>
+  isTable(value) && Array.isArray(value.cell) && value.cell.length > 0 && value.cell.every(isCell);
+
+const isCell = (value: unknown): boolean =>
+  isTable(value) &&
+  (value.bands === undefined || (Array.isArray(value.bands) && value.bands.every(isTable)));
+
+function isDesign(value: unknown): value is Design {
+  if (!isTable(value) || !["undefined", "string"].includes(typeof value.title)) return false;
+  const { leg, chain } = value;
+  if (leg === undefined) return isChain(chain);
+  // All legs may share one chain.
+  const own = (one: unknown): boolean => isTable(one) && (isChain(one.chain) || isChain(chain));
+  return Array.isArray(leg) && leg.length > 0 && leg.every(own);
 }

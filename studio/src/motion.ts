@@ -41,6 +41,19 @@ export function nearest(view: View, at: number, stroke: number): number {
   return best;
 }
 
+/** The sample of another view with the most similar travels of all cells. */
+export function likest(before: View, at: number, now: View): number {
+  const travels = row(before, "travel", Math.min(at, before.blocks.drive.length - 1));
+  const all = now.blocks.travel;
+  let [best, least] = [0, Infinity];
+  for (let k = 0; k < now.blocks.drive.length; k += 1) {
+    let far = 0;
+    for (const [i, travel] of travels.entries()) far += (all[k * travels.length + i] - travel) ** 2;
+    if (far < least) [best, least] = [k, far];
+  }
+  return best;
+}
+
 /** The sample after some time of play, in which a snap takes `snapMs`. */
 export function played(view: View, at: number, ms: number, snapMs = SNAP_MS): number {
   const last = view.blocks.drive.length - 1;

@@ -7,17 +7,17 @@ import {
   cellsOf,
   chainKey,
   chainOf,
-  designIn,
   fromHash,
   isRobot,
   toHash,
   withCells,
   withChain,
 } from "./design";
+import { History, type Kept, type Step, keep, keptDesigns } from "./history";
+import { likest } from "./motion";
+import { store, stored } from "./storage";
 import { type Problem, type View, Wire } from "./wire";
 
-const STEPS = 100;
-const KEPT = "stepwell.design";
 const THEME = "stepwell.theme";
 // Quick questions follow a short rest of the hand; what takes long waits for a longer one.
 const FOLLOW_MS = 120;
@@ -103,15 +103,25 @@ class Studio {
   /** Pitch of the holes that anchors snap to [mm]; 0 is none. */
   pitch = $state(0);
   gallery = $state(false);
-  kept = $state.raw<Design | null>(null);
+  /** Why the last file or link was not opened. */
+  unread = $state("");
+  /** Designs kept in this browser, the newest first. */
+  kept = $state.raw<Kept[]>([]);
+  /** The last design of an earlier page, offered while another one is shown. */
+  earlier = $state.raw<Kept | null>(null);
   theme = $state<"light" | "dark">("light");
   /** Whether something is still to be answered or kept of what was changed last. */
   busy = $state(false);
   undos = $state(0);
   redos = $state(0);
 
-  private past: Design[] = [];
-  private future: Design[] = [];
+  private readonly history = new History();
+  /** Number of opened designs. */
+  private opened = 0;
+  /** Where the present design is kept, by number of the opened design; "" if it is not kept yet. */
+  private readonly places: string[] = [];
+  private pushed = 0;
+  private marked = false;
   private asked = 0;
   private known = 0;
   private readonly underWay = new Set<string>();
@@ -128,19 +138,44 @@ class Studio {
     });
   }
 
-  /** Reads what was kept, connects, and asks what to begin with. */
+  /** Connects, and opens the design of the address, or the one given to the command. */
   begin(): void {
     this.dress();
-    this.kept = designIn(stored(KEPT));
+    this.kept = keptDesigns();
     this.wire.connect();
-    const held = fromHash(location.hash);
-    if (held) this.replace(held);
+    window.addEventListener("popstate", () => this.followAddress());
+    if (fromHash(location.hash)) this.followAddress();
     else
       this.once("start", {}, (view) => {
         if (this.design) return;
-        if (view.ok && view.design) this.replace(view.design);
+        if (view.ok && view.design) this.open(view.design);
         else this.gallery = true;
       });
+  }
+
+  /** Opens the design of the address, if it holds another one than the page. */
+  private followAddress(): void {
+    const held = fromHash(location.hash);
+    if (!held || JSON.stringify(held) === JSON.stringify(this.design)) return;
+    this.read({ tables: held }, held, true);
+  }
+
+  /**
+   * Opens the design in a text or in tables, once the server has read it.
+   *
+   * @param design opened if the server is gone.
+   * @param there whether the address has the design already.
+   */
+  read(ask: { toml: string } | { tables: Design }, design: Design | null = null, there = false): void {
+    if (this.alive === false && design) {
+      this.take(design, there);
+      return;
+    }
+    this.once("open", ask, (view) => {
+      this.unread = view.ok ? "" : refusal(view);
+      if (view.ok) this.take(view.design, there);
+      else if (!this.design) this.gallery = true;
+    });
   }
 
   /** Shows a motion that is there already, without anybody to be asked. */
@@ -161,35 +196,90 @@ class Studio {
     this.wire.cancel(type);
   }
 
-  /** A new design altogether, without a way back to the one before. */
-  replace(design: Design): void {
-    this.past = [];
-    this.future = [];
-    this.locked = new Set();
-    this.leg = 0;
-    this.at = 0;
-    this.views = {};
-    this.plan = null;
-    this.show(design);
+  /** A design from the gallery or the command: it is kept in the browser once it is changed. */
+  open(design: Design): void {
+    this.replace(design, "");
   }
 
-  /** Remembers the present design, so that undo comes back to it. */
-  mark(): void {
-    if (!this.design || this.past.at(-1) === this.design) return;
-    this.past = [...this.past, this.design].slice(-STEPS);
-    this.future = [];
+  /** A design from elsewhere, which is kept in the browser. */
+  take(design: Design, there = false): void {
+    const known = keptDesigns().find((one) => JSON.stringify(one.design) === JSON.stringify(design));
+    this.replace(design, known?.id ?? crypto.randomUUID());
+    if (there) this.pushed = this.opened;
+  }
+
+  /** Another design altogether; undo comes back to the present one. */
+  private replace(design: Design, place: string): void {
+    if (this.dragging) this.cancelDrag();
+    this.mark();
+    this.opened = this.places.push(place) - 1;
+    this.gallery = false;
+    this.another(0);
+    this.show(design);
+    const [last] = this.kept;
+    const offered = this.history.past.length === 0 && last && last.id !== place;
+    this.earlier = offered && JSON.stringify(last.design) !== JSON.stringify(design) ? last : null;
+  }
+
+  /** Nothing on the page is of the present chain any more. */
+  private another(leg: number): void {
+    this.leg = leg;
+    this.locked = new Set();
+    this.at = 0;
+    this.way = null;
+    this.playing = false;
+    this.views = {};
+    this.plan = null;
+    this.problems = [];
+  }
+
+  private get step(): Step {
+    return { design: this.design!, leg: this.leg, opened: this.opened };
+  }
+
+  /** Remembers the present design for undo; changes of one name in quick succession are one step. */
+  mark(run = ""): void {
+    if (!this.design) return;
+    this.history.mark(this.step, run);
     this.counted();
   }
 
+  /** Begins a drag, which is one step of undo and can be cancelled. */
+  beginDrag(name: string): void {
+    this.dragging = name;
+    this.marked = false;
+    this.playing = false;
+  }
+
+  /** The design at the present place of the pointer. */
+  drag(design: Design): void {
+    if (!this.marked) this.mark();
+    this.marked = true;
+    this.show(design);
+  }
+
+  /** Ends a drag; the design stays as it is. */
+  endDrag(): void {
+    this.dragging = null;
+  }
+
+  /** Ends a drag; the design is the one before it. */
+  cancelDrag(): void {
+    this.dragging = null;
+    const before = this.marked && this.history.cancel();
+    this.marked = false;
+    if (before) this.show(before.design);
+  }
+
   /** One edit that can be undone. */
-  edit(design: Design): void {
-    this.mark();
+  edit(design: Design, run = ""): void {
+    this.mark(run);
     this.show(design);
   }
 
   /** One edit of the shown chain that can be undone. */
-  editCells(cells: CellTable[]): void {
-    this.edit(withCells(this.design!, this.leg, cells));
+  editCells(cells: CellTable[], run = ""): void {
+    this.edit(withCells(this.design!, this.leg, cells), run);
   }
 
   /** One edit of the table that holds the cells. */
@@ -198,8 +288,8 @@ class Studio {
   }
 
   /** The shown chain while it is dragged. */
-  showCells(cells: CellTable[]): void {
-    this.show(withCells(this.design!, this.leg, cells));
+  dragCells(cells: CellTable[]): void {
+    this.drag(withCells(this.design!, this.leg, cells));
   }
 
   /** The design while it is dragged; what was marked before is what undo comes back to. */
@@ -281,8 +371,10 @@ class Studio {
 
   /** Back to the full cycle. */
   leave(): void {
+    const { shown, at } = this;
     this.way = null;
-    this.at = 0;
+    // The mechanism stays as it was drawn, as nearly as the full cycle comes to it.
+    this.at = shown && this.views.evaluate ? likest(shown, at, this.views.evaluate) : 0;
     this.playing = false;
   }
 
@@ -309,17 +401,22 @@ class Studio {
   }
 
   undo(): void {
-    const before = this.past.pop();
-    if (!before || !this.design) return;
-    this.future.push(this.design);
-    this.show(before);
+    if (this.dragging) this.cancelDrag();
+    else if (this.design) this.goBack(this.history.undo(this.step));
   }
 
   redo(): void {
-    const after = this.future.pop();
-    if (!after || !this.design) return;
-    this.past.push(this.design);
-    this.show(after);
+    if (!this.dragging && this.design) this.goBack(this.history.redo(this.step));
+  }
+
+  private goBack(to: Step | undefined): void {
+    if (!to) return;
+    if (to.opened !== this.opened || to.leg !== this.leg) {
+      this.opened = to.opened;
+      this.another(to.leg);
+    }
+    this.gallery = false;
+    this.show(to.design);
   }
 
   setTheme(theme: "light" | "dark", keep = true): void {
@@ -379,17 +476,28 @@ class Studio {
   }
 
   private counted(): void {
-    this.undos = this.past.length;
-    this.redos = this.future.length;
+    this.undos = this.history.past.length;
+    this.redos = this.history.future.length;
   }
 
   private save(): void {
     if (!this.design) return;
-    store(KEPT, JSON.stringify(this.design));
+    this.keepDesign();
     const { pathname, search } = location;
-    history.replaceState(null, "", `${pathname}${search}#design=${toHash(this.design)}`);
+    const address = `${pathname}${search}#design=${toHash(this.design)}`;
+    // Back goes to the design that was open before, not through its changes.
+    if (this.pushed !== this.opened) history.pushState(null, "", address);
+    else history.replaceState(null, "", address);
+    this.pushed = this.opened;
     this.unsaved = false;
     this.calm();
+  }
+
+  private keepDesign(): void {
+    const changed = this.history.past.at(-1)?.opened === this.opened || this.redos > 0;
+    if (!this.places[this.opened] && changed) this.places[this.opened] = crypto.randomUUID();
+    const place = this.places[this.opened];
+    if (place) this.kept = keep(place, this.design!);
   }
 
   private calm(): void {
@@ -415,23 +523,6 @@ export function carried(before: View | undefined, now: View, at: number): number
     if (far < least) [best, least] = [i, far];
   }
   return best;
-}
-
-// A browser may refuse to keep anything; the page works all the same.
-export function stored(name: string): string | null {
-  try {
-    return localStorage.getItem(name);
-  } catch {
-    return null;
-  }
-}
-
-export function store(name: string, text: string): void {
-  try {
-    localStorage.setItem(name, text);
-  } catch {
-    // Nothing is lost but the autosave.
-  }
 }
 
 export const studio = new Studio();

@@ -9,13 +9,18 @@ class Thumbnails {
   /** Whether all stand still, as somebody wished. */
   still = $state(false);
   private whole = false;
+  /** The designs kept in the browser whose motions have come, as text, by identifier. */
+  private readonly own: Record<string, string> = {};
 
   /** Asks for the motions, which come one after another. */
   ask(): void {
-    if (this.whole) return;
+    const kept = studio.kept.filter(({ id, design }) => this.own[id] !== JSON.stringify(design));
+    if (this.whole && !kept.length) return;
+    const designs = kept.map(({ id, design }) => ({ name: id, design }));
+    for (const { name, design } of designs) this.own[name] = JSON.stringify(design);
     studio.once(
       "thumbnails",
-      {},
+      { presets: !this.whole, ...(designs.length ? { designs } : {}) },
       (view) => {
         this.whole = view.ok;
       },

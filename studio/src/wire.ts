@@ -34,6 +34,13 @@ interface Request {
 // the page; more would only pile up.
 const IN_FLIGHT = 2;
 const RETRY_MS = 700;
+/** Longest message that the server takes [bytes]. */
+export const LONGEST = 1 << 20;
+
+/** The refusal of a file or message beyond that limit. */
+export const tooLarge = (name: string, bytes: number): string =>
+  `${name}: has ${(bytes / 1e6).toFixed(1)} MB; the studio takes at most ${(LONGEST / 1e6).toFixed(1)} MB. ` +
+  "The command line takes larger files.";
 
 const KINDS = { f8: Float64Array, i4: Int32Array, u1: Uint8Array };
 
@@ -55,6 +62,18 @@ export function unpack(message: ArrayBuffer): View {
 function padded(length: number): number {
   return Math.ceil(length / 8) * 8;
 }
+
+const UNITS: Record<string, string> = { mm: "mm", percent: "%", s: "s", deg: "°", N: "N", mJ: "mJ" };
+
+/** A problem of a request names its field in words: "ask.anchor_mm" is "Anchor [mm]". */
+export const named = (text: string): string =>
+  text.replace(/^ask\.(\w+)/, (_, key: string) => {
+    const words = key.split("_");
+    const unit = UNITS[words.at(-1)!];
+    if (unit) words.pop();
+    const name = words.join(" ");
+    return `${name.charAt(0).toUpperCase()}${name.slice(1)}${unit ? ` [${unit}]` : ""}`;
+  });
 
 /** Asks the server and hands each newer answer on; older ones are dropped. */
 export class Wire {
@@ -105,7 +124,11 @@ export class Wire {
     const seq = ++this.seq;
     const text = JSON.stringify({ v: 1, type, seq, design, leg, ask });
     const request = { type, seq, text, settle, partly };
-    if (this.socket && (this.sent.get(type)?.length ?? 0) < IN_FLIGHT) this.send(request);
+    const bytes = new Blob([text]).size;
+    if (bytes > LONGEST) {
+      const problems = [{ at: "", text: tooLarge("The design", bytes) }];
+      queueMicrotask(() => settle({ type, seq, ok: false, problems, blocks: {} }));
+    } else if (this.socket && (this.sent.get(type)?.length ?? 0) < IN_FLIGHT) this.send(request);
     else this.waiting.set(type, request);
     return seq;
   }
@@ -140,7 +163,8 @@ export class Wire {
       this.waiting.delete(view.type);
       this.send(next);
     }
-    own.settle(view);
+    const problems = view.problems?.map(({ at, text }) => ({ at, text: named(text) }));
+    own.settle({ ...view, problems });
   }
 
   // What had no answer when the connection was lost is asked once more, the newest of each type.

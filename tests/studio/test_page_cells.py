@@ -196,7 +196,7 @@ def test_a_leg_is_edited_and_the_other_stays(start: Any):
     more(page, "outer")
     typed(page, "stiffness of the band of outer in N/m", 45)
     before = tables("robot-left")
-    held = page.evaluate("JSON.parse(localStorage.getItem('stepwell.design'))")
+    held = page.evaluate("JSON.parse(localStorage.getItem('stepwell.designs'))")[0]["design"]
     assert held["leg"][0]["chain"]["cell"][1]["band"] == {"stiffness_N_per_m": 45}
     assert held["leg"][1] == before["leg"][1]
     assert held["chain"] == before["chain"]

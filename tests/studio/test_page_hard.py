@@ -2,6 +2,7 @@
 
 import json
 import re
+import socket
 from pathlib import Path
 from typing import Literal
 
@@ -31,8 +32,11 @@ STEPS = 100
 # a browser takes as long as many steps. What stands in the fields of these names after each.
 PRESSED = """async (element, [times, key, names]) => {
   const rows = [];
+  // Steps of one handle in quick succession are one step of undo.
+  const dots = ["q of outer", "p of outer"].map((name) =>
+    document.querySelector(`.handle[aria-label="${name}"]`));
   for (let k = 0; k < times; k += 1) {
-    if (key) element.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+    if (key) dots[k % 2].dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
     else element.click();
     await new Promise(requestAnimationFrame);
     const field = (name) => document.querySelector(`input[aria-label=${JSON.stringify(name)}]`);
@@ -57,25 +61,25 @@ def focus(page: Page, name: str, most: int = 60) -> None:
 
 @pytest.mark.slow
 def test_a_hundred_steps_are_undone_and_the_first_is_not(page: Page):
+    names = [f"{anchor} of outer, x in mm" for anchor in "qp"]
     dot = handle(page, "q", "outer")
-    names = [f"q of outer, {axis} in mm" for axis in "xy"]
-    begin = anchors(page, "outer")[1]
-    dot.press("ArrowDown")
-    states = [anchors(page, "outer")[1], *dot.evaluate(PRESSED, [STEPS - 1, "ArrowDown", names])]
-    dot.press("ArrowDown")
-    assert anchors(page, "outer")[1] == [30.1, 0.0]
-    assert states[0] != begin and len({x for x, _ in states}) == STEPS
+    begin = [anchors(page, "outer")[k][0] for k in (1, 0)]
+    states = dot.evaluate(PRESSED, [STEPS, "ArrowDown", names])
+    handle(page, "q", "outer").press("ArrowDown")
+    last = [states[-1][0] + 0.1, states[-1][1]]
+    assert [anchors(page, "outer")[k][0] for k in (1, 0)] == pytest.approx(last)
+    assert states[0] != begin and len({tuple(one) for one in states}) == STEPS
     undo = page.get_by_role("button", name="Undo")
     undo.click()
-    assert anchors(page, "outer")[1] == states[-1]
+    assert [anchors(page, "outer")[k][0] for k in (1, 0)] == states[-1]
     assert undo.evaluate(PRESSED, [STEPS - 1, "", names]) == states[-2::-1]
     expect(undo).to_be_disabled()
     page.keyboard.press("Control+z")
-    assert anchors(page, "outer")[1] == states[0]
+    assert [anchors(page, "outer")[k][0] for k in (1, 0)] == states[0]
     settled(page)
     compare(page)
     redo = page.get_by_role("button", name="Redo")
-    assert redo.evaluate(PRESSED, [STEPS, "", names])[-1] == [30.1, 0.0]
+    assert redo.evaluate(PRESSED, [STEPS, "", names])[-1] == pytest.approx(last)
     expect(redo).to_be_disabled()
 
 
@@ -206,7 +210,7 @@ def test_what_a_lost_server_leaves_is_saved_and_goes_on_in_the_next_at_its_port(
     opened.wrong.clear()  # the browser tells of every socket that did not open
     with served(tmp_path, "", int(port[1])) as address:
         page.goto(address)
-        page.get_by_role("button", name="Continue with the last design").click()
+        page.locator(".card.kept").first.click()
         expect(output(page, "sequence")).to_be_visible()
         settled(page)
         assert anchors(page, "outer")[1] == [15.0, 0.0]
@@ -218,6 +222,32 @@ def test_what_a_lost_server_leaves_is_saved_and_goes_on_in_the_next_at_its_port(
         assert anchors(page, "outer")[1] == [15.0, 0.0]
         compare(page)
         page.goto("about:blank")
+
+
+def test_a_page_goes_on_by_itself_with_the_next_server_at_its_port(
+    opened: Opened, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    page = opened.page
+    page.add_init_script(without())
+    with served(tmp_path, "paper-forward", port) as address:
+        page.goto(address)
+        expect(output(page, "sequence")).to_be_visible()
+        settled(page)
+    gone = page.get_by_text("The server is gone; your design is kept here.")
+    expect(gone).to_be_visible()
+    field(page, "q", "outer", "x").fill("15")
+    field(page, "q", "outer", "x").press("Enter")
+    with served(tmp_path, "paper-forward", port) as again:
+        assert again == address
+        expect(gone).to_have_count(0)
+        settled(page)
+        assert anchors(page, "outer")[1] == [15.0, 0.0]
+        compare(page)
+        page.goto("about:blank")
+    opened.wrong.clear()  # the browser reports every socket that did not open
 
 
 @pytest.mark.slow

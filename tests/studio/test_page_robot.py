@@ -75,7 +75,7 @@ def arena_kept(page: Page) -> dict[str, Any]:
 
 def design_kept(page: Page) -> Robot:
     settled(page)
-    kept = page.evaluate("JSON.parse(localStorage.getItem('stepwell.design'))")
+    kept = page.evaluate("JSON.parse(localStorage.getItem('stepwell.designs'))")[0]["design"]
     return files.loads_tables(kept).robot
 
 

@@ -67,6 +67,13 @@ class Ask:
             raise _wrong(key, value, f"a whole number from {least} to {most}")
         return value
 
+    def switch(self, key: str, *, default: bool) -> bool:
+        """True or false."""
+        value = self._take(key, default)
+        if not isinstance(value, bool):
+            raise _wrong(key, value, "true or false")
+        return value
+
     def text(self, key: str, longest: int, default: str | None = None) -> str:
         """Text of a length."""
         value = self._take(key, default)

@@ -1,9 +1,15 @@
 """Access control of the studio: only its own page may connect."""
 
 import hmac
+import os
+import re
+import secrets
 from collections.abc import Awaitable, Callable, MutableMapping
+from contextlib import suppress
 from typing import Any
 from urllib.parse import parse_qs
+
+import platformdirs
 
 Scope = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
@@ -11,6 +17,7 @@ Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 _NAMES = ("127.0.0.1", "localhost")
+_TOKEN = re.compile(r"[\w-]{20,100}")
 
 
 class Guard:
@@ -85,3 +92,26 @@ def _headers(host: str) -> list[tuple[bytes, bytes]]:
         "cache-control": "no-cache",
     }
     return [(key.encode(), value.encode()) for key, value in headers.items()]
+
+
+def kept_token(port: int) -> str:
+    """The token of this user for a port, so that an open page reconnects after a restart.
+
+    It is stored in the user's state folder, readable by this user only; if it cannot be stored or
+    others could read it, the token is a new one.
+    """
+    file = platformdirs.user_state_path("stepwell") / "studio" / f"{port}.token"
+    new = secrets.token_urlsafe(24)
+    with suppress(OSError):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        with suppress(FileExistsError), open(file, "x", opener=_private) as opened:
+            opened.write(new)
+        known = file.read_text("ascii", "replace").strip()
+        private = os.name == "nt" or file.stat().st_mode & 0o077 == 0
+        if private and _TOKEN.fullmatch(known):
+            return known
+    return new
+
+
+def _private(path: str, flags: int) -> int:
+    return os.open(path, flags, 0o600)

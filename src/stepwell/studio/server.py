@@ -15,7 +15,7 @@ from typing import Any
 import platformdirs
 
 from stepwell.base import need
-from stepwell.studio.guard import App, Guard
+from stepwell.studio.guard import App, Guard, kept_token
 from stepwell.studio.message import LONGEST_MESSAGE
 from stepwell.studio.session import Session, warm
 from stepwell.studio.stores import end_studies
@@ -57,8 +57,9 @@ def serve(
     uvicorn = _needed("uvicorn")
     _needed("websockets")
     with _listening(port) as listening:
-        own = listening.getsockname()[1]
-        token = secrets.token_urlsafe(24)
+        own = int(listening.getsockname()[1])
+        # A free port that was taken in place of the usual one is another one next time.
+        token = kept_token(own) if own in (port, USUAL_PORT) else secrets.token_urlsafe(24)
 
         def ready() -> None:
             if opened is not None:

@@ -1,7 +1,8 @@
 // What the page holds of a robot beside its design: the arena, the run, and the time in it.
 
 import { type View } from "../wire";
-import { refusal, stored, store, studio } from "../state.svelte";
+import { refusal, studio } from "../state.svelte";
+import { store, stored } from "../storage";
 import type { Arena } from "./arena";
 import type { Line, Part, Pose } from "./plan";
 import { Track, inFull } from "./track";

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from contextlib import suppress
 from dataclasses import MISSING, fields, is_dataclass
 from functools import cache
 from pathlib import Path as Place
@@ -64,19 +65,34 @@ _SAMPLES = 60
 _BLOCKS = ("drive", "travel", "angle", "tension", "pull", "segment", "direction")
 
 
+# Most designs that a browser keeps.
+_MOST_KEPT = 10
+
+
 def answer_thumbnails(_design: PageDesign, ask: Ask) -> View:
-    """The motions in the order of the gallery, and finally their number."""
+    """The motions of the page's own `designs`, then those of the gallery, and finally their number.
+
+    A design of the page that cannot be computed has no motion. Without `presets` the gallery's are
+    left out.
+    """
+    own = ask.parts("designs", _MOST_KEPT) if ask.has("designs") else []
+    presets = ask.switch("presets", default=True)
     ask.close()
-    for one in _designs():
-        ask.show(_moving(one["name"]))
-    return View({"count": len(_designs())})
+    for one in own:
+        name, tables = one.text("name", 100), one.table("design")
+        one.close()
+        with suppress(InputError, statics.StaticsError):
+            ask.show(_moving(name, tables))
+    listed = _designs() if presets else []
+    for one in listed:
+        ask.show(_moving(one["name"], tomllib.loads(files.preset_text(one["name"]))))
+    return View({"count": len(own) + len(listed)})
 
 
-def _moving(name: str) -> View:
-    file = files.loads_tables(tomllib.loads(files.preset_text(name)))
-    design = file.subject
+def _moving(name: str, tables: dict[str, Any]) -> View:
+    design, program = opened(tables)
     if not isinstance(design, Robot):
-        return _chain(name, design, file.program)
+        return _chain(name, design, program)
     try:
         return _robot(name, design)
     except ExtraError:
@@ -122,16 +138,31 @@ def _robot(name: str, robot: Robot) -> View:
 
 
 def answer_open(_design: PageDesign, ask: Ask) -> View:
-    """The tables of the design and its title; file names in the text are never opened."""
-    if ask.has("preset") == ask.has("toml"):
-        raise InputError("ask: must have preset, a name of the gallery, or toml, a file's text.")
-    if ask.has("preset"):
-        text, name = files.preset_text(ask.text("preset", 200)), "preset"
+    """The tables of the design and its title; file names in the text are never opened.
+
+    Raises:
+        InputError: the design is invalid or has more cells than the page shows.
+    """
+    given = [key for key in ("preset", "toml", "tables") if ask.has(key)]
+    if len(given) != 1:
+        names = "preset, a name of the gallery, toml, a file's text, or tables"
+        raise InputError(f"ask: must have {names}.")
+    if given == ["tables"]:
+        tables = ask.table("tables")
+    elif given == ["preset"]:
+        tables = files.tables_in(files.preset_text(ask.text("preset", 200)), "preset")
     else:
-        text, name = ask.text("toml", LONGEST_MESSAGE), "design"
+        tables = files.tables_in(ask.text("toml", LONGEST_MESSAGE), "design")
     ask.close()
-    tables = files.tables_in(text, name)
+    opened(tables)
     return View({"design": tables, "title": tables.get("title", "")})
+
+
+def opened(tables: dict[str, Any]) -> tuple[Chain | Robot, files.WrittenProgram | None]:
+    """The chain or robot of a design that the page can show, and its program."""
+    design = PageDesign(tables)
+    _ = design.chain  # within the limit of the page
+    return design.read.subject, design.program
 
 
 _LONGEST = 88
