@@ -29,6 +29,26 @@ export function row(view: View, name: string, at: number): number[] {
   });
 }
 
+/** Row `at` of an (n, N) block; at a jump the sample before it, since nothing lies between. */
+export function along(view: View, name: string, at: number): number[] {
+  const k = Math.floor(at);
+  const { segment } = view.blocks;
+  return row(view, name, segment[k] === segment[k + 1] ? at : k);
+}
+
+/** The place of a stroke in the half, loading or unloading, that is shown, between samples too. */
+export function placeOf(view: View, at: number, stroke: number): number {
+  const { stroke: all, direction, segment } = view.blocks;
+  const k = nearest(view, at, stroke);
+  for (const a of [k - 1, k]) {
+    const b = a + 1;
+    if (segment[a] !== segment[b] || direction[a] !== direction[k] || direction[b] !== direction[k]) continue;
+    const part = (stroke - all[a]) / (all[b] - all[a]);
+    if (part > 0 && part < 1) return a + part;
+  }
+  return k;
+}
+
 /** The sample nearest to a stroke, on the way, loading or unloading, that the cursor is on. */
 export function nearest(view: View, at: number, stroke: number): number {
   const { stroke: all, direction } = view.blocks;

@@ -71,8 +71,9 @@ VALUES = """(names) =>
   names.map((name) => document.querySelector(`input[aria-label=${JSON.stringify(name)}]`).value)
 """
 SHOWN = """(names) => {
-  const output = (name) => document.querySelector(`output[aria-label=${JSON.stringify(name)}]`);
-  return names.map((name) => output(name).innerText);
+  const output = (name) =>
+    document.querySelector(`:is(output, input[type="text"])[aria-label=${JSON.stringify(name)}]`);
+  return names.map((name) => output(name).value || output(name).innerText);
 }"""
 # A drag is read once a frame.
 SETTLED = """async () => {

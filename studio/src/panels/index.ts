@@ -2,6 +2,7 @@
 import type { Component } from "svelte";
 import type { Follower } from "../state.svelte";
 import atlas from "./atlas";
+import cells from "./cells";
 import graph from "./graph";
 import map from "./map";
 import measured from "./measured";
@@ -33,6 +34,7 @@ export const panels: Panel[] = [
   robot,
   mechanism,
   motion,
+  cells,
   graph,
   program,
   map,
