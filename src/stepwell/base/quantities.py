@@ -29,14 +29,23 @@ class Measure(Enum):
     Attributes:
         travel, force: the words for the displacement of a cell and for its resistance.
         travel_unit, force_unit, stiffness_unit: SI units of travel, force, and force over travel.
+        symbols: the letters for stroke, travel and force.
     """
 
-    TRAVEL = "travel", "m", "force", "N", "N/m"
-    VOLUME = "volume", "m³", "pressure", "Pa", "Pa/m³"
-    ANGLE = "angle", "rad", "torque", "N m", "N m/rad"
+    TRAVEL = "travel", "m", "force", "N", "N/m", "usF"
+    VOLUME = "volume", "m³", "pressure", "Pa", "Pa/m³", "Vvp"
+    ANGLE = "angle", "rad", "torque", "N m", "N m/rad", "ΦφT"
 
-    def __init__(self, travel: str, travel_unit: str, force: str, force_unit: str, by_travel: str):
-        self.travel, self.travel_unit = travel, travel_unit
+    def __init__(
+        self,
+        travel: str,
+        travel_unit: str,
+        force: str,
+        force_unit: str,
+        by_travel: str,
+        symbols: str,
+    ):
+        self.travel, self.travel_unit, self.symbols = travel, travel_unit, symbols
         self.force, self.force_unit, self.stiffness_unit = force, force_unit, by_travel
 
     @property

@@ -27,6 +27,12 @@ def units_of(chain: Chain) -> dict[str, str]:
     return {"travel": travel, "force": force, "stroke": travel, "drive": drive, "energy": "mJ"}
 
 
+def words_of(chain: Chain) -> dict[str, str]:
+    """The words of a chain on the page, and the symbol of its stroke."""
+    travel, stroke, force = chain.measure.words
+    return {"travel": travel, "stroke": stroke, "force": force, "symbol": chain.measure.symbols[0]}
+
+
 def _units_of(chain: Chain) -> list[tuple[str, float]]:
     """Units of travel, force and drive, and their factors from SI."""
     units = chain.measure.travel_unit, chain.measure.force_unit, chain.drive_unit
@@ -191,6 +197,7 @@ def path_header(path: Path, few: Path) -> dict[str, Any]:
     return {
         "title": chain.title,
         "units": units_of(chain),
+        "words": words_of(chain),
         "cells": cells_of(chain),
         "layout": layout_of(path),
         "events": events_of(path.events, few),

@@ -109,14 +109,6 @@ def font_file(family: str, weight: str, slant: Any) -> str:
     return findfont(FontProperties(family=[family], weight=weight, style=slant))
 
 
-# Symbols for a whole chain, for one cell, and for the force that both share.
-_SYMBOLS = {
-    Measure.TRAVEL: ("$u$", "$s$", "$F$"),
-    Measure.VOLUME: ("$V$", "$v$", "$p$"),
-    Measure.ANGLE: (r"$\Phi$", r"$\varphi$", "$T$"),
-}
-
-
 class AxisQuantity(NamedTuple):
     """A quantity as it is drawn; `factor` converts SI to its unit."""
 
@@ -142,17 +134,17 @@ class AxisQuantity(NamedTuple):
 
 def stroke(measure: Measure) -> AxisQuantity:
     """The stroke of a chain: the sum of the travels of its cells."""
-    return _quantity(measure.stroke, _SYMBOLS[measure][0], measure.travel_unit)
+    return _quantity(measure.stroke, measure.symbols[0], measure.travel_unit)
 
 
 def travel(measure: Measure) -> AxisQuantity:
     """The travel of one cell."""
-    return _quantity(measure.travel, _SYMBOLS[measure][1], measure.travel_unit)
+    return _quantity(measure.travel, measure.symbols[1], measure.travel_unit)
 
 
 def force(measure: Measure) -> AxisQuantity:
     """The force of a cell, which equals that of the actuator."""
-    return _quantity(measure.force, _SYMBOLS[measure][2], measure.force_unit)
+    return _quantity(measure.force, measure.symbols[2], measure.force_unit)
 
 
 def actuator(measure: Measure) -> AxisQuantity:
@@ -171,4 +163,4 @@ def drive(chain: Chain) -> AxisQuantity:
 
 def _quantity(word: str, symbol: str, unit: str) -> AxisQuantity:
     unit_name, factor = display_unit(unit)
-    return AxisQuantity(word.capitalize(), symbol, Quantity(word, unit_name).sign, factor)
+    return AxisQuantity(word.capitalize(), f"${symbol}$", Quantity(word, unit_name).sign, factor)

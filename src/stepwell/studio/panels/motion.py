@@ -66,7 +66,9 @@ def answer_cells(design: PageDesign, ask: Ask) -> View:
         if not cells:
             raise
         return View({**header, "units": None})
-    return View({**header, "units": motion.units_of(made)}, _curves(made))
+    return View(
+        {**header, "units": motion.units_of(made), "words": motion.words_of(made)}, _curves(made)
+    )
 
 
 def _curves(chain: Chain) -> dict[str, np.ndarray[Any, Any]]:
