@@ -12,7 +12,7 @@ export interface Line {
   ghost?: boolean;
 }
 
-/** A point to be marked: full where a snap begins, hollow where it lands, or the cursor. */
+/** A point to be marked: hollow where a snap begins, full where it lands, or the cursor. */
 export interface Dot {
   x: number;
   y: number;
@@ -40,16 +40,16 @@ const RIGHT = 12;
 const TOP = 22;
 const BOTTOM = 34;
 
-/** Round numbers between two, about so many. */
+/** Round numbers between two, about so many and at least three. */
 export function ticks(low: number, high: number, about: number): number[] {
   const raw = (high - low) / about;
   const power = 10 ** Math.floor(Math.log10(raw));
-  const step = power * ([1, 2, 5, 10].find((one) => one * power >= raw * 0.999) ?? 10);
-  const ticks: number[] = [];
-  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1) {
-    ticks.push(Number((k * step).toPrecision(12)));
-  }
-  return ticks;
+  const steps = [10, 5, 2.5, 2, 1, 0.5].map((one) => one * power);
+  const least = steps.findLast((one) => one >= raw * 0.999)!;
+  const ends = (step: number): number[] => [Math.ceil(low / step - 1e-9), Math.floor(high / step + 1e-9)];
+  const step = steps.find((one) => one <= least && ends(one)[1] - ends(one)[0] >= 2)!;
+  const [first, last] = ends(step);
+  return Array.from({ length: last - first + 1 }, (_, k) => Number(((first + k) * step).toPrecision(12)));
 }
 
 function range(values: ArrayLike<number>[]): [number, number] {
@@ -143,7 +143,7 @@ export function paint(canvas: HTMLCanvasElement, plot: Plot, colours: Colours): 
   for (const { x, y, colour, kind } of plot.dots) {
     pen.beginPath();
     pen.arc(across(x), up(y), kind === "cursor" ? 5.5 : 3.2, 0, 2 * Math.PI);
-    pen.fillStyle = kind === "to" ? colours.paper : colour;
+    pen.fillStyle = kind === "from" ? colours.paper : colour;
     pen.strokeStyle = kind === "cursor" ? colours.paper : colour;
     pen.lineWidth = kind === "cursor" ? 2 : 1.5;
     pen.fill();

@@ -86,6 +86,21 @@ def test_side_by_side_where_wide_and_one_above_the_other_where_narrow(
     assert drawing["x"] == curves["x"] and drawing["y"] < curves["y"]
 
 
+@pytest.mark.parametrize("width", [580, 700])
+def test_two_side_by_side_have_legible_curves_and_their_legend(
+    offline: Opened, tmp_path: Path, width: int
+):
+    page = opens(offline, tmp_path, around(as_iframe(page_of("paper-forward"), "It moves")))
+    (frame,) = frames_of(page)
+    page.set_viewport_size({"width": width, "height": 800})
+    page.locator("iframe").evaluate("frame => { frame.style.height = '48rem' }")
+    for name in ("Force: ", "Travel: "):
+        box = frame.get_by_role("img", name=name).bounding_box()
+        assert box is not None and box["height"] > 110
+    expect(frame.get_by_text("a snap leads from ○ to ●")).to_be_visible()
+    expect(frame.get_by_text("anchor of outer")).to_be_visible()
+
+
 def test_what_it_rests_on_can_be_read_in_a_frame(offline: Opened, tmp_path: Path):
     page = opens(offline, tmp_path, around(as_iframe(page_of("paper-forward"), "It moves")))
     (frame,) = frames_of(page)
