@@ -158,7 +158,7 @@ def _map(progress: Progress | None) -> StoryStep:
     return StoryStep(
         (
             "State sequence as a function of the anchor position. "
-            f"Margins: {near} (first leg), {far} (second leg).",
+            f"Margins of the outer cell's anchor: {near} (first leg), {far} (second leg).",
         ),
         (map_of(dataset, borders, marks),),
         ("stepwell map leg.toml --out map",),
@@ -240,16 +240,17 @@ def _feel(progress: Progress | None) -> StoryStep:
     robot, arena = load("preset:robot-antennas").robot, load_arena(_ARENA)
     maze = robot.maze(arena, limit=_LIMIT, progress=progress)
     contact = maze.contacts[0]
+    obstacle, time = next((name, at) for name, at in maze.touched.items() if at)
     turned = next(change for change in maze.changes if change.after == _REVERSED)
     yaw = float(np.degrees(maze.walk.yaw[-1]))
     return StoryStep(
         (
-            f"After {contact.begin:.0f} s the {contact.antenna} antenna touches a post and moves "
+            f"After {time:g} s the {contact.antenna} antenna touches {obstacle} and moves "
             f"an anchor of the {turned.leg} leg by {amount(contact.moved, 'm', 3)}. That leg "
             f"then has the sequence of the second leg in step 2. The robot turns by "
             f"{abs(yaw):.0f}° to the {'left' if yaw > 0 else 'right'} and continues.",
         ),
-        (moving(maze, "Antenna contact with a post"),),
+        (moving(maze, "Antenna contact with a cylinder"),),
         (
             f"stepwell maze robot-antennas.toml {_ARENA} --limit {_LIMIT:.0f} --out maze",
             "stepwell maze robot-antennas.toml three-walls --out walls",
