@@ -29,11 +29,10 @@ export function row(view: View, name: string, at: number): number[] {
   });
 }
 
-/** Row `at` of an (n, N) block; at a jump the sample before it, since nothing lies between. */
+/** Row `at` of an (n, N) block; of a snap the sample before it, since nothing lies between. */
 export function along(view: View, name: string, at: number): number[] {
   const k = Math.floor(at);
-  const { segment } = view.blocks;
-  return row(view, name, segment[k] === segment[k + 1] ? at : k);
+  return row(view, name, snaps(view, k) ? k : at);
 }
 
 /** The place of a stroke in the half, loading or unloading, that is shown, between samples too. */
