@@ -1,5 +1,6 @@
 """A replay: one file that plays without a server, with Python's numbers."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -60,9 +61,25 @@ def test_state_snap_and_actuator_are_reported_at_the_cursor(offline: Opened, tmp
         slider.fill(str(k))
         expect(output(page, "state")).to_have_text(state)
         expect(page.get_by_role("img", name=f"The actuator {way}")).to_be_visible()
-    marks = page.locator("datalist option")
-    snaps = [int(mark.get_attribute("value") or -1) for mark in marks.all()]
-    assert snaps == path.snap_after.nonzero()[0].tolist()
+    snaps = path.snap_after.nonzero()[0].tolist()
+    marks = page.get_by_role("button", name="Snap at ")
+    expect(marks).to_have_count(len(snaps))
+    for mark, sample in zip(marks.all(), snaps, strict=True):
+        mark.click()
+        expect(slider).to_have_value(str(sample))
+
+
+def test_a_chain_of_volumes_has_the_words_of_figures_and_reports(offline: Opened, tmp_path: Path):
+    balloon = chain("balloon")
+    page = opens(offline, tmp_path, replay(balloon))
+    assert number(page, "peak pressure") == shown_as(balloon.cycle().peak_force / 1e3)
+    for label in ("pressure [kPa] over volume [mL]", "volume of each cell [mL] over volume [mL]"):
+        expect(page.get_by_role("img", name=label)).to_be_visible()
+    expect(page.get_by_text("V = 0 mL")).to_be_visible()
+    for part in (".summary", ".stroke", ".drawing"):
+        words = re.compile(r"\b(force|stroke|travel)\b")
+        expect(page.locator(part)).not_to_contain_text(words)
+    assert numbers(page, "volume", "pressure", "volume of thin") == [0.0, 0.0, 0.0]
 
 
 def test_a_program_ends_where_it_leads(offline: Opened, tmp_path: Path):
