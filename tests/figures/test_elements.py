@@ -141,7 +141,7 @@ def test_other_measures_have_their_own_words_and_units():
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("Volume $V$ [mL]", "Actuator pressure [kPa]")
     assert figures.landscape(cycle).axes[0].get_xlabel() == "Volume of balloon [mL]"
     (ax,) = figures.travel_stroke(cycle_of("hinges")).axes
-    assert (ax.get_xlabel(), ax.get_ylabel()) == (r"Angle $\Phi$ [deg]", r"Angle $\varphi$ [deg]")
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("Angle $Φ$ [deg]", "Angle $φ$ [deg]")
     assert "$V$ = 0 mL" in says(figures.mechanism(cycle.chain, ["00"]))
 
 
