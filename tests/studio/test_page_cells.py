@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from stepwell import files
-from studio.browser import Opened, begun, handle, number, output, settled, shown_as
+from studio.browser import Opened, begun, handle, middle, number, output, settled, shown_as
 
 from playwright.sync_api import Locator, Page, expect  # isort: skip
 
@@ -159,14 +159,7 @@ def test_a_point_of_a_curve_is_dragged_added_and_removed(page: Page):
     settled(page)
     more(page, "cell 3")
     point = page.get_by_role("button", name="point 2 of cell 3", exact=True)
-    dot = point.locator(".dot")
-    dot.scroll_into_view_if_needed()
-    # Not under the bar with the stroke.
-    page.mouse.wheel(0, 300)
-    page.wait_for_timeout(200)
-    box = dot.bounding_box()
-    assert box is not None
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    x, y = middle(point.locator(".dot"))
     page.mouse.move(x, y)
     page.mouse.down()
     page.mouse.move(x + 10, y + 12, steps=4)

@@ -126,7 +126,7 @@ def test_a_drag_moves_the_anchor_by_what_the_pointer_moved(page: Page, state: st
     drag(page, "q", "outer", 24, -12)
     after = anchors(page, "outer")
     assert after[0] == before[0] and anchors(page, "inner") == others
-    # The second cell is drawn the other way: its x is across the stroke and downwards, its y along it.
+    # The second cell is mirrored: its x is downwards, across the stroke, and its y along it.
     assert after[1][0] - before[1][0] == pytest.approx(-12 / scale, abs=0.011)
     assert after[1][1] - before[1][1] == pytest.approx(24 / scale, abs=0.011)
 
@@ -148,13 +148,14 @@ def test_the_nearest_anchor_is_the_one_that_moves(beside: Opened, empty_address:
     output(page, "sequence").wait_for()
     settled(page)
     dots = page.locator(".handle .dot")
-    middle(dots.nth(cells))
+    chosen = cells  # an anchor in the middle of the chain, which the focus brings into view
+    page.locator(".handle").nth(chosen).focus()
+    middle(dots.nth(chosen))
     places = dots.evaluate_all(
         "(all) => all.map((one) => { const b = one.getBoundingClientRect();"
         " return [b.x + b.width / 2, b.y + b.height / 2]; })"
     )
     before = tables(page)
-    chosen = cells  # an anchor in the middle of the chain
     x, y = middle(dots.nth(chosen))
     page.mouse.move(x, y)
     page.mouse.down()
