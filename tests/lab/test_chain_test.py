@@ -74,6 +74,20 @@ def test_repeats_are_averaged_and_each_snap_has_its_runs():
     assert [jump.runs for jump in test.jumps] == [3, 3] and test.agrees
 
 
+def test_a_steep_continuous_fall_is_no_predicted_snap():
+    # The force of the clip falls by 300 N/m, and the spring in series is as stiff as 310 N/m.
+    clip = elements.trilinear((0.004, 1.24), (0.008, 0.04), 310.0, 310.0)
+    chain = Chain([clip, Element.from_points([0.0, 12e-3], [0.0, 3.72], "spring")])
+    (test,) = lab.compare([pulled(chain)], [chain]).chains
+    assert test.agrees and test.snaps_predicted == () and test.snaps == test.slips == ((),)
+    (fall,) = test.jumps
+    assert fall.continuous and abs(fall.error) < 1e-4
+    says(test.verdict, "continuous fall", "no snap")
+    stroke = there(chain.full_stroke)
+    flat = recording("clips_1.csv", stroke, np.full(len(stroke), 0.5))
+    says(lab.compare([flat], [chain]).chains[0].verdict, "no steep fall", "no snap")
+
+
 @pytest.mark.parametrize("count", [3, 4])
 def test_chains_of_three_cells_or_more_are_compared(count):
     cell = paper_cell()

@@ -25,7 +25,7 @@ _FORCE, _ENDS, _BEFORE = 0.02, 0.025, 0.025
 
 
 class SnapComparison(NamedTuple):
-    """A predicted jump of the force and the measured ones.
+    """A predicted jump of the force, a snap or a steep continuous change, and the measured ones.
 
     Attributes:
         predicted: stroke in the model [m].
@@ -33,6 +33,7 @@ class SnapComparison(NamedTuple):
         measured: mean stroke over the runs that show it [m]; NaN if none does.
         runs: number of these runs.
         doubt: standard deviation of the measured less the predicted stroke [m].
+        continuous: whether the force of the model changes continuously there, without a snap.
     """
 
     predicted: float
@@ -40,6 +41,7 @@ class SnapComparison(NamedTuple):
     measured: float
     runs: int
     doubt: float
+    continuous: bool = False
 
     @property
     def error(self) -> float:
@@ -67,7 +69,7 @@ class ChainTest(ByValue, Drawn):
         tie: whether the motion of the model is undecided.
         jumps: predicted jumps of the force, in the order of motion, with the measured ones. A fall
             so steep that a test machine records a jump is one.
-        snaps: for each run the strokes of its jumps that match a predicted one [m].
+        snaps: for each run the strokes of its jumps that match a predicted snap [m].
         slips: for each run the strokes of its other jumps [m].
     """
 
@@ -85,8 +87,8 @@ class ChainTest(ByValue, Drawn):
 
     @property
     def snaps_predicted(self) -> tuple[float, ...]:
-        """Strokes of the predicted jumps [m]."""
-        return tuple(one.predicted for one in self.jumps)
+        """Strokes of the snaps of the model [m]."""
+        return tuple(one.predicted for one in self.jumps if not one.continuous)
 
     @property
     def rmse(self) -> float:
@@ -174,7 +176,10 @@ def chain_test(series: Series) -> ChainTest:
         span,
         bool(path.degenerate),
         jumps,
-        tuple(tuple(one.stroke for one in row if one) for row in matches),
+        tuple(
+            tuple(one.stroke for one, to in zip(row, jumps, strict=True) if one and not to.continuous)
+            for row in matches
+        ),
         tuple(
             tuple(one.stroke for one in run if one not in row)
             for run, row in zip(large, matches, strict=True)
@@ -236,7 +241,10 @@ def _compared(
     scatter = float(np.std(strokes, ddof=1)) if len(strokes) > 1 else 0.0
     sampling = _sampled(series) / math.sqrt(12.0)
     moved = math.hypot(scatter, sampling, doubt / _slope_before(series, snap.stroke))
-    return SnapComparison(snap.stroke, snap.jump, mean, len(strokes), moved)
+    events = [event.stroke for event in series.path.events if event.kind is EventKind.SNAP]
+    return SnapComparison(
+        snap.stroke, snap.jump, mean, len(strokes), moved, snap.stroke not in events
+    )
 
 
 def _slope_before(series: Series, stroke: float) -> float:
@@ -251,9 +259,12 @@ def _slope_before(series: Series, stroke: float) -> float:
 
 def _in_words(one: SnapComparison, runs: int) -> str:
     at = f"{to_unit(one.predicted, 'mm'):.2f} mm"
+    what = "fall" if one.jump < 0.0 else "rise"
     if not one.runs:
-        return f"no snap measured, predicted at {at}"
+        steep = f"no steep {what} measured, predicted at {at} (continuous, no snap)"
+        return steep if one.continuous else f"no snap measured, predicted at {at}"
+    seen = f"continuous {what} of the force, no snap," if one.continuous else "snap"
     return (
-        f"snap at {to_unit(one.measured, 'mm'):.2f} mm in {one.runs} of {runs} runs, predicted at "
+        f"{seen} at {to_unit(one.measured, 'mm'):.2f} mm in {one.runs} of {runs} runs, predicted at "
         f"{at} ({to_unit(one.error, 'mm'):+.2f} mm, σ = {to_unit(one.doubt, 'mm'):.2f} mm)"
     )

@@ -107,6 +107,8 @@ _PAIR = of_class(
         *keys(hold=("N", lambda test: test.hold if test.held else None)),
     ),
 )
+_JUMP = keys(predicted="mm", jump="N", measured="mm", error="mm", doubt="mm", runs=int)
+_JUMP += keys(continuous=bool)
 _CHAIN = of_class(
     ChainTest,
     (
@@ -115,7 +117,7 @@ _CHAIN = of_class(
         *keys(force_off_at=("mm", lambda test: test.worst[0])),
         Quantity(
             "jumps",
-            holds=[keys(predicted="mm", jump="N", measured="mm", error="mm", doubt="mm", runs=int)],
+            holds=[_JUMP],
         ),
         *keys(agrees=bool, motion_tie=(bool, "tie")),
     ),
