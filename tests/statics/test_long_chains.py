@@ -154,6 +154,20 @@ def test_tables_snap_where_a_follower_without_the_engine_says(cells):
         assert snap.force[1] == pytest.approx(after, abs=1e-9)
 
 
+@pytest.mark.parametrize(("rows", "scale"), [(41, 1.04), (60, 1.01), (83, 1.01)])
+def test_a_fall_between_terms_that_nearly_cancel_is_no_tie(rows, scale):
+    # Bounds of such terms do not decide whether U turns; their sum does.
+    def table(rows: int, span: float, scale: float) -> sw.Element:
+        t = np.linspace(0.0, 1.1, rows)
+        force = scale * (3.0 * t - 9.0 * t**2 + 7.0 * t**3)
+        return sw.Element.from_table(t * span, force, unusual=True)
+
+    chain = sw.Chain([table(120, 0.010, 1.0), table(rows, 0.008, scale)])
+    path = chain.path([0.0, chain.full_stroke])
+    assert path.degenerate == ()
+    assert all(event.distance_force > 1e-6 for event in path.events)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("cells", "rows"), [(3, 40), (30, 0)])
 @pytest.mark.parametrize("apart", [0.0, 1e-13])

@@ -148,7 +148,11 @@ def _first_return(
             continue
         middle = 0.5 * (a + b)
         if abs(b - a) <= near or middle == a or middle == b:
-            if abs(a - ends[0]) > near:
+            # The bounds stay undecided where terms of both signs nearly cancel; their sum at the
+            # ends is exact, and U turns only if it becomes negative.
+            at_a, _ = _softest(problem, movers, a_places, a_places)
+            at_b, _ = _softest(problem, movers, b_places, b_places)
+            if abs(a - ends[0]) > near and min(at_a, at_b) < 0.0:
                 nearest = min(nearest, abs(short))
             continue
         one[waiting], two[waiting] = middle, b
