@@ -7,7 +7,8 @@ import pytest
 
 import stepwell as sw
 from facts import refuses, says
-from stepwell.accounts import account, card, terminal
+from stepwell.accounts import account, card, page, terminal
+from stepwell.accounts.chain import ERROR_BAND
 from stepwell.design import Run
 
 _X = np.linspace(0.0, 0.011, 40)
@@ -91,3 +92,34 @@ def test_a_band_moves_peaks_up_and_valleys_down():
 def test_points_in_millimetres_are_a_slip_of_unit():
     with refuses(ValueError, "travel"):
         sw.Element.from_points([0, 1, 2, 3], [0, 1, -1, 2])
+
+
+def loose(sd: float = 0.0, **options) -> sw.Chain:
+    table = sw.Element.from_table(*points(sd), "clip", **options)
+    stiff = sw.Element.from_table(*points(sd), "stiff", **options)
+    return sw.Chain([table, replace(stiff, force_scale=8.0)])
+
+
+@pytest.mark.parametrize("result", ["run", "cycle", "program"])
+def test_travel_past_the_end_of_a_measured_curve_is_a_warning(result):
+    found = RESULTS[result](loose()) if result != "program" else loose().program("11")
+    says(_text(found), "Extrapolated curves", "Element clip", "0 to 11 mm", "extrapolated")
+    path = found.cycle.path if result == "run" else found.path
+    ends = [travel for cell, travel in path.extrapolated if cell == 0]
+    travels = path.travel[:, 0]
+    assert ends and set(ends) <= {travels.min(), travels.max()}
+    if result != "cycle":
+        past = account(found).record["extrapolated"]
+        assert [one["used_mm"] for one in past if one["cell"] == "clip"] == [1e3 * x for x in ends]
+
+
+def test_stops_and_straight_ends_are_not_extrapolated():
+    assert loose(stops=True).cycle().path.extrapolated == ()
+    assert sw.preset("trilinear").cycle().path.extrapolated == ()
+    assert "Extrapolated" not in _text(Run.of(chain(0.0)))
+
+
+def test_the_error_band_has_one_definition():
+    run = account(Run.of(chain(0.02, noise=0.02)))
+    assert run.record["cells"][0]["error_band_N"] > 0.0
+    assert ERROR_BAND in page(run)

@@ -13,6 +13,9 @@ from stepwell.mechanism import Cell, Chain, Element
 # By whether it stops at the low and at the high end.
 _ENDS = ("none", "at the high end"), ("at the low end", "both")
 _STABLE = "one state", "both states"
+ERROR_BAND = (
+    "error band: in about 95 % of simulated curves with white noise the whole curve is within it."
+)
 _LEVER: Schema = (
     Quantity("name", head="cell"),
     Quantity("F0", "N", "F0", "force_0"),
@@ -117,7 +120,7 @@ def cell_section(chain: Chain) -> Sections:
             f"in the phases that hold without any {force}."
         )
         if any(element.error_band for element in chain.elements):
-            about += " ±: the largest deviation of measured points from the curve."
+            about += f" ±: the {ERROR_BAND}"
     rows = recorded(schema, named(chain))
     cells = RecordTable(cell_columns(schema, chain), rows, about, more="cells", level=CARD)
     return {"Cells, innermost first": (cells, _band_table(chain))}

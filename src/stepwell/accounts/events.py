@@ -6,9 +6,9 @@ from typing import Any
 
 from stepwell import base, mechanism
 from stepwell.accounts.head import Row, Shape, keys, recorded
-from stepwell.accounts.parts import CARD, RecordTable, Sections
+from stepwell.accounts.parts import CARD, RecordTable, Sections, Warned
 from stepwell.base import Column, Quantity
-from stepwell.statics import Cause, Event, Landing
+from stepwell.statics import Cause, Event, Landing, Path
 
 NOT_CHECKED = "not checked for other mobilities"
 _ARRIVAL = keys(cell=(int, itemgetter(0)), state=(int, itemgetter(1)))
@@ -133,6 +133,35 @@ def _columns(chain: mechanism.Chain, known: Mapping[str, Quantity]) -> base.Colu
         Column(f"{chain.measure.force} [{forces[0].sign}]", force, True),
         Column(lost.heading, lambda row: lost.cell(row) * (row["kind"] == "snap"), True),
     )
+
+
+def extrapolated(path: Path) -> list[Row]:
+    """Elements that a path uses past an end of their curve, and that curve."""
+    names, cells = path.chain.names, path.chain.cells
+    curves = ((names[i], cells[i], travel) for i, travel in path.extrapolated)
+    return [{"cell": n, "used": at, "low": c.low, "high": c.high} for n, c, at in curves]
+
+
+def extrapolated_schema(shape: Shape, path: str) -> base.Schema:
+    """What is reported of elements past an end of their curve; `path` is where the path is read."""
+    each = base.in_measure(keys(cell=str, used="mm", low="mm", high="mm"), shape.measure)
+    past = Quantity("extrapolated", read=extrapolated, holds=[each])
+    return base.read_off([past], path)
+
+
+def extrapolated_warning(path: Path) -> Warned:
+    """The warning of elements past an end of their curve."""
+    unit, factor = base.display_unit(path.chain.measure.travel_unit)
+
+    def line(row: Row) -> str:
+        used, low, high = (base.number(row[key] * factor) for key in ("used", "low", "high"))
+        return (
+            f"Element {row['cell']} is used at {used} {unit}, outside its known {low} to {high} "
+            f"{unit}; the {path.chain.measure.force} there is extrapolated."
+        )
+
+    text = "Past an end without a stop a curve is extended straight. Measure over more travel."
+    return Warned("Extrapolated curves", text, [line(row) for row in extrapolated(path)])
 
 
 def landing_words(landings: Sequence[Landing] | None) -> str:

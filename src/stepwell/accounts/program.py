@@ -17,6 +17,7 @@ def program_schema(shape: Shape) -> Schema:
         *keys(events=([events.event_schema(shape)], "path.events")),
         *keys(landings=([events.landing_schema(shape)], _landings)),
         *keys(dissipated=("mJ", "path.dissipated"), turns=[turn_schema(shape.drive)]),
+        *(events.extrapolated_schema(shape, "path") if shape.elements else ()),
         *keys(end_low=(shape.drive, "low"), end_high=(shape.drive, "high"), slack=shape.drive),
     )
     return (
@@ -81,6 +82,7 @@ def program_account(program: Program, about: About) -> Account:
         **words.assumed(chain),
     }
     title, way = chain.title or "A stroke program", f"{program.start} to {program.target}"
-    warnings = [words.degenerate(path.degenerate, chain), words.scattered(chain)]
+    past = events.extrapolated_warning(path)
+    warnings = [words.degenerate(path.degenerate, chain), past, words.scattered(chain)]
     answer, origin = f"{way}: {ends}", f"A program from {way} for {words.cells_of(chain)}."
     return Account(program, title, "program/2", answer, facts, sections, warnings, origin)

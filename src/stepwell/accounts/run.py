@@ -49,6 +49,7 @@ def run_schema(shape: Shape) -> Schema:
         *read_off(cycle_schema(shape), "cycle"),
         *keys(margin=changes.margin_schema(shape)),
         *(_measured_schema(shape) if shape.elements else ()),
+        *(events.extrapolated_schema(shape, "cycle.path") if shape.elements else ()),
         *keys(ties=([str], lambda run: words.tie_notes(run.cycle.degenerate, run.chain))),
     )
 
@@ -122,7 +123,8 @@ def run_account(run: Run, about: About) -> Account:
     }
     title, answer = chain.title or about.source or "Untitled chain", cycle_words(cycle)
     curves = words.scattered(chain, run.other_sequences)
-    warned = [words.degenerate(cycle.degenerate, chain), curves, _namesakes(chain)]
+    past, same = events.extrapolated_warning(cycle.path), _namesakes(chain)
+    warned = [words.degenerate(cycle.degenerate, chain), past, curves, same]
     hints = [_CHECK] if landings == events.NOT_CHECKED else []
     return Account(run, title, "run/2", answer, facts, sections, warned, origin, hints=hints)
 
@@ -194,5 +196,6 @@ def _motion(value: Cycle | Path, path: Path, what: str, answer: str, facts: list
     chain = path.chain
     title = f"{what} of {chain.title}" if chain.title else what
     sections = events.event_sections(chain, path.events, None)
-    warnings = [words.degenerate(path.degenerate, chain), words.scattered(chain)]
+    past = events.extrapolated_warning(path)
+    warnings = [words.degenerate(path.degenerate, chain), past, words.scattered(chain)]
     return Account(value, title, answer=answer, facts=facts, sections=sections, warnings=warnings)

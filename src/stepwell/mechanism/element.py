@@ -304,6 +304,15 @@ class Element(ByValue, Drawn):
         return cls(sheets, stops, friction, name, elements[0].measure, mobility=mobility)
 
     @property
+    def known(self) -> tuple[float, float]:
+        """Ends of its curve [m]; infinite at a stop, and where the curve ends straight."""
+        first = next(one for one in self.laws if one.begin == self.low).rows[0]
+        last = next(one for one in self.laws if one.end == self.high).rows[-1]
+        bends = [bool(np.any(row[3:5])) for row in (first, last)]
+        low, high = (bends[k] and not self.stopped[k] for k in (0, 1))
+        return self.low if low else -np.inf, self.high if high else np.inf
+
+    @property
     def stopped(self) -> tuple[bool, bool]:
         """Whether it is stopped at the low and at the high end of its curve."""
         assert not isinstance(self.stops, bool)
@@ -495,7 +504,8 @@ def _phases_of(element: Element, turns: Sequence[tuple[Floats, Ints]]) -> tuple[
     if len(phases) > _MOST_PHASES:
         raise InputError(
             f"the force curve has {len(phases)} rising stretches: at most {_MOST_PHASES} are "
-            f"possible, one per digit of a state. If these are measurement noise, pass noise=, the "
-            f"standard deviation of the forces, or use `stepwell lab element`."
+            f"possible, one per digit of a state. If these are measurement noise, give "
+            f"noise_{display_unit(element.measure.force_unit)[0]} (noise= in Python), the standard "
+            f"deviation of the {element.measure.force}, with its table."
         )
     return tuple(phases)

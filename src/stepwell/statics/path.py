@@ -33,6 +33,9 @@ if TYPE_CHECKING:
 # Larger numbers of samples are computed in another thread, so that Ctrl-C works.
 _MANY = 20_000
 
+# Least travel past an end of a curve that is reported, as a fraction of its travel.
+_PAST = 0.02
+
 # Cells of the longest chain whose landings are checked by default.
 _MOST_CHECKED = 8
 
@@ -291,6 +294,28 @@ class Path(base.ByValue, base.Drawn):
     def segments(self) -> Iterator[Segment]:
         """Segments of the path in order: holds, smooth moves, snaps."""
         return segments_of(self._log, self.start, lambda: self._problem)
+
+    @cached_property
+    def extrapolated(self) -> tuple[tuple[int, float], ...]:
+        """Cells used past an end of their curve that has no stop, and their farthest travel [m].
+
+        Over 2 % of the curve is reported, and no end at which the curve is straight anyway.
+        """
+        ends = [cell.known for cell in self.chain.elements]
+        if not np.any(np.isfinite(ends)):
+            return ()
+        least, most = np.array(self.start), np.array(self.start)
+        for one in self.segments():
+            cells, moves = [*one.cells], np.array([one.before, one.after])
+            least[cells] = np.minimum(least[cells], moves.min(axis=0))
+            most[cells] = np.maximum(most[cells], moves.max(axis=0))
+        past: list[tuple[int, float]] = []
+        for i, cell in enumerate(self.chain.cells):
+            if isinstance(cell, mechanism.Element):
+                (low, high), room = cell.known, _PAST * (cell.high - cell.low)
+                past += [(i, float(least[i]))] * bool(least[i] < low - room)
+                past += [(i, float(most[i]))] * bool(most[i] > high + room)
+        return tuple(past)
 
     @property
     def start_force(self) -> float:
