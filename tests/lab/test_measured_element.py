@@ -13,6 +13,7 @@ from lab import known_curves
 from lab.machine import recording
 from stepwell import figures, lab
 from stepwell.accounts import account, card, page, terminal
+from stepwell.accounts.chain import ERROR_BAND
 
 _X = np.linspace(0.0, 0.011, 1000)
 _PEAK, _VALLEY = 2.2654e-3, 6.3060e-3
@@ -185,5 +186,11 @@ def test_the_account_the_schema_and_the_figure_have_the_phases():
     for form in ("\n".join(line.text for line in terminal(account(found))), card(account(found))):
         says(form, "2 phases", "error band")
     says(page(account(found)), "2 phases", "Friction")
+    assert ERROR_BAND[1:] in page(account(found))
+    says("\n".join(line.text for line in terminal(account(found))), "Up at", "previous")
     (ax, *_) = figures.plot(found).axes
     assert {"0", "1"} <= {one.get_text() for one in ax.texts}
+
+
+def test_a_force_that_only_rises_is_reported_without_snap_through():
+    says(str(taken(_X, 100.0 * _X + noise(9))), "1 phase", "monotone", "no snap-through")

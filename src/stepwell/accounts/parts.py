@@ -41,10 +41,11 @@ class Text:
 
 @dataclass(frozen=True)
 class Notes:
-    """Sentences as a list; shown if there are any."""
+    """Sentences as a list, or in `short` on a terminal without --full; shown if there are any."""
 
     lines: Sequence[str]
     level: Level = TERMINAL
+    short: Sequence[str] = ()
 
 
 @dataclass(frozen=True)

@@ -177,7 +177,9 @@ def chain_test(series: Series) -> ChainTest:
         bool(path.degenerate),
         jumps,
         tuple(
-            tuple(one.stroke for one, to in zip(row, jumps, strict=True) if one and not to.continuous)
+            tuple(
+                one.stroke for one, to in zip(row, jumps, strict=True) if one and not to.continuous
+            )
             for row in matches
         ),
         tuple(
@@ -265,6 +267,6 @@ def _in_words(one: SnapComparison, runs: int) -> str:
         return steep if one.continuous else f"no snap measured, predicted at {at}"
     seen = f"continuous {what} of the force, no snap," if one.continuous else "snap"
     return (
-        f"{seen} at {to_unit(one.measured, 'mm'):.2f} mm in {one.runs} of {runs} runs, predicted at "
-        f"{at} ({to_unit(one.error, 'mm'):+.2f} mm, σ = {to_unit(one.doubt, 'mm'):.2f} mm)"
+        f"{seen} at {to_unit(one.measured, 'mm'):.2f} mm in {one.runs} of {runs} runs, predicted "
+        f"at {at} ({to_unit(one.error, 'mm'):+.2f} mm, σ = {to_unit(one.doubt, 'mm'):.2f} mm)"
     )

@@ -91,10 +91,10 @@ class MeasuredElement(ByValue, Drawn):
 
     def __str__(self):
         ends = [f"{to_unit(a, 'mm'):.3g} to {to_unit(b, 'mm'):.3g} mm" for a, b in self.phases]
-        return (
-            f"{len(ends)} phase{'s' * (len(ends) != 1)}: {', '.join(ends)}; noise "
-            f"{self.noise:.2g} N; error band {self.error_band:.2g} N"
-        )
+        phases = f"{len(ends)} phases: {', '.join(ends)}"
+        if len(ends) == 1:
+            phases = f"1 phase, {ends[0]}: the force only rises (monotone), so no snap-through"
+        return f"{phases}; noise {self.noise:.2g} N; error band {self.error_band:.2g} N"
 
     def __repr__(self):
         return f"MeasuredElement({self.element.name!r}, {self})"

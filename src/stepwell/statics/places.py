@@ -43,10 +43,13 @@ def problem_of(
     worst = int(np.argmax(counts))
     if counts[worst] > cutting.MOST_PIECES:
         cell = int(np.searchsorted(np.unique(sheets.table[:, mech.FIRST]), worst, side="right")) - 1
+        key = f"noise_{display_unit(chain.measure.force_unit)[0]}"
+        advice = "Check for a band whose ends nearly meet."
+        if isinstance(chain.cells[cell], mech.Element):
+            advice = f"Smooth its table: give {key}, the standard deviation of the noise, with it."
         raise StaticsError(
-            f"the force of {chain.names[cell]} has {counts[worst]} extrema or kinks over its "
-            f"travel, too many to follow. Smooth its table, or check for a band whose ends nearly "
-            f"meet."
+            f"the {chain.measure.force} of {chain.names[cell]} has {counts[worst]} extrema or "
+            f"kinks over its {chain.measure.travel}, too many to follow. {advice}"
         )
     scale, rank = cutting.force_scale(laws, sheets, pieces), _ranks(len(chain), prefer)
     weights, mobility = drive_weights(chain), mech.mobilities_of(chain.cells)

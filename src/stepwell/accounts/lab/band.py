@@ -91,7 +91,7 @@ def band_fit_account(fit: BandFit, about: About) -> Account:
             Picture("laws", "Force against stroke, and the laws"),
             RecordTable(_law_columns(fit), "laws", laws, level=FULL),
         ),
-        **folded_notes("Used and dropped", fit.test.notes),
+        **folded_notes("Notes on the recordings", fit.test.notes),
         "Choice of the law": Notes([choice.reason, choice.rest_length_reason()], FULL),
         "Stiffness [N/m] by window: from (down) and to (across) [mm]": _window_table(fit),
         "Band table with its source": parts.Verbatim(table.rstrip(), "Band table", FULL),
@@ -113,7 +113,7 @@ def band_test_account(test: BandTest, about: About) -> Account:
         _window_fact(test),
     )
     warnings = [parts.Warned("Check the recordings", "", test.warnings)]
-    sections = {"Used and dropped": Notes(test.notes[:3], CARD)}
+    sections = {"Notes on the recordings": Notes(test.notes[:3], CARD)}
     title = "Tension tests of bands"
     return Account(test, title, facts=facts, warnings=warnings, sections=sections)
 

@@ -166,7 +166,7 @@ def calibration_account(model: Calibration, about: About) -> Account:
         "Tension of one band [N] by the distance of its anchors, with its 95 % band": RecordTable(
             _tension_columns(model), "tensions", level=CARD, pick=_tension_rows
         ),
-        **folded_notes("Used, dropped and odd", model.notes, 2),
+        **folded_notes("Notes on the recordings", model.notes, 2),
         "Parameters, each with its 95 % interval by leaving out a geometry": RecordTable(
             _PARAMETER, "parameters", more="parameters", level=FULL
         ),

@@ -115,10 +115,7 @@ _CHAIN = of_class(
         Quantity("force_rmse", "N", "RMSE", "rmse"),
         *keys(force_range=("N", "range"), force_off=("N", lambda test: test.worst[1])),
         *keys(force_off_at=("mm", lambda test: test.worst[0])),
-        Quantity(
-            "jumps",
-            holds=[_JUMP],
-        ),
+        Quantity("jumps", holds=[_JUMP]),
         *keys(agrees=bool, motion_tie=(bool, "tie")),
     ),
 )
@@ -190,7 +187,7 @@ def comparison_account(compared: Comparison, about: About) -> Account:
             _PAIR_COLUMNS, "series", "", (), "pairs", FULL, of_kind("pair")
         ),
         "Rig": Text(_rig_words(compared.rig) if pairs else ""),
-        **folded_notes("Used, dropped and odd", [*odd, *compared.notes]),
+        **folded_notes("Notes on the recordings", [*odd, *compared.notes]),
         "Assumptions": Text(NOT_JUDGED, FULL),
     }
     given = {"data_sha256": about.data_sha256, "designs_sha256": about.designs_sha256}

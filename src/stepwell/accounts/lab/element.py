@@ -1,9 +1,9 @@
 """An element from a recording: its phases, friction, noise and error band."""
 
 from stepwell import base
-from stepwell.accounts.chain import texts
+from stepwell.accounts.chain import ERROR_BAND, texts
 from stepwell.accounts.head import About, keys
-from stepwell.accounts.parts import CARD, Account, Fact, Notes, Picture, RecordTable
+from stepwell.accounts.parts import CARD, Account, Fact, Notes, Picture, RecordTable, Text
 from stepwell.lab import MeasuredElement
 
 _PHASE: base.Schema = (
@@ -49,12 +49,15 @@ def measured_element_account(measured: MeasuredElement, about: About) -> Account
         Fact("Rows", f"{measured.rows}, {halves}"),
     )
     band = (
-        "The whole curve is within the error band in about 95 % of made-up curves, white noise.",
+        ERROR_BAND,
         "Friction is Coulomb friction: half the difference between loading and unloading.",
         "Between the phases the curve is known only if the machine prescribed the travel.",
     )
+    columns = "Up at, down at: forces at which a phase snaps to the next and to the previous one."
+    if len(measured.phases) == 1:
+        columns = ""
     sections = {
-        "Phases": RecordTable(_PHASE, "phases", more="phases", level=CARD),
+        "Phases": (RecordTable(_PHASE, "phases", more="phases", level=CARD), Text(columns)),
         "Notes": Notes(measured.notes),
         "Curve": Picture("element", "The curve over the points, its phases numbered"),
         "Assumptions": Notes(band),

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 
-from stepwell.accounts.parts import FULL, TERMINAL, Level, Notes, Part
+from stepwell.accounts.parts import TERMINAL, Level, Notes, Part
 from stepwell.base import counted, grouped
 
 # Letters of a line; the rest of a longer one is on the page and in JSON.
@@ -15,10 +15,10 @@ _OWN = re.compile(r"^['(+-]*[\w./\\-]*[\d_/\\][\w./\\%-]*[',);]*$")
 def folded_notes(
     heading: str, lines: Sequence[str], most: int = 3, level: Level = TERMINAL
 ) -> dict[str, Part]:
-    """Sections of a list of notes: one line for each kind on a terminal, all lines on a page.
+    """Section of a list of notes: one line for each kind on a terminal, all lines on a page.
 
     Args:
-        heading: of the section; that of the complete list has ", all" after it.
+        heading: of the section.
         lines: the notes, each "name: text".
         most: number of kinds that a terminal shows.
         level: shortest form that shows the folded list.
@@ -28,7 +28,7 @@ def folded_notes(
     short = by_kind(lines, most)
     if len(lines) <= most and all(len(line) <= _WIDE for line in lines):
         return {heading: Notes(lines, level)}
-    return {heading: Notes(short, level), f"{heading}, all": Notes(lines, FULL)}
+    return {heading: Notes(lines, level, short)}
 
 
 def by_kind(lines: Sequence[str], most: int = 3) -> list[str]:
@@ -39,9 +39,9 @@ def by_kind(lines: Sequence[str], most: int = 3) -> list[str]:
     """
     kinds = sorted(grouped((_kind(line), line) for line in lines).values(), key=len)
     if len(kinds) > most:
-        kinds, rest = kinds[: most - 1], kinds[most - 1 :]
-        hidden = sum(map(len, rest))
-        return [*map(_first, kinds), f"{counted(hidden, 'note')} of {len(rest)} other kinds"]
+        hidden = sum(map(len, kinds[most - 1 :]))
+        kinds = kinds[: most - 1]
+        return [*map(_first, kinds), f"and {counted(hidden, 'more note')}"]
     return [*map(_first, kinds)]
 
 

@@ -229,6 +229,8 @@ def _sections(account: Account, level: Level, room: float = math.inf) -> list[Li
                 under = _records(account, part, level, left)
             elif isinstance(part, parts.Verbatim):
                 under = [*map(Line, escaped(part.text).split("\n"))] if part.text else []
+            elif isinstance(part, parts.Notes) and part.short and level < FULL:
+                under = _sentences(part.short)
             else:
                 under = _sentences(parts.lines_of(part))
             if under is None or len(under) > left:
