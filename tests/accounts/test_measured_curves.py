@@ -100,17 +100,17 @@ def loose(sd: float = 0.0, **options) -> sw.Chain:
     return sw.Chain([table, replace(stiff, force_scale=8.0)])
 
 
-@pytest.mark.parametrize("result", ["run", "cycle", "program"])
-def test_travel_past_the_end_of_a_measured_curve_is_a_warning(result):
-    found = RESULTS[result](loose()) if result != "program" else loose().program("11")
-    says(_text(found), "Extrapolated curves", "Element clip", "0 to 11 mm", "extrapolated")
-    path = found.cycle.path if result == "run" else found.path
-    ends = [travel for cell, travel in path.extrapolated if cell == 0]
-    travels = path.travel[:, 0]
-    assert ends and set(ends) <= {travels.min(), travels.max()}
-    if result != "cycle":
+def test_travel_past_the_end_of_a_measured_curve_is_a_warning():
+    run, program = Run.of(loose()), loose().program("11")
+    assert isinstance(program, sw.sequences.Program)
+    for found, path in ((run, run.cycle.path), (program, program.path)):
+        says(_text(found), "Extrapolated curves", "Element clip", "0 to 11 mm", "extrapolated")
+        ends = [travel for cell, travel in path.extrapolated if cell == 0]
+        travels = path.travel[:, 0]
+        assert ends and set(ends) <= {travels.min(), travels.max()}
         past = account(found).record["extrapolated"]
         assert [one["used_mm"] for one in past if one["cell"] == "clip"] == [1e3 * x for x in ends]
+    says(_text(run.cycle), "Extrapolated curves", "Element clip")
 
 
 def test_stops_and_straight_ends_are_not_extrapolated():
