@@ -92,7 +92,7 @@ def margin_schema(shape: Shape) -> base.Schema:
 
 def margin_words(margin: Margin) -> str:
     """The smallest change of each kind that gives another sequence."""
-    chain, measure, words = margin.chain, margin.chain.measure, []
+    measure, words = margin.chain.measure, []
     for kind in _KINDS:
         finite = [c for c in margin.changes if c.parameter == kind and math.isfinite(c.distance)]
         if finite:
