@@ -34,10 +34,13 @@ TWO, NESTED = "00>10>11>01>00", "000>010>110>111>101>001>000"
 
 
 def cell(band: BandType, q: tuple[float, float]) -> sw.Cell | None:
+    """A cell with the band at q; None if it cannot be built, or its band is slack somewhere."""
+    taut = Kind(band, PAPER_LEVER, math.pi / 4).taut(np.array([[q[0] + 0.010, q[1]]]))
     try:
-        return sw.Cell(sw.Band((-0.010, 0.0), q, band.stiffness, band.rest_length))
+        made = sw.Cell(sw.Band((-0.010, 0.0), q, band.stiffness, band.rest_length))
     except ValueError:
         return None
+    return made if taut.all() else None
 
 
 def sequence(cells: Sequence[sw.Cell]) -> str:
@@ -96,6 +99,7 @@ def test_holes_where_the_band_is_not_proved_concave_are_tried_too():
     assert 0.6 < same.fraction <= made.yield_.fraction + 0.1
     assert not made.proved
     says(made.method, "remaining candidates")
+    assert made.plot()
     says(made.assumptions, "not all cells", "concave", "simulated")
 
 
@@ -153,6 +157,12 @@ def test_sets_of_states_called_impossible_and_proved_have_no_witness():
                 reach = {label.partition("#")[0] for label in graph if "-" not in label}
                 assert graph.ties or reach != wanted, (box, pitch, band, wanted, choice)
     assert proved > 0
+
+
+def test_a_band_that_is_slack_is_no_design():
+    # This band is taut at one hole, so a second cell would be slack.
+    with refuses(Impossible, "taut bands", "slack", "34 of 35 holes", "33 mm"):
+        design(TWO, holes=0.005, bands=(BandType(22.15, 0.04037),))
 
 
 def test_what_is_left_out_is_not_called_proved(monkeypatch):

@@ -70,7 +70,7 @@ def _designed(result: Design) -> Figure:
         loading=result.loading if one_each else None,
         unloading=result.unloading if one_each else None,
         region=() if drilled else result.region,
-        places=np.concatenate(result.region) if drilled else None,
+        places=np.concatenate(result.region) if drilled and result.region else None,
         clouds=result.yield_.end_forces(_CLOUD),
     )
 

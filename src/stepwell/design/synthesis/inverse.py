@@ -112,7 +112,7 @@ def design(
     Raises:
         Impossible: no allowed design reaches the target, with the proof; or none was found, as its
             text states. Among holes the closed form decides all choices of cells proved concave;
-            others are simulated for some seconds.
+            others are simulated for some seconds, if their bands stay taut.
         ValueError: a target or a number that is not allowed, or is probably in another unit.
 
     Source: sorting theorem, theory page; defaults from Kamp et al. 2024, Figs. 1 and 2.

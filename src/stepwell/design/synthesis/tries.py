@@ -112,8 +112,12 @@ class Buildable(NamedTuple):
 
 def _buildable(rule: Rule, region: Region, holes: float) -> list[Buildable]:
     buildable: list[Buildable] = []
-    for x, y in drilled(region, holes).tolist():
+    places = drilled(region, holes)
+    taut = [kind.taut(rule.differences(places)).tolist() for kind in rule.kinds]
+    for row, (x, y) in enumerate(places.tolist()):
         for k in range(len(rule.kinds)):
+            if not taut[k][row]:
+                continue  # a slack band holds no state
             try:
                 cell = rule.cell((x, y), k)
             except ValueError:
@@ -329,9 +333,9 @@ class TargetSearch:
                     these = [cells[k].cell for k in order]
                     title = f"Designed for {target.text}"
                     chains.append(named_chain(these, self.actuator_stiffness, title))
-        choices = f"{left} remaining candidates were simulated"
+        choices = f"{left} remaining candidates were simulated" * (left > 0)
         if done == left and not unanswered:
-            return chains, True, f"all {choices}"
+            return chains, True, choices and f"all {choices}"
         mismatch = f", {unanswered} of them without an answer" * (unanswered > 0)
         return chains, False, f"{done} of {choices}{mismatch}"
 
@@ -368,6 +372,7 @@ class TargetSearch:
 
     def _impossible(self, placed: Placed, rest: str, *, proved: bool) -> Impossible:
         allowed = allowed_text(self.regions, self.holes, self.free)
+        allowed += " and taut bands" * (self.holes is not None)
         attempts, mismatch = placed.attempts, placed.mismatch
         return explained(
             self.target, attempts, mismatch, rest, allowed, self._regions_of, proved=proved
