@@ -794,6 +794,27 @@ def test_an_order_that_is_no_sequence_is_refused_with_its_states(target):
     assert checked_cycle(states, "111") == checked_cycle(orders, "111") == states
 
 
+@pytest.mark.parametrize(
+    ("order", "fault"),
+    [
+        ("2-1-4", "cell 3 is missing"),
+        ("2-2", "cell 2 appears twice"),
+        ("0-1", "'0' is no cell"),
+        ("1-", "number is missing"),
+        ("2-1-3/1-2", "1-2: cell 3"),
+        ("outer-middle", "'middle' is no cell"),
+    ],
+)
+def test_a_wrong_order_is_refused_with_what_is_wrong(order, fault):
+    with pytest.raises(ValueError, match=fault):
+        design(order)
+
+
+def test_an_order_for_other_cells_is_refused():
+    with refuses(ValueError, "no cell 3"):
+        checked_cycle("1-2-3/1-2-3", "11")
+
+
 @pytest.mark.parametrize("order", [[2, 2], [1], "3-1", []])
 def test_what_is_no_order_is_refused(order):
     with refuses(ValueError, "order", "[2, 1, 3]"):

@@ -398,3 +398,17 @@ def test_ways_that_are_none_are_refused(options, words):
 def test_a_sequence_may_be_given_as_it_comes_from_a_cycle():
     target = sw.Chain((cell(10, 0), cell(20, 0))).cycle().sequence
     assert reprogram(PAIR, target, "outer.q").after == CLOCKWISE
+
+
+def test_the_design_past_a_tie_runs_through_the_target():
+    # Where both anchors are in one place, the cells are equal, and friction would decide.
+    law = sw.Table((0.0, 0.005, 0.056), (0.0, 0.4, 3.0))
+    pair = sw.Chain(
+        [cell(20, 0, rest_length=0.005, law=law), cell(15, 0, rest_length=0.005, law=law)]
+    )
+    change = reprogram(pair, CLOCKWISE, "outer.q", along=(1.0, 0.0))
+    assert change.distance == pytest.approx(0.005, abs=1e-6)
+    assert change.chain_after is not None
+    again = sw.files.loads(sw.files.dumps(change.chain_after)).chain.cycle()
+    assert str(again.sequence) == CLOCKWISE == change.after
+    assert not again.degenerate

@@ -223,7 +223,9 @@ def test_elements_of_other_measures_have_scales_and_no_anchors():
 @pytest.mark.slow
 def test_what_no_build_does_is_said_with_what_to_look_at(monkeypatch):
     monkeypatch.setattr(builds, "_ROUNDS", examples(2, full=builds._ROUNDS))
-    with refuses(LabError, "none of 100", "8 times", "anchors ±1 mm", "innermost"):
+    with refuses(
+        LabError, "none of 100", "8 times", "anchors ±1 mm", "stiffness ±10 %", "innermost"
+    ):
         as_built(LEG, Observed(out=(0.001, 0.002, 0.003, 0.004)), samples=100)
 
 
@@ -252,3 +254,11 @@ def test_forces_of_a_recording_are_those_of_the_model_it_was_made_from():
     assert Observed(pulls=pulls, scale=0.05).misfit(LEG.cycle()) < 12
     with pytest.raises(LabError, match="check the unit"):
         pulls_of(recording, 10 * LEG.full_stroke)
+
+
+def test_an_observed_order_is_the_sequence_of_its_states():
+    orders, states = (
+        as_built(LEG, Observed(one), samples=100, target=WANTED) for one in ("1-2/1-2", WANTED)
+    )
+    assert orders.seen == states.seen
+    assert orders.share == states.share

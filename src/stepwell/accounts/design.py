@@ -212,7 +212,7 @@ def _change_facts(change: Reprogramming) -> tuple[str, list[Fact]]:
     to = ", ".join(number(to_unit(one, "mm")) for one in place)
     pull, far = change.resistance, amount(change.distance, "m")
     work_0, work_1 = amount(pull.work_0, "J"), amount(pull.work_1, "J")
-    return f"moved by {far}", [
+    return f"moved by more than {far}", [
         Fact("Displacement", f"{change.by} by ({move}) mm, {far}, to ({to}) mm"),
         Fact("Force", f"up to {amount(pull.largest, 'N')} against the displacement"),
         Fact("Work", f"{work_0} at state 0 of the cell, {work_1} at state 1"),

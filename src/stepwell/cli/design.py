@@ -283,8 +283,8 @@ def target_of(text: str) -> dict[str, Any]:
     every = re.fullmatch(r"all:(\d{1,2})", text)
     if every:
         return {"states": "all", "cells": int(every[1])}
-    if ">" in text or "-" in text:
-        return {"sequence": text}
+    if ">" in text or "-" in text or re.search(",.*[2-9]|[2-9].*,", text):
+        return {"sequence": text if ">" in text else text.replace(",", "-")}
     if "," in text:
         return {"states": [state.strip() for state in text.split(",")]}
     raise wrong(

@@ -23,6 +23,7 @@ def checked_cycle(target: str, last: str, name: str = "target", names: tuple[str
     cycle = _cycle_of_orders(str(target), last, name, names)
     if cycle:
         return cycle
+    refuse_order(str(target), name, names, len(last))
     states, two = target.replace(" ", "").split(">"), set(last) == {"1"}
     wrong = next((state for state in states if not is_state(state, last)), None)
     problem = ""
@@ -157,6 +158,32 @@ def order_of(text: str, names: tuple[str, ...] = ()) -> tuple[int, ...]:
     return tuple(int(number) - 1 for number in numbers)
 
 
+def refuse_order(text: str, name: str, names: tuple[str, ...] = (), cells: int = 0) -> None:
+    """Raise InputError for an order such as "2-1-4" that does not name each cell once."""
+    if ">" in text or not re.search("[-/,]", text) or set(text) <= set("01, "):
+        return
+    halves = [[one.strip() for one in re.split("[-,]", half)] for half in text.split("/")]
+    read = [[str(names.index(one) + 1) if one in names else one for one in half] for half in halves]
+    cells = cells or max(2, *(int(one) for half in read for one in half if one.isdecimal()), 2)
+    for half, parts in zip(text.split("/"), read, strict=True):
+        wrong = next((one for one in parts if not one.isdecimal() or not int(one)), None)
+        twice = next((one for one in parts if parts.count(one) > 1), None)
+        missing = next((k for k in range(1, cells + 1) if str(k) not in parts), None)
+        beyond = next((one for one in parts if one.isdecimal() and int(one) > cells), None)
+        fault = (
+            (wrong == "" and "a number is missing")
+            or (wrong and f"{wrong!r} is no cell, the first is 1")
+            or (twice and f"cell {twice} appears twice")
+            or (beyond and f"there is no cell {beyond}")
+            or (missing and f"cell {missing} is missing")
+        )
+        if fault:
+            raise InputError(
+                f"{name}: order {short(half)}: {fault}. Name each cell once, 1 the inner one, as in "
+                f"2-1-3, or give the states, as in 00>10>11>01>00."
+            )
+
+
 def _cycle_of_orders(target: str, last: str, name: str, names: tuple[str, ...]) -> str:
     """The cycle of a target given as "loading/unloading"; "" for one given as states."""
     loading, *unloading = (order_of(half, names) for half in target.split("/"))
@@ -208,6 +235,7 @@ def of_sequence(text: str) -> TargetOrders:
         back = islice(permutations(loading[::-1]), _MOST_ORDERS)
         complete = math.factorial(len(loading)) <= _MOST_ORDERS
         return TargetOrders(tuple(Orders(loading, unloading) for unloading in back), complete)
+    refuse_order(text, "sequence", pair)
     cells = len(loading) or len(text.partition(">")[0].strip())
     if cells == 0:
         raise InputError(f'sequence = {text!r}: must be a cycle such as "00>10>11>01>00".')

@@ -319,9 +319,11 @@ def as_built(
     if not 0 <= wrong_hole <= _MOST_WRONG:
         raise InputError(f"wrong_hole = {wrong_hole}: must be 0 to {_MOST_WRONG}, 0 for none.")
     last = drawing.last_state
-    sequence = str(drawing.cycle().sequence) if target is None else checked_cycle(target, last)
+    names = drawing.names
+    nominal = str(drawing.cycle().sequence)
+    sequence = nominal if target is None else checked_cycle(target, last, "target", names)
     if seen.sequence is not None:
-        checked_cycle(seen.sequence, last, "seen")
+        seen = replace(seen, sequence=checked_cycle(seen.sequence, last, "seen", names))
     done, total = 0, samples * (1 + 4 * builds.STEPS) + moves_of(drawing)
 
     def count() -> None:
@@ -343,7 +345,7 @@ def as_built(
     if matching is None:
         raise LabError(
             "what was seen",
-            f"none of {samples} builds within {wider:g} times the tolerances {tolerances!r} has "
+            f"none of {samples} builds within {wider:g} times the tolerances ({tolerances}) has "
             f"this behaviour: check that this design was built, which cell is innermost, and where "
             f"stroke 0 is.",
         )

@@ -273,6 +273,12 @@ class Aim:
         except (ValueError, StaticsError):
             return False
 
+    def is_met_untied(self, move: Floats) -> bool:
+        """The same without a tie: at a tie, friction may decide otherwise."""
+        return (
+            self.is_met_at(move) and not cycle(self.anchor.displaced(self.chain, move)).degenerate
+        )
+
     def is_met_at_each(self, moves: Floats) -> Bools:
         """The same for (m, 2) displacements [m] at once, if that is possible."""
         anchor, chain = self.anchor, self.chain
@@ -303,8 +309,10 @@ def nearest(
         within = ways.reach if known is None or past is None else known.distance
         displacement = _nearest_searched(aim, forces is None, ways, within, progress)
         if displacement is not None and float(np.linalg.norm(displacement)) < within:
-            move = _vec(ways.frame @ displacement)
-            return Nearest(float(np.linalg.norm(displacement)), move, move, Method.SEARCH)
+            at, far = ways.frame @ displacement, float(np.linalg.norm(displacement))
+            places = [at, *_just_past(Place(at, far, at / far))] if far else [at]
+            past = next(filter(aim.is_met_untied, places), at)
+            return Nearest(far, _vec(at), _vec(past), Method.SEARCH)
     return _assembled(known, past, Method.EXACT if proved else Method.SEARCH)
 
 

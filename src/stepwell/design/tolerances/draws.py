@@ -66,6 +66,18 @@ class Tolerances(base.ByValue):
                 )
             object.__setattr__(self, name, value)
 
+    def __str__(self):
+        values = [
+            f"anchors ±{base.to_unit(self.anchor, 'mm'):.4g} mm" * (self.anchor > 0),
+            f"stiffness ±{100 * self.stiffness:.3g} %" * (self.stiffness > 0),
+            f"rest length ±{100 * self.rest_length:.3g} %" * (self.rest_length > 0),
+            f"levers ±{base.to_unit(self.lever, 'mm'):.4g} mm" * (self.lever > 0),
+            f"friction up to {self.friction:.3g} N" * (self.friction > 0),
+            f"travel ±{100 * self.travel:.3g} %" * (self.travel > 0),
+            f"mobility ratio up to {self.mobility:.4g}" * (self.mobility > 1),
+        ]
+        return ", ".join(filter(None, values)) or "no tolerance"
+
     def __repr__(self):
         travel = f", travel {self.travel:.3g}" if self.travel else ""
         if self.mobility > 1:
