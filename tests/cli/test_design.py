@@ -124,6 +124,9 @@ def test_the_bands_of_a_design_file_can_be_had_measured_ones_too(tmp_path):
         "[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [20, 0]\n"
     )
     (rubber,) = bands_of(str(file))
+    table = tmp_path / "band.toml"
+    table.write_text("# measured\nband = { rest_length_mm = 62, stiffness_N_per_m = 51.35 }\n")
+    assert bands_of(str(table)) == [BandType(51.35, 0.062)]
     assert isinstance(rubber.law, sw.Table)
     assert rubber.stiffness * rubber.law.shape[-1] == pytest.approx(1.1)
 

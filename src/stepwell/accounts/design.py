@@ -101,6 +101,7 @@ def design_account(design: Design, about: About) -> Account:
     facts = (
         *yields.counted_facts(sampled),
         yields.critical_fact(sampled),
+        Fact("Snaps", _no_snaps(design)),
         Fact("Holes" if design.holes else "Axes", _origin(design)),
         Fact("Off the grid", design.off_grid),
         Fact("Cycle", run.cycle_words(design.cycle), FULL),
@@ -134,6 +135,16 @@ def design_account(design: Design, about: About) -> Account:
     title, origin = chain.title or "A design", f"Found by search. {cells_of(chain)}."
     warned, seed = [yields.advised(sampled)], sampled.seed
     return Account(design, title, "design/2", answer, facts, sections, warned, origin, seed=seed)
+
+
+def _no_snaps(design: Design) -> str:
+    """The reason and a way out if no cell of a design can snap."""
+    chain = design.chain
+    if chain.elements or design.cycle.snaps or any(cell.is_bistable for cell in chain.levers):
+        return ""
+    first = "-".join(str(cell + 1) for cell in design.loading)
+    other = f"; for snaps, try {first}/{first}" * (design.loading != design.unloading)
+    return f"none: no cell is bistable{other}"
 
 
 def reprogram_schema(shape: Shape) -> Schema:

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 # Bands with a name: k [N/m] and ℓ0 [mm] of the paper's cells, robots and antennas.
 BANDS = {"paper": (28.5, 10.0), "robot": (30.0, 10.0), "antennas": (47.0, 22.0)}
 
+# A cell that holds the band of a table without cells.
+_ANYWHERE = "[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n"
+
 FORCE_SCALE, TRAVEL_SCALE = Range(0.5, 2.0), Range(1.0, 1.0)
 
 
@@ -89,7 +92,7 @@ class Parts(Group):
     )
     bands: list[str] | None = option(
         "Available band: paper, robot or antennas; stiffness [N/m], rest length and tolerance [%]; "
-        "or a design file with bands. May be repeated.",
+        "or a design file with bands, or band.toml of lab band. May be repeated.",
         "--band NAME|K:LENGTH[:PERCENT]",
     )
     levers: list[float] | None = option(
@@ -310,12 +313,15 @@ def elements_of(text: str) -> "tuple[sw.Element, ...]":
 
 
 def bands_of(text: str) -> "list[BandType]":
-    """The band that `band_of` reads, or the bands of a design file."""
+    """The band that `band_of` reads, or the bands of a design file or of a `lab band` table."""
     from stepwell.design import BandType
 
     if not text.endswith(".toml") and not (by_name(text) or "").startswith("preset:"):
         return [band_of(text)]
-    _, chain = read_chain(text)
+    given = sw.files.text_of(by_name(text) or text)
+    if re.search(r"(?m)^band *=", given) and not re.search(r"(?m)^\[", given):
+        given = f"[chain]\nunusual = true\n{given}\n{_ANYWHERE}"
+    chain = sw.files.loads(given, text).chain
     cells = [cell for cell in chain.cells if isinstance(cell, sw.Cell)]
     return list(dict.fromkeys(BandType.of(band) for cell in cells for band in cell.bands))
 

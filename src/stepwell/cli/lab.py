@@ -13,7 +13,7 @@ import stepwell as sw
 from stepwell.base import display_unit
 from stepwell.cli import options as opts, tolerances as given
 from stepwell.cli.options import Design, Group, Output, designs as design_names
-from stepwell.cli.ranges import length, window as read_window
+from stepwell.cli.ranges import length, millimetres, percent, window as read_window
 from stepwell.cli.readings import ReadingCommand, ReadingOptions
 from stepwell.cli.screen import WRONG_INPUT, progress, subcommands, usable, wrong
 
@@ -317,8 +317,7 @@ class BuiltTolerances(given.BandTolerances):
         "Probability that an anchor is in a hole next to its own [%].",
         "PERCENT",
         default=5.0,
-        min=0,
-        max=40,
+        parser=percent(40),
     )
 
 
@@ -352,7 +351,10 @@ class SeenOptions(Group):
         "Recordings (one file) of stroke and force [mm, N].", "PATH", exists=True
     )
     ruler: float = opts.option(
-        "Standard deviation of a measured stroke [mm, mL or deg].", "NUMBER", default=1.0, min=0.01
+        "Standard deviation of a measured stroke [mm, mL or deg].",
+        "NUMBER",
+        default=1.0,
+        parser=length(0.01),
     )
     scale: float | None = opts.option(
         "Standard deviation of a measured force [N, kPa or N mm]; by default 5 % of the extreme "
@@ -426,7 +428,7 @@ def _strokes(text: str | None, name: str, factor: float) -> tuple[float, ...] | 
     if text.strip() in ("", "none"):
         return ()
     try:
-        return tuple(float(one) / factor for one in text.split(","))
+        return tuple(millimetres(one) / factor for one in text.split(","))
     except ValueError:
         raise wrong(
             name, f"{text!r}: must be numbers separated by commas, such as 36.5,38, or none."
@@ -441,8 +443,8 @@ def _read(text: str | None, chain: Chain) -> tuple[Pull, ...]:
         display_unit(chain.measure.force_unit)[1],
     )
     try:
-        pairs = [tuple(map(float, one.split(":"))) for one in text.split(",")]
-        return tuple(sw.lab.Pull(1, u / stroke, f / force) for u, f in pairs)
+        pairs = [one.split(":") for one in text.split(",")]
+        return tuple(sw.lab.Pull(1, millimetres(u) / stroke, float(f) / force) for u, f in pairs)
     except ValueError:
         raise wrong(
             "--pulls", f"{text!r}: must be pairs STROKE:FORCE, such as 10:0.35,20:0.1."

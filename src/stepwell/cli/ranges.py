@@ -42,6 +42,21 @@ def length(least: float = 0.0, most: float = math.inf) -> Callable[[str | float]
     return parse
 
 
+def percent(most: float) -> Callable[[str | float], float]:
+    """A parser of an option: a percentage from 0 to a bound, with or without its sign."""
+
+    def parse(text: str | float) -> float:
+        try:
+            value = float(str(text).strip().removesuffix("%"))
+        except ValueError:
+            value = math.nan
+        if not 0 <= value <= most:
+            raise typer.BadParameter(f"{text!r}: must be 0 to {short(most)} %, such as 5 or 5%.")
+        return value
+
+    return parse
+
+
 @dataclass(frozen=True)
 class Range:
     """`count` numbers from `start` to `stop`, both included; lengths in mm.

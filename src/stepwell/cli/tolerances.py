@@ -12,7 +12,7 @@ import typer
 import stepwell as sw
 from stepwell import base
 from stepwell.cli.options import Group, option
-from stepwell.cli.ranges import length
+from stepwell.cli.ranges import length, percent
 from stepwell.cli.screen import progress, usable, warn
 
 if TYPE_CHECKING:
@@ -33,8 +33,7 @@ TravelTolerance = Annotated[
     typer.Option(
         metavar="PERCENT",
         help="Travel tolerance: standard deviation of the travel of an element [%].",
-        min=0,
-        max=24.9,
+        parser=percent(24.9),
     ),
 ]
 Seed = Annotated[int, typer.Option(metavar="N", help="Random seed.", min=0)]
@@ -64,15 +63,13 @@ class BandTolerances(Group):
         "of an element [%].",
         "PERCENT",
         default=base.to_unit(base.USUAL_STIFFNESS, "percent"),
-        min=0,
-        max=24.9,
+        parser=percent(24.9),
     )
     rest_length_tolerance: float = option(
         "Rest-length tolerance: standard deviation of the rest length of a band [%].",
         "PERCENT",
         default=0.0,
-        min=0,
-        max=24.9,
+        parser=percent(24.9),
     )
 
     # Options of the groups below.

@@ -179,8 +179,8 @@ def refuse_order(text: str, name: str, names: tuple[str, ...] = (), cells: int =
         )
         if fault:
             raise InputError(
-                f"{name}: order {short(half)}: {fault}. Name each cell once, 1 the inner one, as in "
-                f"2-1-3, or give the states, as in 00>10>11>01>00."
+                f"{name}: order {short(half)}: {fault}. Name each cell once, the inner one 1, "
+                f"as in 2-1-3, or give the states, as in 00>10>11>01>00."
             )
 
 

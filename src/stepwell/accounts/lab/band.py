@@ -64,11 +64,15 @@ def band_fit_account(fit: BandFit, about: About) -> Account:
     if length:
         ends = _between(length.low * _MM, length.high * _MM, "mm")
         rest = f"{number(length.value * _MM)} mm; 95 % {ends}"
+    own = fit.written is not choice.chosen
+    if own:
+        rest += f"; by the {choice.chosen.law.name} law" * bool(rest)
     alone_ends = _between(alone.stiffness.low, alone.stiffness.high, "N/m") if alone else ""
     lost = f"{percent(loss.value)}; by sample {_each(loss, '.1%')}" if loss else ""
     facts = (
         Fact("This band, 95 %", alone_ends),
         Fact("Rest length", rest or ("" if choice.gauge else "not known: give --gauge LENGTH")),
+        Fact("Law written", _written_words(fit) if own else ""),
         *_interval_facts(mean),
         Fact("By sample", f"{_each(mean, '.4g')} N/m" if len(mean.each) > 1 else ""),
         Fact("Work lost in a cycle", lost),
@@ -140,6 +144,15 @@ def _law_words(fit: BandFit) -> str:
     left = {one.law.name: number(one.fitted.rmse * _MN, 3) for one in (chosen, *others)}
     rest = ", ".join(f"{one.law.name} {left[one.law.name]}" for one in others)
     return f"{chosen.law.name}, leaves {left[chosen.law.name]} mN" + (f" ({rest})" if rest else "")
+
+
+def _written_words(fit: BandFit) -> str:
+    """The law of the line to copy, with the rest length that belongs to it."""
+    rest = fit.choice.gauge
+    length = (
+        "" if rest is None else f", rest length {(rest + fit.written.fitted.onset) * _MM:.5g} mm"
+    )
+    return f"{fit.written.law.name}{length}, leaves {number(fit.written.fitted.rmse * _MN, 3)} mN"
 
 
 def _between(low: float, high: float, unit: str, lacking: str = "too few readings") -> str:

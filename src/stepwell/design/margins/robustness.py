@@ -174,7 +174,7 @@ class Robustness(ByValue):
             first, second = names[self.meeting.first], names[self.meeting.second]
             text += f"; then the order of {first} and {second} in {self.meeting.way} is reversed"
         if self.cell is not None:
-            text += f"; beyond, {names[self.cell]} is not proved taut and concave"
+            text += f"; with more, the band of {names[self.cell]} may go slack or fold back"
         return text
 
     def __repr__(self):

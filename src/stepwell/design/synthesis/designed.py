@@ -238,11 +238,11 @@ def explained(
                 nodes = sum(attempt.nodes for attempt in attempts)
                 holes = f"{nearest.candidates} hole{'s' * (nearest.candidates != 1)}"
                 how = f"no choice among {holes} and bands proved concave gives"
-                evidence = f"complete search, {nodes} partial choices; the largest smallest gap is"
+                evidence = f"complete search, {nodes} partial choices; the smallest gap is at most"
             else:
                 largest = max(attempt.smallest_gap() for attempt in attempts)
                 how = f"a search from {nearest.candidates} {kind} and bands has not found"
-                evidence = "not a proof; the largest smallest gap found is"
+                evidence = "not a proof; the smallest gap found is"
             rising = nearest.orders.rising
             first, second = (" < ".join(str(cell + 1) for cell in order) for order in rising)
             why = (

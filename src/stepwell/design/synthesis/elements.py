@@ -348,7 +348,7 @@ def _refusal(
     if math.isfinite(closest):
         gap = closest * largest + 0.0  # no -0
         why += (
-            f" (the largest smallest gap is {gap * factor:.3g} {unit}, and {needed * factor:.2g} "
+            f" (the smallest gap is at most {gap * factor:.3g} {unit}, and {needed * factor:.2g} "
             f"{unit} is needed)"
         )
     return Impossible(

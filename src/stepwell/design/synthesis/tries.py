@@ -365,7 +365,7 @@ class TargetSearch:
             ).fraction
 
         return max(chains[:_COMPARED], key=fraction), (
-            f"searched: no choice of {placed.candidates} holes with bands proved taut and concave "
+            f"searched: no choice among the {placed.candidates} holes where the closed form holds "
             f"reaches the target; {report}, and {len(chains)} of them reach it; best yield of "
             f"{min(len(chains), _COMPARED)} of these, {_SAMPLES} samples each"
         )

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _Loops = Sequence[halves.Hysteresis]
+# Larger stiffness [N/m] or force [N] than that of usual rubber bands.
+_STIFF, _STRONG = 2000.0, 100.0
 # Fraction of the largest force below which a rise over the stroke counts as zero.
 _NO_RISE = 1e-9
 
@@ -140,7 +142,7 @@ def band_test(
             raise LabError(
                 f"sample {sample}",
                 f"has fewer than 2 readings of a band in tension between {_mm(test.window)} mm of "
-                f"stroke: pass another window, or drop it.",
+                f"stroke: add readings, widen the window, or drop it.",
             )
     adapted = filter(None, [other_cycles])
     return replace(test, notes=(*adapted, *_used_lines(test), *notes))
@@ -159,6 +161,12 @@ def _apart(test: BandTest) -> tuple[frozenset[tuple[int, int]], tuple[str, ...]]
         f"{slip} Check the units in the header."
         for slip in sizes.spring("The stiffness", usual.stiffness)
     )
+    largest = max(float(np.max(loop.force)) for loop in test.used)
+    if not slips and (usual.stiffness > _STIFF or largest > _STRONG):
+        slips = (
+            f"{usual.stiffness:.4g} N/m and up to {largest:.4g} N are unusual for a rubber band. "
+            f"Check the units in the header: are these cm and kg, not mm and g?",
+        )
     if not others:
         return frozenset(), slips
     differ = "; ".join(halves.differing(usual, other) for other in others)
@@ -190,8 +198,8 @@ def _runs(test: BandTest) -> list[halves.LoadingRun]:
         if math.isnan(k):
             raise LabError(
                 loop.source,
-                f"has fewer than 2 readings between {_mm(test.window)} mm of stroke: pass "
-                f"another window, or drop sample {loop.sample}.",
+                f"has fewer than 2 readings between {_mm(test.window)} mm of stroke: add "
+                f"readings, widen the window, or drop sample {loop.sample}.",
             )
         runs.append(halves.LoadingRun(loop.sample, loop.cycle, loop.source, k))
     return runs
@@ -304,7 +312,8 @@ def _used_lines(test: BandTest) -> list[str]:
         mine = [cycle for cycle in every if (sample, cycle) in used]
         apart = [cycle for cycle in every if (sample, cycle) in test.apart]
         rest = [cycle for cycle in every if cycle not in (*mine, *apart)]
-        text = f"cycles {_listed(mine)} used, {_listed(rest)} not"
+        text = f"cycle{'s' * (len(mine) > 1)} {_listed(mine)} used"
+        text += f", {_listed(rest)} not" * bool(rest)
         if not mine:
             text = f"not used, it has cycles {_listed(rest)} only"
         if apart:

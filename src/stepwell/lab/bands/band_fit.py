@@ -88,8 +88,14 @@ class BandFit(ByValue, Drawn):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings of the test, and of a law that does not hold on it."""
-        return (*self.test.warnings, *([str(self.wrong)] if self.wrong else []))
+        """Warnings of the test, of a law that does not hold on it, and of a doubtful stiffness."""
+        low = self.alone.stiffness.low if self.alone else self.stiffness.low
+        doubt = "The 95 % interval of the stiffness includes 0: the readings contradict each other."
+        return (
+            *self.test.warnings,
+            *([str(self.wrong)] if self.wrong else []),
+            *([doubt] if low <= 0 else []),
+        )
 
 
 def fit_bands(test: BandTest, choice: Choice, law: str | None = None) -> BandFit:

@@ -230,7 +230,7 @@ def usual_cycles(loops: Sequence[Hysteresis]) -> tuple[tuple[int, int], str]:
         return CYCLES, ""
     top = max(loop.cycle for loop in loops)
     begin = 2 if {o.sample for o in loops if o.cycle > 1} == samples else 1
-    why = f"not every sample has one of the usual {first} to {last}"
+    why = f"cycles {first} to {last}, the usual ones, were not measured of every sample"
     shown = f"cycle {top} is" if begin == top else f"cycles {begin} to {top} are"
     return (begin, top), f"{shown} fitted: {why}"
 

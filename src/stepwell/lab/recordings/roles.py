@@ -98,7 +98,9 @@ def choose(
     try:
         return table.taken(list(measures))
     except InputError as error:
-        problem, command = str(error), "; or give --stroke N --force N --unit mm,N."
+        weights = any("weight" in one.name.lower() or "mass" in one.name.lower() for one in columns)
+        force = "g" if weights else "N"
+        problem, command = str(error), f"; or give --stroke N --force N --unit mm,{force}."
         whole = problem if problem.endswith(".") else problem + command
         raise Unclear(whole, table.listed()) from None
 
