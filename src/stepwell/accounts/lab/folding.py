@@ -39,9 +39,9 @@ def by_kind(lines: Sequence[str], most: int = 3) -> list[str]:
     """
     kinds = sorted(grouped((_kind(line), line) for line in lines).values(), key=len)
     if len(kinds) > most:
-        hidden = sum(map(len, kinds[most - 1 :]))
-        kinds = kinds[: most - 1]
-        return [*map(_first, kinds), f"and {counted(hidden, 'more note')}"]
+        kinds, rest = kinds[: most - 1], kinds[most - 1 :]
+        hidden = sum(map(len, rest))
+        return [*map(_first, kinds), counted(hidden, "more note")]
     return [*map(_first, kinds)]
 
 
