@@ -133,6 +133,15 @@ def _smallest_gap(key: Floats, target: Ints, order: Ints, least: float) -> tuple
     return smallest, where, tie
 
 
+@leaf
+def _count_wrong(key: Floats, target: Ints, wrong: Ints) -> None:
+    """Add 1 to each pair of neighbours in the target orders that is in the other order."""
+    for side in range(2):
+        for place in range(wrong.shape[1]):
+            first, second = target[side, place], target[side, place + 1]
+            wrong[side, place] += key[side, second] < key[side, first]
+
+
 @record
 class SampleVerdicts(NamedTuple):
     """Results of `judge_samples` for m samples of N cells.
@@ -194,14 +203,10 @@ def judge_samples(
             out.verdict[sample] = ASK
             continue
         out.verdict[sample] = TIE if tie else DOES if right else OTHER
-        if n == 1:
-            continue
-        out.narrowest[where // (n - 1), where % (n - 1)] += 1
+        if n > 1:
+            out.narrowest[where // (n - 1), where % (n - 1)] += 1
         if out.verdict[sample] == OTHER:
-            for side in range(2):
-                for place in range(n - 1):
-                    first, second = target[side, place], target[side, place + 1]
-                    out.wrong[side, place] += key[side, second] < key[side, first]
+            _count_wrong(key, target, out.wrong)
 
 
 @dataclass(frozen=True, slots=True)

@@ -166,14 +166,18 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
         else:
             _over(ax, varied[deciding.get(name, next(iter(study.varied)))], one, own)
         sheet.keep_inside(ax)
-    # Legend of the words, column by column.
+    _draw_legend(figure, colours)
+    return figure
+
+
+def _draw_legend(figure: Figure, colours: Mapping[str, Mapping[str, Colour]]) -> None:
+    """Draw the words of each column with their colours below the panels."""
     handles: list[Any] = []
     for name, words in colours.items():
         handles.append(legends.mark(literal(name), "", 0.0))
         handles += [legends.mark(literal(shortened(w, 90)), "s", color=c) for w, c in words.items()]
     if handles:
         legends.below(figure, handles, 1, _LEFT, labelspacing=0.35)
-    return figure
 
 
 class _StripPlan(NamedTuple):

@@ -152,19 +152,17 @@ def chain_test(series: Series) -> ChainTest:
     span = float(np.ptp(model)) or float(np.ptp(path.force)) or 1.0
     ends = _end_zones(chain.full_stroke)
     predicted = _predicted(series, ends)
-    runs = [find_snaps(series.placed(r), r.force, ends, time_of(r)) for r in series.recordings]
-    large = [[one for one in run if abs(one.jump) > _FORCE * span] for run in runs]
-    matches = [matched(run, predicted) for run in large]
+    matches, slips = _measured(series, predicted, ends, _FORCE * span)
     doubt = max(_FORCE * span, float(np.mean(curve.spread)), *_bands(series))
     jumps = tuple(
         _compared(series, one, [row[k] for row in matches], doubt)
         for k, one in enumerate(predicted)
     )
     wide = _sampled(series)
-    known = [one for one in jumps if one.runs]
     between = [
         (min(one.predicted, one.measured) - wide, max(one.predicted, one.measured) + wide)
-        for one in known
+        for one in jumps
+        if one.runs
     ]
     return ChainTest(
         series,
@@ -182,10 +180,7 @@ def chain_test(series: Series) -> ChainTest:
             )
             for row in matches
         ),
-        tuple(
-            tuple(one.stroke for one in run if one not in row)
-            for run, row in zip(large, matches, strict=True)
-        ),
+        tuple(slips),
     )
 
 
@@ -220,6 +215,24 @@ def _predicted(series: Series, ends: Sequence[tuple[float, float]]) -> list[Meas
     near = 2.0 * _sampled(series)
     snaps += [s for s in steep if all(abs(s.stroke - one.stroke) > near for one in snaps)]
     return sorted(snaps, key=lambda one: one.stroke, reverse=series.unloading)
+
+
+def _measured(
+    series: Series,
+    predicted: Sequence[MeasuredSnap],
+    ends: Sequence[tuple[float, float]],
+    least: float,
+) -> tuple[list[tuple[MeasuredSnap | None, ...]], list[tuple[float, ...]]]:
+    """For each run its jumps above `least` [N] that match a predicted one, and other strokes."""
+    matches: list[tuple[MeasuredSnap | None, ...]] = []
+    slips: list[tuple[float, ...]] = []
+    for run in series.recordings:
+        found = find_snaps(series.placed(run), run.force, ends, time_of(run))
+        large = [one for one in found if abs(one.jump) > least]
+        row = matched(large, predicted)
+        matches.append(row)
+        slips.append(tuple(one.stroke for one in large if one not in row))
+    return matches, slips
 
 
 def _sampled(series: Series) -> float:

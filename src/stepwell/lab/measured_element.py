@@ -136,27 +136,16 @@ def measure_element(
         raise InputError(f"half = {half!r}: must be 'loading', 'unloading' or None for both.")
     least = 0.0 if noise is None else check.positive("noise", noise, "N")
     drop = 0.0 if least_drop is None else check.positive("least_drop", least_drop, "N")
-    if len(recording) < _FEWEST and not least:
-        raise LabError(
-            recording.source,
-            f"{len(recording)} rows are too few to show their noise: must be {_FEWEST} or more. "
-            f"Give noise= in N (--noise), or write the points into a table.",
-        )
+    _refuse_few(recording, least)
     trim = not (stops if isinstance(stops, bool) else stops[0])
     try:
         halves, notes = _halves(recording, half)
-        alone = trim and len(halves) == 1
-        fits = {way: fitted(x, y, least, drop, alone) for way, (x, y) in halves.items()}
-        fit, friction = next(iter(fits.values())), 0.0
-        if len(fits) == 2:
-            fit, friction = _mean(halves, fits, (least, drop, trim), notes)
+        fit, friction = _fit(halves, (least, drop, trim), notes)
         _refuse_many(fit)
         _refuse_falling(fit, stops)
-        force = fit.force - (fit.offset or 0.0)
-        digits = 7 - int(np.floor(np.log10(np.max(np.abs(force)))))
-        curve = np.column_stack([np.round(fit.travel, 9), np.round(force, digits)])
-        named = name or recording.name
+        curve = _curve(fit)
         x, y = curve.T.tolist()
+        named = name or recording.name
         element = Element.from_table(x, y, named, stops=stops, friction=friction, unusual=True)
         for slip in sizes.of_element(element):
             raise InputError(f"{slip} Check the units in the header of the file.")
@@ -173,7 +162,7 @@ def measure_element(
     return MeasuredElement(
         replace(element, error_band=float(f"{fit.band:.3g}")),
         recording,
-        "both" if len(fits) == 2 else next(iter(fits)),
+        "both" if len(halves) == 2 else next(iter(halves)),
         curve,
         shown.get("loading", empty),
         shown.get("unloading", empty),
@@ -190,24 +179,19 @@ def measure_element(
 _Rows = tuple[Floats, Floats]
 
 
+def _curve(fit: Fit) -> Floats:
+    """(n, 2) travel [m] and force [N] of the points of a fit, rounded."""
+    force = fit.force - (fit.offset or 0.0)
+    digits = 7 - int(np.floor(np.log10(np.max(np.abs(force)))))
+    return np.column_stack([np.round(fit.travel, 9), np.round(force, digits)])
+
+
 def _halves(recording: Recording, half: str | None) -> tuple[dict[str, _Rows], list[str]]:
     """Travel and force of the first loading and unloading, and notes."""
-    travel, force, notes = recording.stroke, recording.force, list[str]()
-    spans = [float(np.ptp(travel[one])) for one in recording.halves]
-    if max(spans) == 0.0:
-        raise LabError(recording.source, "the stroke is constant: an element is moved.")
-    whole = [
-        one
-        for one, span in zip(recording.halves, spans, strict=True)
-        if span >= _WHOLE * max(spans)
-    ]
-    first = whole[0]
-    # Work on the element is positive for the half that loads it.
-    work = float(np.sum(0.5 * (force[first][1:] + force[first][:-1]) * np.diff(travel[first])))
-    if recording.direction_of(first) == "unloading" and work > 0.0:
-        travel, force = -travel, -force
+    whole, notes = _whole_halves(recording), list[str]()
+    if _counts_loading_negative(recording, whole[0]):
+        recording = replace(recording, stroke=-recording.stroke, force=-recording.force)
         notes.append("Stroke and force are counted negative while loading: both signs are turned.")
-        recording = replace(recording, stroke=travel, force=force)
     ways: dict[str, list[slice]] = {}
     for one in whole:
         ways.setdefault(recording.direction_of(one), []).append(one)
@@ -226,7 +210,35 @@ def _halves(recording: Recording, half: str | None) -> tuple[dict[str, _Rows], l
     chosen = {way: ways[way][0] for way in wanted}
     # Halves share the row at which the stroke turns: it belongs to the first of them.
     rows = {way: slice(one.start + (one.start > 0), one.stop) for way, one in chosen.items()}
-    return {way: (travel[one], force[one]) for way, one in rows.items()}, notes
+    return {way: (recording.stroke[one], recording.force[one]) for way, one in rows.items()}, notes
+
+
+def _whole_halves(recording: Recording) -> list[slice]:
+    """The halves of a recording that are about as long as its longest one."""
+    spans = [float(np.ptp(recording.stroke[one])) for one in recording.halves]
+    if max(spans) == 0.0:
+        raise LabError(recording.source, "the stroke is constant: an element is moved.")
+    both = zip(recording.halves, spans, strict=True)
+    return [one for one, span in both if span >= _WHOLE * max(spans)]
+
+
+def _counts_loading_negative(recording: Recording, half: slice) -> bool:
+    """Whether the stroke falls in this half while work on the element is positive."""
+    travel, force = recording.stroke[half], recording.force[half]
+    work = float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(travel)))
+    return recording.direction_of(half) == "unloading" and work > 0.0
+
+
+def _fit(
+    halves: dict[str, _Rows], options: tuple[float, float, bool], notes: list[str]
+) -> tuple[Fit, float]:
+    """The curve of one half or of the mean of both, and the friction; may add notes."""
+    least, drop, trim = options
+    alone = trim and len(halves) == 1
+    fits = {way: fitted(x, y, least, drop, alone) for way, (x, y) in halves.items()}
+    if len(fits) == 2:
+        return _mean(halves, fits, options, notes)
+    return next(iter(fits.values())), 0.0
 
 
 def _mean(
@@ -270,6 +282,16 @@ def _mean(
             f"Before contact unloading is {drift:+.2g} N from loading: drift, or friction."
         )
     return joined, float(f"{friction:.3g}") if friction > 0.5 * error else 0.0
+
+
+def _refuse_few(recording: Recording, noise: float) -> None:
+    """Raise LabError for too few rows to show their noise, if none [N] is given."""
+    if len(recording) < _FEWEST and not noise:
+        raise LabError(
+            recording.source,
+            f"{len(recording)} rows are too few to show their noise: must be {_FEWEST} or more. "
+            f"Give noise= in N (--noise), or write the points into a table.",
+        )
 
 
 def _refuse_many(fit: Fit) -> None:

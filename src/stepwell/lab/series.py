@@ -201,11 +201,8 @@ def sort_series(
         LabError: there is no series, or several designs for recordings without a configuration.
     """
     as_designed = as_designed or any(chain.elements for chain in designs)
-    own = [r for r in recordings if recorded.is_baseline(r.name)] if baseline is None else baseline
-    own = [part for recording in own for part in _parts(recording)]
-    used = {recording.source for recording in own}
+    own, tests = _baselines_and_tests(recordings, baseline)
     gaps = missing(recordings)
-    tests = [r for r in recordings if not (r.source in used or recorded.is_baseline(r.name))]
     groups, notes = _grouped(tests, designs, as_designed)
     series: list[Series] = []
     for (_, stem, unloading), runs in groups.items():
@@ -217,6 +214,16 @@ def sort_series(
         why = "; ".join(notes[:3]) or "no recording in it"
         raise LabError("data", f"no series to compare: {why}.")
     return Sorted(tuple(series), (*notes, *_baseline_lines(series, own, gaps)))
+
+
+def _baselines_and_tests(
+    recordings: Sequence[Recording], given: Sequence[Recording] | None
+) -> tuple[list[Recording], list[Recording]]:
+    """Halves of the baselines, by default of those named so, and the other recordings."""
+    named = [r for r in recordings if recorded.is_baseline(r.name)]
+    own = [part for recording in (named if given is None else given) for part in _parts(recording)]
+    used = {recording.source for recording in own}
+    return own, [r for r in recordings if not (r.source in used or recorded.is_baseline(r.name))]
 
 
 def _grouped(

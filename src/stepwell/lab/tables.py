@@ -106,31 +106,7 @@ def calibrated_table(calibration: Calibration, source: str = "") -> str:
     `source` is the name of the recordings. Other comments give provenance, errors, quantities
     without a key in a design file, and the weight and friction of cells in pairs.
     """
-    loss, length = calibration["loss"], calibration["loss_length"]
-    friction, rest = calibration["friction"], calibration["rest_length"]
-    errors = "; ".join(
-        f"{_kind(n, pair)}: {calibration.mean_error(n, pair, left_out=False):.3f} fitted, "
-        f"{calibration.mean_error(n, pair):.3f} left out"
-        for n, pair in calibration.kinds
-    )
-    comments = [
-        *([f"From {source}, by stepwell {__version__}."] if source else []),
-        f"Fitted to {counted(len(calibration.samples), 'curve')} of cells, law: {calibration.law}. "
-        f"Mean RMSE in k r, k = {calibration.reference:g} N/m a band, of a geometry: {errors}.",
-        f"Rest length between the anchors {to_unit(rest.value, 'mm'):.3g} mm "
-        f"({to_unit(rest.low, 'mm'):.3g} to {to_unit(rest.high, 'mm'):.3g}); from series to series "
-        f"bands differ by {calibration.scatter:.1%} (standard deviation).",
-        f"Not in this table: in unloading, a band pulls less by {loss.value:.0%} "
-        f"({loss.low:.0%} to {loss.high:.0%}), reached over {to_unit(length.value, 'mm'):.2g} mm; "
-        f"friction beyond the baseline {to_unit(friction.value, 'mN'):.2g} mN "
-        f"({to_unit(friction.low, 'mN'):.2g} to {to_unit(friction.high, 'mN'):.2g}).",
-    ]
-    if calibration.tied:
-        pairs = ", ".join(f"{a} and {b} ({c:+.2f})" for a, b, c in calibration.tied[:4])
-        comments.append(f"The data do not identify these numbers separately: {pairs}.")
-    comments += [f"Not identified: {line}." for line in calibration.open]
-    if calibration.unknown:
-        comments.append(_unknown_text(calibration))
+    comments = _calibrated_comments(calibration, source)
     text = "".join(f"# {line}\n" for one in comments for line in wrap(one, 98))
     if calibration.missing:
         return f"{text}# No band is written: {calibration.missing}.\n"
@@ -156,6 +132,36 @@ def calibrated_table(calibration: Calibration, source: str = "") -> str:
                 f"# friction_N = {friction_N:.3g}\n"
             )
     return text
+
+
+def _calibrated_comments(calibration: Calibration, source: str) -> list[str]:
+    """Provenance, errors, quantities without a key, and what the data do not identify."""
+    loss, length = calibration["loss"], calibration["loss_length"]
+    friction, rest = calibration["friction"], calibration["rest_length"]
+    errors = "; ".join(
+        f"{_kind(n, pair)}: {calibration.mean_error(n, pair, left_out=False):.3f} fitted, "
+        f"{calibration.mean_error(n, pair):.3f} left out"
+        for n, pair in calibration.kinds
+    )
+    comments = [
+        *([f"From {source}, by stepwell {__version__}."] if source else []),
+        f"Fitted to {counted(len(calibration.samples), 'curve')} of cells, law: {calibration.law}. "
+        f"Mean RMSE in k r, k = {calibration.reference:g} N/m a band, of a geometry: {errors}.",
+        f"Rest length between the anchors {to_unit(rest.value, 'mm'):.3g} mm "
+        f"({to_unit(rest.low, 'mm'):.3g} to {to_unit(rest.high, 'mm'):.3g}); from series to series "
+        f"bands differ by {calibration.scatter:.1%} (standard deviation).",
+        f"Not in this table: in unloading, a band pulls less by {loss.value:.0%} "
+        f"({loss.low:.0%} to {loss.high:.0%}), reached over {to_unit(length.value, 'mm'):.2g} mm; "
+        f"friction beyond the baseline {to_unit(friction.value, 'mN'):.2g} mN "
+        f"({to_unit(friction.low, 'mN'):.2g} to {to_unit(friction.high, 'mN'):.2g}).",
+    ]
+    if calibration.tied:
+        pairs = ", ".join(f"{a} and {b} ({c:+.2f})" for a, b, c in calibration.tied[:4])
+        comments.append(f"The data do not identify these numbers separately: {pairs}.")
+    comments += [f"Not identified: {line}." for line in calibration.open]
+    if calibration.unknown:
+        comments.append(_unknown_text(calibration))
+    return comments
 
 
 def _unknown_text(calibration: Calibration) -> str:

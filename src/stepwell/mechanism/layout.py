@@ -133,16 +133,13 @@ class ChainLayout:
         self.reach = 0.52 * lever
         self.half_block = 0.26 * min([lever, *(c.lever * math.cos(c.limit) * 1.4 for c in cells)])
         room = 2 * self.reach + 0.25 * lever
-        halves = [c.full_travel / 2 if isinstance(c, Cell) else 0.0 for c in chain.cells]
-        # Length of the block after each cell, between its joint midpoints. Blocks next to an
-        # element need no clearance.
-        self.spans = [*(a + b + room * bool(a and b) for a, b in pairwise(halves)), 0.0]
+        # Length of the block after each cell, between its joint midpoints.
+        self.spans = [*(_clearance(*both, room) for both in pairwise(chain.cells)), 0.0]
         levers = np.array([isinstance(cell, Cell) for cell in chain.cells])
         # Direction of x of each cell's anchors across the stroke: 1 up, -1 down.
         self.sides = np.where((levers.cumsum() - levers) % 2, -1.0, 1.0)
-        self.owner = np.repeat(
-            range(len(chain)), [len(c.bands) if isinstance(c, Cell) else 0 for c in chain.cells]
-        )
+        bands = [len(cell.bands) if isinstance(cell, Cell) else 0 for cell in chain.cells]
+        self.owner = np.repeat(range(len(chain)), bands)
         # The side of a symbol, and the shortest rods at it.
         self.box, self.rod = 1.5 * lever, 0.3 * lever
         self.symbols = {
@@ -232,6 +229,12 @@ class ChainLayout:
                     tension = band.tension(band.length(theta, cell.lever))
                     greatest = max(greatest, float(np.max(np.abs(tension))))
         return greatest
+
+
+def _clearance(inner: Cell | Element, outer: Cell | Element, room: float) -> float:
+    """Length of the block between two cells [m]; next to an element it needs no `room`."""
+    halves = [one.full_travel / 2 for one in (inner, outer) if isinstance(one, Cell)]
+    return sum(halves) + room * (len(halves) == 2)
 
 
 def corners(boxes: Floats) -> Floats:

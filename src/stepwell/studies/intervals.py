@@ -1,5 +1,6 @@
 """Intervals of equal outcomes along the only varied parameter of a study."""
 
+from collections.abc import Iterator
 from itertools import groupby, pairwise
 from typing import NamedTuple
 
@@ -7,7 +8,7 @@ import numpy as np
 
 from stepwell.base import Floats, InputError
 from stepwell.design import Method, parameter_boundaries, parameters
-from stepwell.mechanism import Cell, Chain
+from stepwell.mechanism import Chain
 from stepwell.studies.store import PROBLEM, Study
 from stepwell.studies.work import SCREEN_COLUMNS, TEXT
 
@@ -51,45 +52,47 @@ def intervals(study: Study) -> tuple[OutcomeInterval, ...]:
     if study.what == "atlas" or study.work.screen or len(study.varied) != 1:
         return ()
     (name,) = study.varied
-    unit, factor = study.display_unit(name)
     along = study.values(name)
     aside = {name, PROBLEM, *SCREEN_COLUMNS}
     columns = [one for one, kind in study.columns.items() if kind == TEXT and one not in aside]
-    found: list[OutcomeInterval] = []
-    order = [k for k in np.argsort(along, kind="stable").tolist() if np.isfinite(along[k])]
-    for column in columns:
-        words = [str(word) for word in study.values(column)]
-        known = [k for k in order if words[k]]
-        runs = [[*run] for _, run in groupby(known, words.__getitem__)]
-        if not 0 < len(runs) <= _MOST:
-            continue
-        ends = [(float(along[run[0]]), float(along[run[-1]])) for run in runs]
-        gaps = [(a, b) for (_, a), (b, _) in pairwise(ends)]
-        exact = _between(gaps, _exact(study, name, along)) if gaps else []
-        at = [None, *(None if one is None else one * factor for one in exact), None]
-        for k, (run, (first, last)) in enumerate(zip(runs, ends, strict=True)):
-            scaled = first * factor, last * factor
-            value = words[run[0]]
-            found.append(OutcomeInterval(column, value, unit, *scaled, at[k], at[k + 1], len(run)))
-    return tuple(found)
+    return tuple(one for column in columns for one in _of_column(study, column, name, along))
 
 
-def _between(gaps: list[tuple[float, float]], exact: Floats) -> list[float | None]:
-    """The exact boundary in each gap, if there is one and only one."""
+def _of_column(study: Study, column: str, name: str, along: Floats) -> Iterator[OutcomeInterval]:
+    """The intervals of one column over the values `along` of the parameter."""
+    unit, factor = study.display_unit(name)
+    words = [str(word) for word in study.values(column)]
+    order = np.argsort(along, kind="stable").tolist()
+    known = [k for k in order if words[k] and np.isfinite(along[k])]
+    runs = [[*run] for _, run in groupby(known, words.__getitem__)]
+    if not 0 < len(runs) <= _MOST:
+        return
+    ends = [(float(along[run[0]]), float(along[run[-1]])) for run in runs]
+    gaps = [(a, b) for (_, a), (b, _) in pairwise(ends)]
+    exact = _between(gaps, _exact(study, name, along), factor) if gaps else []
+    edges = pairwise([None, *exact, None])
+    for run, (first, last), between in zip(runs, ends, edges, strict=True):
+        scaled = first * factor, last * factor
+        yield OutcomeInterval(column, words[run[0]], unit, *scaled, *between, len(run))
+
+
+def _between(gaps: list[tuple[float, float]], exact: Floats, factor: float) -> list[float | None]:
+    """The exact boundary in each gap, if there is one and only one, times the factor."""
     inside = [exact[(exact >= low) & (exact <= high)] for low, high in gaps]
-    return [float(one[0]) if len(one) == 1 else None for one in inside]
+    return [float(one[0]) * factor if len(one) == 1 else None for one in inside]
 
 
 def _exact(study: Study, name: str, along: Floats) -> Floats:
     """Values of the parameter at which the sequence changes, in closed form; empty if unknown."""
     chain = study.subject
-    if study.what != "cycle" or not isinstance(chain, Chain):
+    if study.what != "cycle" or not isinstance(chain, Chain) or chain.elements:
         return np.empty(0)
-    own = [one for one in parameters(chain) if one.name == name]
-    if not own or not all(isinstance(cell, Cell) for cell in chain.cells):
+    by_name = {one.name: one for one in parameters(chain)}
+    own = by_name.pop(name, None)
+    if own is None:
         return np.empty(0)
     # Boundaries are curves over two parameters; the second one is an anchor that hardly moves.
-    other = next(one for one in parameters(chain) if one.part in ("q.x", "q.y") and one != own[0])
+    other = next(one for one in by_name.values() if one.part in ("q.x", "q.y"))
     at = other.value(chain)
     assert isinstance(at, float)
     apart = _NARROW * max(abs(at), 1e-3)
