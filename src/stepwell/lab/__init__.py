@@ -21,7 +21,6 @@ from stepwell.lab.first_build import (
 )
 from stepwell.lab.fit_model import SnapPrediction
 from stepwell.lab.fit_samples import Prepared, Sample, Weighing, prepare
-from stepwell.lab.half_cycles import HalfCycle, half_cycles
 from stepwell.lab.measured_element import MeasuredElement, measure_element
 from stepwell.lab.pair_test import PairTest
 from stepwell.lab.recordings.curve import Curve, MeasuredCurve, mean_curve, read_curve
@@ -41,7 +40,7 @@ from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.lab.recordings.recording_warnings import batch_warnings, recording_warnings
 from stepwell.lab.rig import NOT_JUDGED, PAPER_RIG, Rig
 from stepwell.lab.series import Series, Sorted, sort_series
-from stepwell.lab.snaps import MeasuredSnap, find_snaps
+from stepwell.lab.snaps import HalfCycle, MeasuredSnap, find_snaps, half_cycles
 from stepwell.lab.tables import band_table, calibrated_table, tension_tables
 
 __all__ = [

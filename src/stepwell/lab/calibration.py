@@ -13,13 +13,22 @@ from stepwell.base import ByValue, Drawn, Floats, grouped, need, notify
 from stepwell.lab import comparison, fit_model
 from stepwell.lab.bands.choice import independent
 from stepwell.lab.bands.halves import student
-from stepwell.lab.fit_samples import Prepared, Sample, Weighing, handovers, rubber_name, weigh
+from stepwell.lab.fit_samples import (
+    Prepared,
+    Sample,
+    TensionCurve,
+    Weighing,
+    handovers,
+    measured_law,
+    rubber_name,
+    tension_curve,
+    weigh,
+)
 from stepwell.lab.pair_test import PairTest
 from stepwell.lab.recordings.curve import rms
 from stepwell.lab.recordings.recording import LabError
 from stepwell.lab.rig import Rig
 from stepwell.lab.series import Geometry, Series, geometry_of, over_geometries
-from stepwell.lab.tension_curve import TensionCurve, measured_law, tension_curve
 from stepwell.mechanism import Band, Cell, Chain, Law
 
 if TYPE_CHECKING:

@@ -24,7 +24,7 @@ from stepwell.studies.finding import (
     find,
     understood,
 )
-from stepwell.studies.found import Extent, Frequency, Varied
+from stepwell.studies.found import Extent, Frequency, OutcomeInterval, Varied, intervals
 from stepwell.studies.graph_classes import (
     Atlas,
     FullCycle,
@@ -38,7 +38,6 @@ from stepwell.studies.graph_classes import (
     proved_space,
 )
 from stepwell.studies.influence import DecidingNumbers, Influence, decided
-from stepwell.studies.intervals import OutcomeInterval, intervals
 from stepwell.studies.mapper import WorkerError, dashboard, mapped, mapped_on
 from stepwell.studies.run import (
     CancelledError,

@@ -13,9 +13,17 @@ from stepwell.base import ByValue, InputError, Progress, Shown, StepwellError, n
 from stepwell.kernels import cores
 from stepwell.studies.designs import Designs, Subject
 from stepwell.studies.fill import fill
-from stepwell.studies.found import Extent, Frequency, Varied, extents, frequencies, varied
+from stepwell.studies.found import (
+    Extent,
+    Frequency,
+    OutcomeInterval,
+    Varied,
+    extents,
+    frequencies,
+    intervals,
+    varied,
+)
 from stepwell.studies.influence import DecidingNumbers, decided
-from stepwell.studies.intervals import OutcomeInterval, intervals
 from stepwell.studies.mapper import WorkerError, mapped, mapped_on
 from stepwell.studies.screen import Screened, aimed, screened
 from stepwell.studies.store import PROBLEM, Gap, Study, StudyError, begun, opened

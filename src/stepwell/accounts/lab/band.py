@@ -5,8 +5,8 @@ from typing import Any
 
 from stepwell.accounts import parts
 from stepwell.accounts.head import About, Row, keys
-from stepwell.accounts.lab.folding import folded_notes
 from stepwell.accounts.parts import CARD, FULL, Account, Fact, Notes, Picture, RecordTable, Text
+from stepwell.accounts.words import folded_notes
 from stepwell.base import Column, Quantity, Schema, join_first, number, percent, read_off
 from stepwell.lab import BandFit, BandTest, Estimate, band_table, stiffness
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from stepwell import base
 from stepwell.accounts.head import About, Row, keys
-from stepwell.accounts.lab.folding import folded_notes
 from stepwell.accounts.parts import (
     CARD,
     FULL,
@@ -21,6 +20,7 @@ from stepwell.accounts.parts import (
     Verbatim,
     Warned,
 )
+from stepwell.accounts.words import folded_notes
 from stepwell.base import Column, Quantity, Schema, counted, headed, number, rows_of
 from stepwell.lab import Calibration, calibrated_table
 

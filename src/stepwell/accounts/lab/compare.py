@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 
 from stepwell import base
 from stepwell.accounts.head import About, Row, keys, of_class
-from stepwell.accounts.lab.folding import clipped, folded_notes
 from stepwell.accounts.parts import (
     CARD,
     FULL,
@@ -17,6 +16,7 @@ from stepwell.accounts.parts import (
     Sections,
     Text,
 )
+from stepwell.accounts.words import clipped, folded_notes
 from stepwell.base import Quantity, Schema, amount, counted, number
 from stepwell.lab import NOT_JUDGED, RISE, CellTest, ChainTest, Comparison, PairTest, Rig
 
