@@ -147,8 +147,9 @@ class Account:
         first = bare(self.kind)
         if self.computed:
             first = head(self.kind, self.about.design, self.seed, *self.packages)
-        given = {"calibrated": self.about.calibrated, **self.given}
-        return first | record(self.schema, self.value, **given)
+        names = "calibrated", "data_sha256", "designs_sha256"
+        given = {name: getattr(self.about, name) for name in names}
+        return first | record(self.schema, self.value, **{**given, **self.given})
 
     def known(self, level: Level) -> dict[str, str]:
         """The facts that a form shows, by label; those without a text are left out."""

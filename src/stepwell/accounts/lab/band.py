@@ -103,7 +103,7 @@ def band_fit_account(fit: BandFit, about: About) -> Account:
     }
     title, answer = "Stiffness of bands", f"Stiffness {number(mean.value)} N/m"
     warned = [parts.Warned("Check the recordings", "", fit.warnings)]
-    given = {"data_sha256": about.data_sha256, "table": table}
+    given = {"table": table}
     return Account(fit, title, "lab.band/2", answer, facts, sections, warned, given=given)
 
 

@@ -7,19 +7,9 @@ from operator import itemgetter
 import numpy as np
 
 from stepwell import base
+from stepwell.accounts import parts
 from stepwell.accounts.head import About, Row, keys
-from stepwell.accounts.parts import (
-    CARD,
-    FULL,
-    Account,
-    Fact,
-    Notes,
-    Picture,
-    RecordTable,
-    Text,
-    Verbatim,
-    Warned,
-)
+from stepwell.accounts.parts import CARD, FULL, Account, Fact, Notes, RecordTable, Text
 from stepwell.accounts.words import folded_notes
 from stepwell.base import Column, Quantity, Schema, counted, headed, number, rows_of
 from stepwell.lab import Calibration, calibrated_table
@@ -97,9 +87,8 @@ def _means(model: Calibration) -> Sequence[Row]:
 
 
 def _correlations(model: Calibration) -> dict[str, dict[str, float]]:
-    names = list(model.values)
-    rows = zip(names, model.correlations.tolist(), strict=True)
-    return {name: dict(zip(names, row, strict=True)) for name, row in rows}
+    rows = [dict(zip(model.values, row, strict=True)) for row in model.correlations.tolist()]
+    return dict(zip(model.values, rows, strict=True))
 
 
 def summary(model: Calibration) -> list[str]:
@@ -160,7 +149,8 @@ def calibration_account(model: Calibration, about: About) -> Account:
     )
     snaps = "Measured and predicted; snaps are not fitted."
     title = "Bands calibrated on cells"
-    warned = Warned("No band can be written", "", [headed(model.missing)] if model.missing else [])
+    missing = [headed(model.missing)] if model.missing else []
+    warned = [parts.Warned("No band can be written", "", missing)]
     sections = {
         "Predictions": Notes(rest, CARD),
         "Tension of one band [N] by the distance of its anchors, with its 95 % band": RecordTable(
@@ -172,18 +162,18 @@ def calibration_account(model: Calibration, about: About) -> Account:
         ),
         "First snaps": RecordTable(_SNAP, "snaps", snaps, level=FULL, pick=_snapping),
         "Root mean square errors in k r": (
-            Picture("calibration", "Fitted and measured forces"),
+            parts.Picture("calibration", "Fitted and measured forces"),
             RecordTable(_ERROR, "errors", more="curves", level=FULL),
         ),
         "Correlated parameters": Text(
             correlated if tied else "The data identify each parameter by itself.", FULL
         ),
         "Not identified by these recordings": Notes(model.open, FULL),
-        "Band table": Verbatim(table.rstrip(), "Band table", FULL),
+        "Band table": parts.Verbatim(table.rstrip(), "Band table", FULL),
         "Assumptions": Text(assumed, FULL),
     }
-    given = {"data_sha256": about.data_sha256, "table": table}
-    return Account(model, title, "lab.calibrate/2", answer, facts, sections, [warned], given=given)
+    given = {"table": table}
+    return Account(model, title, "lab.calibrate/2", answer, facts, sections, warned, given=given)
 
 
 def _tension_columns(model: Calibration) -> list[Column]:

@@ -3,19 +3,9 @@
 from collections.abc import Callable, Sequence
 
 from stepwell import base
+from stepwell.accounts import parts
 from stepwell.accounts.head import About, Row, keys, of_class
-from stepwell.accounts.parts import (
-    CARD,
-    FULL,
-    TERMINAL,
-    Account,
-    Fact,
-    Notes,
-    Picture,
-    RecordTable,
-    Sections,
-    Text,
-)
+from stepwell.accounts.parts import CARD, FULL, TERMINAL, Account, Fact, Notes, RecordTable, Text
 from stepwell.accounts.words import clipped, folded_notes
 from stepwell.base import Quantity, Schema, amount, counted, number
 from stepwell.lab import NOT_JUDGED, RISE, CellTest, ChainTest, Comparison, PairTest, Rig
@@ -171,15 +161,16 @@ def comparison_account(compared: Comparison, about: About) -> Account:
     )
     notes = [f"{test.series.name}: {line}" for test in tests for line in test.series.notes]
     odd = sorted(notes, key=lambda line: any(f": {name}: " in line for name in _USUAL))
+    figures = (
+        ("forces", "Forces of unit cells"),
+        ("energies", "Energies of unit cells"),
+        ("pairs", "Forces of pairs"),
+        ("chains", "Forces of chains"),
+    )
     verdicts = [f"{test.series.name}: {test.verdict}" for test in tests]
     sections = {
         **_verdicts(tests, verdicts),
-        "Figures": (
-            Picture("forces", "Forces of unit cells, measured and modelled"),
-            Picture("energies", "Energies of unit cells, measured and modelled"),
-            Picture("pairs", "Forces of pairs, measured and modelled"),
-            Picture("chains", "Forces of chains, measured and modelled"),
-        ),
+        "Figures": [parts.Picture(name, f"{of}, measured and modelled") for name, of in figures],
         "Unit cells: measured (model); errors in k r and k r²": RecordTable(
             (*_EACH, *_CELL), "series", "", (), "unit cells", FULL, of_kind("cell")
         ),
@@ -190,12 +181,11 @@ def comparison_account(compared: Comparison, about: About) -> Account:
         **folded_notes("Notes on the recordings", [*odd, *compared.notes]),
         "Assumptions": Text(NOT_JUDGED, FULL),
     }
-    given = {"data_sha256": about.data_sha256, "designs_sha256": about.designs_sha256}
     title, answer = "Measured against model", _agreement(compared)
-    return Account(compared, title, "lab.compare/2", answer, facts, sections, given=given)
+    return Account(compared, title, "lab.compare/2", answer, facts, sections)
 
 
-def _verdicts(tests: Sequence[_Test], verdicts: Sequence[str]) -> Sections:
+def _verdicts(tests: Sequence[_Test], verdicts: Sequence[str]) -> parts.Sections:
     """The verdicts; of many, a terminal shows the first ones of those that do not agree."""
     if len(tests) <= _FEW:
         return {"Verdicts": Notes(verdicts, CARD)}
@@ -212,17 +202,14 @@ def _verdicts(tests: Sequence[_Test], verdicts: Sequence[str]) -> Sections:
 
 def _agreement(compared: Comparison) -> str:
     """How many pairs have the predicted order, and how many unit cells their model."""
-    cells, ordered = compared.cells, [pair for pair in compared.pairs if not pair.tie]
-    right = sum(pair.shown == pair.predicted for pair in ordered)
-    of_pairs = f"{right} of {counted(len(ordered), 'pair')} in the predicted order"
-    agreed = sum(cell.agrees for cell in cells)
-    of_cells = f"{agreed} of {counted(len(cells), 'unit cell')} agree with the model"
-    chains = compared.chains
-    of_chains = (
-        f"{sum(one.agrees for one in chains)} of {counted(len(chains), 'chain')} as predicted"
+    ordered = [pair.shown == pair.predicted for pair in compared.pairs if not pair.tie]
+    kinds = (
+        ("pair", "in the predicted order", ordered),
+        ("unit cell", "agree with the model", [one.agrees for one in compared.cells]),
+        ("chain", "as predicted", [one.agrees for one in compared.chains]),
     )
-    known = (of_pairs, ordered), (of_cells, cells), (of_chains, chains)
-    return "; ".join(text for text, tests in known if tests) or "No series is decided"
+    known = (f"{sum(of)} of {counted(len(of), noun)} {right}" for noun, right, of in kinds if of)
+    return "; ".join(known) or "No series is decided"
 
 
 def _rig_words(rig: Rig) -> str:

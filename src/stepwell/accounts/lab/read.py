@@ -52,7 +52,7 @@ def _rows(batch: Batch) -> Sequence[Row]:
 
 
 READ: base.Schema = (
-    *keys(data_sha256=({str: str}, lambda batch: hashes(batch.recordings))),
+    *keys(data_sha256={str: str}),
     *keys(recordings=([_READ], _rows), refused=[_REFUSED], ignored=[str]),
 )
 
@@ -90,7 +90,9 @@ def batch_account(batch: Batch, about: About) -> Account:
     samples = base.counted(sum(map(len, batch.recordings)), "sample")
     answer = f"{base.counted(read, 'recording')} with {samples} read{not_read}"
     origin = f"{base.counted(read + refused, 'file')} tried."
-    return Account(batch, "Recordings", "lab.read/1", answer, (), sections, origin=origin)
+    given = {"data_sha256": hashes(batch.recordings)}
+    title, kind = "Recordings", "lab.read/1"
+    return Account(batch, title, kind, answer, (), sections, origin=origin, given=given)
 
 
 def _halves(recordings: Sequence[Row]) -> list[dict[str, Any]]:
@@ -234,5 +236,5 @@ def measured_element_account(measured: MeasuredElement, about: About) -> Account
         "Curve": Picture("element", "The curve over the points, its phases numbered"),
         "Assumptions": Notes(band),
     }
-    title, given = f"Element {measured.element.name}", {"data_sha256": about.data_sha256}
-    return Account(measured, title, "lab.element/1", f"{measured}", facts, sections, given=given)
+    title = f"Element {measured.element.name}"
+    return Account(measured, title, "lab.element/1", f"{measured}", facts, sections)
