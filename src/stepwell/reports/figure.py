@@ -132,7 +132,7 @@ PANELS: MappingProxyType[str, Panel] = MappingProxyType(
         "mechanism": Panel(
             "the mechanism in every state of its cycle, up to 12 cells",
             "mechanism",
-            "design cycle.sequence",
+            "design cycle",
         ),
         "force": Panel("actuator force over the stroke, with recordings", "", "force"),
         "travel": Panel("travel of each cell over the stroke", "travel_stroke", "cycle"),

@@ -10,9 +10,10 @@ from matplotlib.figure import Figure
 
 from stepwell.base import InputError
 from stepwell.figures.cells.linkage import SLACK_DASHES, THICKEST, Drawing
-from stepwell.figures.common import legends, marks, style, words
+from stepwell.figures.common import legends, marks, reading, style, words
 from stepwell.figures.common.sheet import Box, Point, canvas, page_width
 from stepwell.mechanism import Chain, Element, layout
+from stepwell.sequences import Cycle
 
 # More cells or states are too small to see on a page.
 MOST_CELLS = 12
@@ -29,23 +30,25 @@ _LARGEST, _SMALLEST_WANTED = 0.9, 0.21
 _TALLEST = 270.0
 
 State = str | Sequence[float]
+States = Iterable[State] | Cycle
 
 
 @style.styled
 def mechanism(
-    chain: Chain, states: Iterable[State], *, columns: int | None = None, ax: Axes | None = None
+    chain: Chain, states: States, *, columns: int | None = None, ax: Axes | None = None
 ) -> Figure:
     """The chain in a sequence of states, with arrows between them and the stroke below each.
 
     The stroke runs to the right and the fixed block is at the left. Loading proceeds to the right,
     unloading to the left. Every second cell is mirrored across the stroke, which changes no length
     and no force. The thickness of a band shows its tension; a slack band is dashed. An element is a
-    box with its force curve and a mark at its travel: in a phase, the travel of zero or smallest
-    force.
+    box with its force curve and a mark at its travel. A state of a cycle has the travels in the
+    middle of its range of the stroke, as in `force_stroke`; any other state of an element is at
+    zero or smallest force.
 
     Args:
         chain: up to 12 cells.
-        states: up to 30, each as "010" or as (N,) travels [m]; `cycle.sequence` is one.
+        states: up to 30, each as "010" or as (N,) travels [m]; or a cycle, for its states.
         columns: drawings side by side; by default as many as are legible.
         ax: axes to draw into; a new figure of two columns' width by default.
 
@@ -68,6 +71,8 @@ class DrawingPlan:
     # Travel and sheet of every cell, and the title above.
     places: list[list[tuple[float, int | None]]]
     titles: list[str]
+    # Whether states of elements are those of a cycle.
+    visited: bool
     origins: list[Point]
     scale: float
     bounds: Box
@@ -80,14 +85,20 @@ class DrawingPlan:
 
 
 def arrange(
-    chain: Chain, states: Iterable[State], *, columns: int | None = None, tallest: float = _TALLEST
+    chain: Chain, states: States, *, columns: int | None = None, tallest: float = _TALLEST
 ) -> DrawingPlan:
     """Lay the drawings out in rows, if possible within the height `tallest` [mm]."""
-    wanted = list(states)
+    visits = reading.vertices(states.path) if isinstance(states, Cycle) else []
+    wanted = [one.state for one in visits] if isinstance(states, Cycle) else list(states)
     refuse_long(chain)
     if not 0 < len(wanted) <= MOST_STATES:
         raise InputError(f"states has {len(wanted)} entries: must be 1 to {MOST_STATES}.")
     places = [_place(chain, state) for state in wanted]
+    visited = isinstance(states, Cycle) and bool(chain.elements)
+    if visited:
+        at, path = [one.sample for one in visits], states.path
+        each = zip(path.travel[at].tolist(), path.sheet[at].tolist(), strict=True)
+        places = [[*zip(*row, strict=True)] for row in each]
     travels = [[travel for travel, _ in place] for place in places]
     linkage = layout.ChainLayout(chain, travels)
     left, bottom, right, top = linkage.bounds(travels)
@@ -97,7 +108,7 @@ def arrange(
     strokes = [*map(math.fsum, travels)]
     ways = [1 if b >= a else -1 for a, b in pairwise(strokes)]
     page = page_width(style.PAGE)
-    # Entries: cells, the thickness of a band, and a slack band.
+    # Entries: cells, the thickness of a band or the marks of states, and a slack band.
     key = _KEY + _MORE * (legends.grid_size(len(chain) + 2, page, _ENTRY)[1] - 1)
 
     def sized(c: int) -> tuple[list[tuple[int, int]], tuple[bool, bool], float, float]:
@@ -125,7 +136,8 @@ def arrange(
     titles = [_title(chain, state) for state in wanted]
     bounds = left, bottom, right, top
     rest = float(linkage.pose(travels[0]).blocks[-1, 2]) - linkage.unit * strokes[0]
-    return DrawingPlan(linkage, places, titles, origins, scale, bounds, rest, ways, page, height)
+    where = origins, scale, bounds, rest, ways, page, height
+    return DrawingPlan(linkage, places, titles, visited, *where)
 
 
 def refuse_long(chain: Chain) -> None:
@@ -196,8 +208,10 @@ def _key(ax: Axes, plan: DrawingPlan, slack: bool) -> None:
     linkage, scale = plan.linkage, plan.scale
     handles = legends.cells(linkage.chain.names, 2.0)
     if len(linkage.owner):
-        strongest = f"band at {linkage.greatest_tension():.2f} N"
+        strongest = f"tension {linkage.greatest_tension():.2f} N (width of band)"
         handles.append(legends.line(strongest, width=THICKEST * 0.8))
+    if plan.visited:
+        handles.append(legends.mark(marks.STATE, size=3.4, color=style.INK))
     if slack:
         handles.append(legends.line("slack band", width=0.8, linestyle=SLACK_DASHES))
     columns, _ = legends.grid_size(len(handles), plan.width, _ENTRY)

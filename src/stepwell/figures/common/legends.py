@@ -51,8 +51,8 @@ def place_labels(
     done: list[tuple[str, float, float]] = []
     for label, here in zip(labels, spots, strict=True):
         others = spots[np.hypot(*(spots - here).T) > 1.0 * point]
-        # One label serves all nearby points with its text.
-        if any(t == label.text and np.hypot(*(here - at)) < 14 * point for t, *at in done):
+        # One label serves all points with its text whose marks overlap.
+        if any(t == label.text and np.hypot(*(here - at)) < 6 * point for t, *at in done):
             continue
         done.append((label.text, *here))
         look = {"ha": "center", "va": "center", "fontsize": 7.0, "color": label.colour}

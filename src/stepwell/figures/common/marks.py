@@ -95,6 +95,8 @@ def mm_pair(vector: Sequence[float]) -> str:
     return f"({mm(x, 6)}, {mm(y, 6)})"
 
 
+# Legend entry of the states of a chain with elements.
+STATE = "state, middle of its range"
 # More arrow heads would cover the curve.
 MOST_HEADS = 40
 SNAP_DASHES: LineStyleType = (0, (2.2, 1.4))

@@ -192,7 +192,7 @@ def overview(cycle: Cycle) -> Figure:
     lanes = max(46.0, min(20.0, (_LANES if drawable else 200.0) / len(chain)) * len(chain))
     body = 58.0 if len(chain) == 2 else lanes
     tallest = style.PAGE_HEIGHT - body - 23.0
-    plan = arrange(chain, cycle.sequence, tallest=tallest) if drawable else None
+    plan = arrange(chain, cycle, tallest=tallest) if drawable else None
     height = (plan.height + 3.0 if plan is not None else 0.0) + body + 20.0
     figure = blank(style.PAGE, height)
     corners = [(2.0, body + 13.0), (92.0, body + 13.0)]
@@ -236,7 +236,7 @@ def standard_draws(cycle: Cycle) -> dict[str, Draw]:
     chain = cycle.chain
     draws: dict[str, Draw] = {}
     if len(chain) <= MOST_CELLS and len(cycle.sequence) <= MOST_STATES:
-        draws["mechanism"] = partial(mechanism, chain, cycle.sequence)
+        draws["mechanism"] = partial(mechanism, chain, cycle)
     if len(chain) == 2:
         draws["landscape"] = partial(landscape, cycle)
     draws["force_stroke"] = partial(force_stroke, cycle)

@@ -63,7 +63,8 @@ def force_stroke(
 ) -> Figure:
     """Actuator force [N] against stroke [mm], loading and unloading, snaps as dashed jumps.
 
-    Units follow the chain's measure; states between the branches are named if there is room.
+    Units follow the chain's measure. States are named if there is room; the mark of a state of
+    elements is in the middle of its range of the stroke.
 
     Args:
         result: a cycle, or a path over any turning points.
@@ -92,6 +93,8 @@ def force_stroke(
     ax.autoscale_view()
     if own:
         sheet.keep_inside(ax)
+    if own and path.chain.elements and sheet.current().shared is None:
+        recorded.append(legends.mark(marks.STATE, size=3.4, color=style.BLACK))
     marks.legend(ax, path, _WIDTHS, more=recorded, fit=own)
     marks.headings(ax, path, stroke, force)
     rests = vertices(path)

@@ -252,7 +252,7 @@ def _drawn(what: str, cycle: Cycle) -> Figure:
     from stepwell import figures
 
     if what == "mechanism":
-        return figures.mechanism(cycle.chain, cycle.sequence)
+        return figures.mechanism(cycle.chain, cycle)
     of = {"overview": "overview", "force": "force_stroke", "travel": "travel_stroke"}
     if what in of:
         return getattr(figures, of[what])(cycle)
