@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
+from matplotlib.text import Text
 
 from stepwell.base import Floats
 from stepwell.figures.common import sheet, style
@@ -72,8 +73,9 @@ def draw_strip(
             mark, ink = ("x", style.INK) if row == MISSING else ("|", "white")
             at = np.full(len(designs[row]), (top + foot) / 2)
             ax.plot(designs[row], at, mark, color=ink, markersize=3.0, zorder=4, gid="designs")
-        begin = min([designs[row].min(), *(_ends(run)[0] for run in own)])
-        _name_row(ax, float(begin), k + _TEXT, row, own)
+        ends = [_ends(run) for run in own] or [(designs[row].min(), designs[row].max())]
+        text = _name_row(ax, k + _TEXT, row, own)
+        _place_beside(ax, text, ends, runs)
 
 
 def _ends(run: OutcomeInterval) -> tuple[float, float]:
@@ -105,15 +107,30 @@ def _draw_boundaries(ax: Axes, runs: Sequence[OutcomeInterval]) -> None:
             taken = box.x1 + box.height / 2
 
 
-def _name_row(ax: Axes, begin: float, y: float, row: str, own: Sequence[OutcomeInterval]) -> None:
-    """Write an outcome with its intervals above its bar, within the axes."""
+def _name_row(ax: Axes, y: float, row: str, own: Sequence[OutcomeInterval]) -> Text:
+    """Write an outcome with its intervals above its bar, at the left edge of the axes."""
     box = ax.get_window_extent()
     letters = int(box.width / sheet.root(ax).dpi * 25.4 / _LETTER)
     spans = ", ".join(map(_span, own))
     spans = f"   {spans}" if len(spans) < letters / 2 else ""
     name = shortened(row, max(8, letters - len(spans)))
     look = {"va": "bottom", "zorder": 6, "gid": "outcome"}
-    text = ax.text(begin, y, literal(name) + minus(spans), **look)
-    text.set_bbox(style.on_white(0.05, 0.8))
-    if text.get_window_extent().x1 > box.x1:
-        text.set(x=ax.get_xlim()[1], ha="right")
+    text = ax.text(ax.get_xlim()[0], y, literal(name) + minus(spans), **look)
+    text.set_bbox(style.on_white(0.05, 1.0))
+    return text
+
+
+def _place_beside(
+    ax: Axes, text: Text, ends: Sequence[tuple[float, float]], runs: Sequence[OutcomeInterval]
+) -> None:
+    """Move a text to an end of its intervals where it crosses no boundary, if there is one."""
+    (low, high), box = ax.get_xlim(), ax.get_window_extent()
+    per_mm = (high - low) * sheet.root(ax).dpi / 25.4 / box.width
+    wide = text.get_window_extent().width / box.width * (high - low)
+    lines = [end for run in runs for end in _ends(run)]
+    places = [left + (left > low + per_mm) * per_mm for left, _ in ends]
+    places += [right + per_mm for _, right in ends]
+    places += [left - per_mm - wide for left, _ in ends]
+    places = [min(max(at, low), high - wide) for at in places]
+    free = [at for at in places if not any(at < line < at + wide for line in lines[1:-1])]
+    text.set_x((free or places)[0])

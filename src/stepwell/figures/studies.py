@@ -283,6 +283,8 @@ def _over(ax: Axes, by: _Column, one: _Column, colours: Mapping[str, Colour]) ->
     }
     look |= {"markersize": 1.6 if many else 3.2, "rasterized": len(some) > 300}
     ax.plot(x[some], y[some], "o", **look)
+    # Counts have whole ticks.
+    ax.locator_params(axis="y", integer=bool(np.all(y % 1 == 0)))
     ax.ticklabel_format(axis="y", scilimits=(-3, 4))
     if many:
         _, of = _classes(x)
