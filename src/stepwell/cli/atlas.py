@@ -82,7 +82,7 @@ def build(
         "Write the results into this folder, a Zarr store.",
         "--out -o DIR",
         default=...,
-        callback=opts.local,
+        callback=opts.folder,
     ),
     space: SpaceOptions,
     drive: str = opts.option(

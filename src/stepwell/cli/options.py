@@ -92,13 +92,21 @@ def local(out: Path | None) -> Path | None:
     return out
 
 
+def folder(out: Path | None) -> Path | None:
+    """The path of a folder, or a refusal where its name is that of a figure."""
+    if out is not None and out.suffix.lower() in (".pdf", ".svg", ".png"):
+        how = f"is a folder here, with several files: omit {out.suffix}"
+        raise wrong(None, f"{out}: {how}. `stepwell figure` writes one figure.")
+    return local(out)
+
+
 _OUT = typer.Option(
     "--out",
     "-o",
     metavar="DIR",
     help="Write the results into this folder. Results of the same command in it are replaced.",
     file_okay=False,
-    callback=local,
+    callback=folder,
 )
 Out = Annotated[Path | None, _OUT]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite existing files.")]

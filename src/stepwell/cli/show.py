@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import webbrowser
+from collections.abc import Mapping
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -114,8 +116,8 @@ def figure(
     """Plot a figure of a design for a publication.
 
     Panels have their final size and letters. PDF and SVG contain their fonts and editable text; PNG
-    has 600 dpi. With paper:fig1 to paper:fig4 in place of a design, the quantities of the paper's
-    figures are plotted.
+    has 600 dpi. In place of a design, paper:fig1 to paper:fig4 plot the quantities of the paper's
+    figures, and the folder of a study plots its results: all, or those in --panels.
 
     Example: stepwell figure preset:paper-forward --width 88mm --out leg.pdf
     """
@@ -130,6 +132,8 @@ def figure(
             raise screen.wrong(other, f"cannot be combined with {design}.")
         with screen.usable("DESIGN"), screen.progress("figure"):
             drawn = sw.reports.figure_of(design.removeprefix(_PAPER))
+    elif Path(design).is_dir():
+        drawn = _of_study(design, panels, layout)
     else:
         layout["measured"] = [sw.lab.read(one) for one in measured or ()]
         layout["mass"] = None if snap.mass is None else snap.mass * 1e-3
@@ -143,6 +147,15 @@ def figure(
         screen.warn(
             f"The figure is higher than a page ({sw.reports.TALLEST:g} mm): use fewer panels."
         )
+
+
+def _of_study(folder: str, panels: str | None, layout: Mapping[str, Any]) -> Figure:
+    study = sw.studies.opened(folder)
+    study.require_whole()
+    columns = [name.strip() for name in (panels or "").split(",") if name.strip()]
+    with screen.usable("--panels"), screen.progress("figure"):
+        drawn = partial(sw.figures.outcomes, study, columns=columns)
+        return sw.figures.compose([drawn], **layout)
 
 
 def _composed(design: str, panels: str | None, **how: Any) -> Figure:
@@ -290,7 +303,7 @@ def demo(
         "--out -o DIR",
         default=Path("stepwell-demo"),
         file_okay=False,
-        callback=options.local,
+        callback=options.folder,
     ),
     no_open: bool = flag(options.NO_OPEN, "--no-open"),
     force: options.Force = False,

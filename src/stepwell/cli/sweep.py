@@ -171,7 +171,7 @@ def _command(what: str, doc: str) -> None:
             "Write the results into this folder, a Zarr store.",
             "--out -o DIR",
             default=...,
-            callback=opts.local,
+            callback=opts.folder,
         ),
         designs: _Drawn,
         how: _Study,

@@ -1,5 +1,6 @@
 """Figures with several panels, at the width of a journal's column."""
 
+import math
 import re
 import string
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -140,7 +141,7 @@ def compose(
     share = sum(size.keyed for row in rows for _, size in row) > 1
     legend: list[Artist] | None = [] if share else None
     room = _LEGEND * share + _BETWEEN * (len(rows) - 1) + _NAME * len(titles)
-    rows = _stretched(rows, None if height is None else height - room)
+    rows = _stretched(rows, height, room)
     tall = [max(size.height for _, size in row) for row in rows]
     top = sum(tall) + room
     figure = sheet.blank(width, top)
@@ -234,8 +235,10 @@ def _laid(row: list[sheet.Draw], width: float, panel: sheet.CurrentPanel) -> _Ro
     return list(zip(row, laid, strict=True))
 
 
-def _stretched(rows: list[_Row], height: float | None) -> list[_Row]:
-    """Rows stretched to a total height [mm]; only rows without a rigid panel change."""
+def _stretched(rows: list[_Row], height: float | None, room: float) -> list[_Row]:
+    """Rows stretched to a page height with `room` between them [mm]; only rows without a rigid
+    panel change.
+    """
     if height is None:
         return rows
     tall = [max(size.height for _, size in row) for row in rows]
@@ -243,11 +246,13 @@ def _stretched(rows: list[_Row], height: float | None) -> list[_Row]:
     fixed = sum(high for high, may in zip(tall, loose, strict=True) if not may)
     rest = sum(tall) - fixed
     least = fixed + _LOWEST * sum(loose)
-    if not rest or height < least:
-        own = f"have a fixed height of {sum(tall):.4g}"
-        what = own if not rest else f"need {least:.4g}"
-        raise InputError(f"height: these panels {what} mm; the page has {height:.4g} mm for them.")
-    by = (height - fixed) / rest
+    if not rest:
+        own = f"these panels have a fixed height, {fixed + room:.4g} mm in all"
+        raise InputError(f"height = {height:g} mm: {own}: leave out the height.")
+    if height < least + room:
+        need = f"these panels need {math.ceil(least + room)} mm or more"
+        raise InputError(f"height = {height:g} mm: {need}: give that, or leave out the height.")
+    by = (height - room - fixed) / rest
     return [
         [(draw, size._replace(height=high * by)) for draw, size in row] if may else row
         for row, high, may in zip(rows, tall, loose, strict=True)

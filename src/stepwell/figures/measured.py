@@ -94,16 +94,25 @@ def measured_pairs(tests: Sequence[PairTest | ChainTest]) -> Figure:
     """
     if not tests:
         raise InputError("tests is empty: give one pair or more.")
-    looks = ("measured, loading", style.LOADING), ("measured, unloading", style.UNLOADING)
-    occur = dict.fromkeys(test.series.unloading for test in tests)
+    occur = sorted({"unloading" if test.series.unloading else "loading" for test in tests})
     handles = [
-        *(legends.line(*looks[unloading], _MEASURED) for unloading in occur),
+        *(legends.line(f"measured, {way}", _WAYS[way], _MEASURED) for way in occur),
         Line2D([], [], **_MODEL, label="model"),
-        legends.mark("snap, measured", "v", 4.0, color=style.FAINT),
+        *_triangles("snap, measured", occur),
         legends.mark("snap, model", "^", **style.hollow(4.0)),
     ]
     sizes = (2, 52.0, 15.0, 19.0, 17.0)
     return _panels(tests, _pair, sizes, handles, "Stroke $u$ [mm]", "Actuator force [N]")
+
+
+_WAYS = {"loading": style.LOADING, "unloading": style.UNLOADING}
+
+
+def _triangles(label: str, occur: Sequence[str]) -> list[Artist]:
+    """Legend entries of the triangles of each direction that occurs."""
+    both = len(occur) > 1
+    names = {way: f"{label.partition(',')[0]}, {way}" if both else label for way in occur}
+    return [legends.mark(names[way], "v", 4.0, color=_WAYS[way]) for way in occur]
 
 
 def _cells(
@@ -223,7 +232,7 @@ def recording(result: Recording) -> Figure:
 
 
 _MOST_PANELS, _MOST_POINTS = 12, 4000
-_POINTS_OF_HALF = 1500  # of a measured element
+_POINTS_OF_HALF = 120  # of a measured element; more would hide its curve
 
 
 @style.styled
@@ -251,30 +260,30 @@ def recordings(results: Sequence[Recording]) -> Figure:
             ax.plot(at * style.MM, there, "v", color=colour, markersize=4.0, gid="jumps")
         sheet.name_panel(ax, words.literal(result.name))
 
-    occur = {result.direction_of(half) for result in results for half in result.halves}
-    looks = {"loading": style.LOADING, "unloading": style.UNLOADING}
-    handles: list[Artist] = [legends.line(way, looks[way]) for way in looks if way in occur]
-    handles.append(legends.mark("jump of the force", "v", 4.0, color=FAINT))
+    occur = sorted({result.direction_of(half) for result in results for half in result.halves})
+    handles: list[Artist] = [legends.line(way, _WAYS[way]) for way in occur]
+    handles += _triangles("jump", occur)
     sizes = (3 if len(results) > 2 else 2, 50.0, 16.0, 18.5, 16.0)
     return _panels(results[:_MOST_PANELS], draw, sizes, handles, "Stroke [mm]", "Force [N]")
 
 
 @style.styled
 def measured_element(result: MeasuredElement) -> Figure:
-    """Force against travel of a measured element: its curve over the points, phases numbered.
+    """Force against travel of a measured element: its points over the curve, phases numbered.
 
-    Points of loading and unloading have their colours. One column wide.
+    Points of loading and unloading have their colours; of a half, at most 120 are drawn. One
+    column wide.
     """
-    figure, ax = sheet.canvas(None, (style.COLUMN, 84.0), (14.0, 10.0, 2.0, 20.0))
+    ways = [way for way in _WAYS if len(getattr(result, way))]
+    key = element_key([result.element])
+    head = 2.5 + 4.0 * -(-(len(key) + len(ways)) // 2)
+    figure, ax = sheet.canvas(None, (style.COLUMN, 64.0 + head), (14.0, 10.0, 2.0, head))
     element_curve(result.element, ax=ax)
-    points: list[Artist] = []
-    for way, direction in (("loading", 1), ("unloading", -1)):
+    for way in ways:
         rows = getattr(result, way)[:: 1 + len(getattr(result, way)) // _POINTS_OF_HALF]
-        if len(rows):
-            look = {"color": style.pale(style.direction_colour(direction)), "markersize": 1.6}
-            look |= {"markeredgewidth": 0.0, "linestyle": "", "zorder": 1.2}
-            points += ax.plot(*(rows * (style.MM, 1.0)).T, "o", **look, label=f"measured, {way}")
-    legends.above(ax, [*element_key([result.element]), *points], 2, left=3.0)
+        look = {"color": _WAYS[way], "markersize": 1.8, "markeredgewidth": 0.0, "zorder": 4.5}
+        key += ax.plot(*(rows * (style.MM, 1.0)).T, "o", **look, label=f"measured, {way}")
+    legends.above(ax, key, 2, left=3.0)
     return figure
 
 

@@ -117,7 +117,9 @@ class _Column(NamedTuple):
 
 
 @style.styled
-def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
+def outcomes(
+    study: Study, names: Mapping[str, str] | None = None, columns: Sequence[str] = ()
+) -> Figure:
     """Each result over its most influential parameter, or over the plane of two parameters.
 
     With one varied parameter, words are a strip with a row for each outcome. Its boundaries are
@@ -128,21 +130,25 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
     Args:
         study: a study with at least one finished chunk.
         names: names of columns; by default those of the study.
+        columns: the results to plot; by default all that differ.
 
     Raises:
-        ValueError: no chunk is finished, or no parameter varies.
+        ValueError: no chunk is finished, no parameter varies, or a result that does not differ.
     """
     from stepwell.studies import decided
 
     varied, results = _varied_and_found(study, names or {})
+    for unknown in [name for name in columns if name not in results]:
+        raise InputError(f"{unknown!r}: not a result that differs: use {', '.join(results)}.")
+    results = {name: results[name] for name in columns or results}
     deciding = {one.column: one.influences[0].name for one in decided(study)}
     strips = _strips(study, varied, results)
     shown = [one for one in results.items() if one[0] not in strips][:_PANELS]
     colours = {one.name: _colours(one.values) for _, one in shown if one.words}
     foot = sum(_KEY * (len(each) + 1) for each in colours.values()) + 2.0 * bool(colours)
     page = sheet.page_width(style.PAGE)
-    columns = 2 if page >= _TWO else 1
-    rows = -(-len(shown) // columns)
+    across = 2 if page >= _TWO else 1
+    rows = -(-len(shown) // across)
     high = foot + sum(_BOTTOM + one.tall for one in strips.values())
     # On a narrow page, panels are lower.
     room = (style.PAGE_HEIGHT - high) / max(1, rows) - _BOTTOM - _TOP
@@ -155,8 +161,8 @@ def outcomes(study: Study, names: Mapping[str, str] | None = None) -> Figure:
         one.draw(ax)
         ax.set_xlabel(literal(shortened(next(iter(varied.values())).name, _NAME)))
         high -= _BOTTOM
-    pitch = page / columns, _BOTTOM + panel + _TOP
-    corners = sheet.grid(len(shown), columns, pitch, (_LEFT, foot + _BOTTOM))
+    pitch = page / across, _BOTTOM + panel + _TOP
+    corners = sheet.grid(len(shown), across, pitch, (_LEFT, foot + _BOTTOM))
     for (name, one), corner in zip(shown, corners, strict=True):
         ax = sheet.place(figure, *corner, pitch[0] - _LEFT - _PANEL_RIGHT, panel)
         own = colours.get(one.name, {})
