@@ -66,6 +66,21 @@ def test_it_is_refused_unless_it_is_asked_for(damaged, arguments):
         assert len(Path("all.csv").read_text("utf-8").splitlines()) == 1 + 6
 
 
+def test_a_study_has_a_figure_of_its_strip_as_one_file(stepwell, whole):
+    words = ("figure", str(whole), "--panels", "sequence", "--width", "nature-single")
+    result = stepwell(*words, "--out", "strip.svg")
+    assert result.exit_code == 0, result.stderr
+    assert "89 mm wide" in result.stdout
+    assert Path("strip.svg").is_file()
+
+
+def test_a_folder_with_the_name_of_a_figure_is_refused(stepwell, whole):
+    result = stepwell("sweep", "report", str(whole), "--out", "strip.pdf")
+    assert result.exit_code == 2
+    assert "`stepwell figure`" in " ".join(result.stderr.split())
+    assert not Path("strip.pdf").exists()
+
+
 def test_the_status_names_what_is_missing_and_fails_where_something_is_damaged(damaged):
     result = damaged("sweep", "status", "study.zarr")
     assert result.exit_code == 1

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
@@ -109,6 +110,14 @@ def test_points_are_measured_and_the_line_is_the_model(comparison, drawn):
 def test_snaps_of_runs_and_of_the_model_are_marked(drawn):
     assert marks(drawn["pairs"], "snaps") == 4
     assert marks(drawn["pairs"], "snaps predicted") == 2
+
+
+def test_snaps_in_the_legend_have_the_colour_of_their_marks(comparison):
+    for test in comparison.pairs:
+        figure = figures.measured_pairs([test])
+        handles: list[Any] = figure.legends[0].legend_handles
+        (mark,) = [handle for handle in handles if handle.get_label() == "snap, measured"]
+        assert {mark.get_color()} == {line.get_color() for line in lines(figure, "snaps")}
 
 
 def test_both_directions_are_named(drawn):

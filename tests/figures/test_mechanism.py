@@ -11,6 +11,7 @@ from matplotlib.collections import PolyCollection
 from figures.drawn import legend_of, lines, points, says, untidy
 from stepwell import figures, files
 from stepwell.figures.cells.linkage import Drawing
+from stepwell.figures.common import words
 from stepwell.figures.common.sheet import blank, place
 from stepwell.mechanism import Band, Cell, Chain
 from stepwell.mechanism.layout import ChainLayout
@@ -98,6 +99,19 @@ def test_states_are_named_with_their_stroke_and_joined_by_arrows():
     assert strokes == [f"$u$ = {u} mm" for u in (0, 20, 40, 20, 0)]
     assert len(lines(figure, "arrow")) == 4
     assert {"inner", "outer"} <= set(said)
+
+
+@pytest.mark.parametrize("name", ["balloon", "kresling"])
+def test_states_of_elements_are_the_points_of_the_force_curve(name):
+    cycle = files.preset(name).cycle()
+    (dots,) = lines(figures.force_stroke(cycle), "states")
+    stroke = words.stroke(cycle.chain.measure)
+    shown = [stroke.value(x / stroke.factor) for x in points(dots)[:, 0]]
+    figure = figures.mechanism(cycle.chain, cycle)
+    said = says(figure)
+    assert [text for text in said if text in shown] == shown
+    assert [text for text in said if text in {*cycle.sequence}] == list(cycle.sequence)
+    assert "state, middle of its range" in legend_of(figure)
 
 
 @pytest.mark.slow

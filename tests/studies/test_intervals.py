@@ -10,6 +10,7 @@ from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 
 import stepwell as sw
+from facts import refuses
 from figures.drawn import untidy
 from stepwell import figures
 from stepwell.accounts import account
@@ -139,3 +140,26 @@ def test_a_strip_names_every_outcome_and_is_legible(name, width, request):
     texts = [text.get_text() for text in figure.subfigs[0].axes[0].texts]
     for run in intervals(study):
         assert any(text.startswith(run.value) for text in texts)
+
+
+def test_the_names_of_a_strip_cross_no_exact_boundary_and_counts_have_whole_ticks(anchors):
+    figure = figures.outcomes(anchors)
+    figure.draw_without_rendering()
+    ax, counts = figure.axes[:2]
+    lines = [line for line in ax.lines if line.get_gid() == "exact boundary"]
+    names = [text for text in ax.texts if text.get_gid() == "outcome"]
+    assert lines and names
+    for text in names:
+        box = text.get_window_extent()
+        for line in lines:
+            x = ax.transData.transform((np.asarray(line.get_xdata())[0], 0.0))[0]
+            assert not box.x0 - 1.0 < x < box.x1 + 1.0, text.get_text()
+    assert counts.get_ylabel() == "Snaps"
+    assert all(tick % 1 == 0 for tick in counts.get_yticks())
+
+
+def test_chosen_results_of_a_study_have_their_own_figure(anchors):
+    (strip,) = figures.outcomes(anchors, columns=["sequence"]).axes
+    assert rectangles(strip, "interval")
+    with refuses(ValueError, "'slips'", "sequence, snaps"):
+        figures.outcomes(anchors, columns=["slips"])

@@ -130,9 +130,7 @@ _robots = partial(Panel, of=Robot)
 PANELS: MappingProxyType[str, Panel] = MappingProxyType(
     {
         "mechanism": Panel(
-            "the mechanism in every state of its cycle, up to 12 cells",
-            "mechanism",
-            "design cycle",
+            "the mechanism in every state of its cycle, up to 12 cells", "mechanism", "design cycle"
         ),
         "force": Panel("actuator force over the stroke, with recordings", "", "force"),
         "travel": Panel("travel of each cell over the stroke", "travel_stroke", "cycle"),

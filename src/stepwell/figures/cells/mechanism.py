@@ -23,6 +23,8 @@ MOST_STATES = 30
 _BETWEEN, _ABOVE, _BELOW, _KEY = 7.0, 4.8, 7.4, 6.0
 # Legend: width of an entry, and height of each row after the first [mm].
 _ENTRY, _MORE = 25.0, 3.8
+# Least width of a page with the longer legend of a band [mm].
+_WIDE = 120.0
 # Largest length of the scale bar [mm].
 _BAR = 12.0
 _LARGEST, _SMALLEST_WANTED = 0.9, 0.21
@@ -94,8 +96,9 @@ def arrange(
     if not 0 < len(wanted) <= MOST_STATES:
         raise InputError(f"states has {len(wanted)} entries: must be 1 to {MOST_STATES}.")
     places = [_place(chain, state) for state in wanted]
-    visited = isinstance(states, Cycle) and bool(chain.elements)
-    if visited:
+    visited = False
+    if isinstance(states, Cycle) and chain.elements:
+        visited = True
         at, path = [one.sample for one in visits], states.path
         each = zip(path.travel[at].tolist(), path.sheet[at].tolist(), strict=True)
         places = [[*zip(*row, strict=True)] for row in each]
@@ -208,7 +211,8 @@ def _key(ax: Axes, plan: DrawingPlan, slack: bool) -> None:
     linkage, scale = plan.linkage, plan.scale
     handles = legends.cells(linkage.chain.names, 2.0)
     if len(linkage.owner):
-        strongest = f"tension {linkage.greatest_tension():.2f} N (width of band)"
+        width = " (width of band)" * (plan.width >= _WIDE)
+        strongest = f"tension {linkage.greatest_tension():.2f} N{width}"
         handles.append(legends.line(strongest, width=THICKEST * 0.8))
     if plan.visited:
         handles.append(legends.mark(marks.STATE, size=3.4, color=style.INK))
