@@ -158,7 +158,7 @@ def test_a_panel_that_needs_a_page_says_so(cycle):
 
 
 def test_a_refusal_leaves_later_figures_alone(cycle):
-    with pytest.raises(ValueError, match="height: "):
+    with pytest.raises(ValueError, match="height = "):
         figures.compose([partial(figures.landscape, cycle)], height=200.0)
     assert 25.4 * figures.force_stroke(cycle).get_size_inches()[0] == pytest.approx(85.0)
 

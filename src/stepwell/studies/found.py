@@ -153,7 +153,7 @@ def intervals(study: Study) -> tuple[OutcomeInterval, ...]:
     if study.what == "atlas" or study.work.screen or len(study.varied) != 1:
         return ()
     (name,) = study.varied
-    along = study.values(name)
+    along = study.values(name, study.done_chunks())
     aside = {name, PROBLEM, *SCREEN_COLUMNS}
     columns = [one for one, kind in study.columns.items() if kind == TEXT and one not in aside]
     return tuple(one for column in columns for one in _of_column(study, column, name, along))
@@ -162,7 +162,7 @@ def intervals(study: Study) -> tuple[OutcomeInterval, ...]:
 def _of_column(study: Study, column: str, name: str, along: Floats) -> Iterator[OutcomeInterval]:
     """The intervals of one column over the values `along` of the parameter."""
     unit, factor = study.display_unit(name)
-    words = [str(word) for word in study.values(column)]
+    words = [str(word) for word in study.values(column, study.done_chunks())]
     order = np.argsort(along, kind="stable").tolist()
     known = [k for k in order if words[k] and np.isfinite(along[k])]
     runs = [[*run] for _, run in groupby(known, words.__getitem__)]
