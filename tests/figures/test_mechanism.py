@@ -114,6 +114,15 @@ def test_states_of_elements_are_the_points_of_the_force_curve(name):
     assert "state, middle of its range" in legend_of(figure)
 
 
+def test_cells_in_equilibrium_have_their_marks_at_one_height():
+    cycle = files.preset("balloon").cycle()
+    path = cycle.path
+    linkage = ChainLayout(cycle.chain, path.travel)
+    for travel, sheet in zip(path.travel[::20], path.sheet[::20], strict=True):
+        inner, outer = linkage.pose(travel, sheet.tolist()).dots[:, 1] / linkage.box
+        assert inner == pytest.approx(outer, abs=0.01)
+
+
 @pytest.mark.slow
 def test_no_rounding_error_is_reported_as_a_stroke():
     cycle = files.preset("curved-beam").cycle()

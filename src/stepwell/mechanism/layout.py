@@ -17,14 +17,22 @@ from stepwell.mechanism.phase import Phase
 _SAMPLES = 97
 # Margin between curve and box, as a fraction of the box.
 EDGE = 0.14
+# Elements share a force scale if its range is at most this factor times that of each.
+_FLAT = 4.0
 
 
 class Symbol:
     """The force curve of an element in a square of side 1, travel to the right, force upwards.
-    Travels [m] that are `reached` past an open end are included.
+    Travels [m] that are `reached` past an open end are included. `forces` are the least and the
+    largest force of the square [N]; by default those of the curve.
     """
 
-    def __init__(self, element: Element, reached: Sequence[float] | Floats = ()):
+    def __init__(
+        self,
+        element: Element,
+        reached: Sequence[float] | Floats = (),
+        forces: tuple[float, float] | None = None,
+    ):
         self.element = element
         ends = [element.low, element.high, *(float(s) for s in reached)]
         self.low, high = min(ends), max(ends)
@@ -36,7 +44,8 @@ class Symbol:
             samples.append((travel, element.force_at(travel, number)))
         # Points past the ends of the curve do not set the scale.
         inside = [f[(s >= element.low) & (s <= element.high)] for s, f in samples]
-        least, most = min(f.min() for f in inside), max(f.max() for f in inside)
+        own = min(f.min() for f in inside), max(f.max() for f in inside)
+        least, most = forces or own
         # Lower left corner of the curve and its size, as travel and force.
         self.origin = np.array([self.low, least])
         self.size = np.array([high - self.low, (most - least) or 1.0])
@@ -147,6 +156,15 @@ class ChainLayout:
             for i, cell in enumerate(chain.cells)
             if isinstance(cell, Element)
         }
+        # Cells in series carry one force: a common scale, unless a curve would be flat on it.
+        scales = [(float(s.origin[1]), float(s.size[1])) for s in self.symbols.values()]
+        low = min((least for least, _ in scales), default=0.0)
+        high = max((least + size for least, size in scales), default=0.0)
+        if scales and high - low <= _FLAT * min(size for _, size in scales):
+            self.symbols = {
+                i: Symbol(one.element, [travels[i] for travels in reached], (low, high))
+                for i, one in self.symbols.items()
+            }
 
     def pose(
         self, travels: Sequence[float] | Floats, sheets: Sequence[int | None] | None = None
