@@ -105,8 +105,8 @@ def atlas_account(
     cycles = counted(len(atlas.cycles), "cycle")
     answer = f"{counted(len(atlas.graph_classes), 'graph')} and {cycles}"
     if query:
-        matching = counted(len(graph_classes), "graph class") if graph_classes else "no graph class"
-        answer = f"{query}: {matching} of this atlas"
+        matching = number(len(graph_classes)) if graph_classes else "no"
+        answer = f"{query}: {matching} of the graphs in this atlas"
     rows, space = recorded(_CLASS_TABLE, graph_classes), recorded(VARIED, _space(atlas))
     full, within = recorded(_CYCLES, atlas.cycles), atlas.tolerances
     columns = (
