@@ -60,7 +60,7 @@ STUDIES = {
     "sweep report cycle --out report": "% of the designs",
     "atlas build --designs 2000 --workers 0 --out two": "graphs",
     "atlas show two": "graphs",
-    "atlas find 'reaches every state' two": "2 machines",
+    "atlas find 'reaches every state' two": "2 of the graphs",
 }
 # Claims take minutes: tests/accounts/test_paper.py has those that are committed.
 CLAIMS = {"paper", "validate"}
