@@ -131,7 +131,7 @@ def answer(preset: str) -> tuple[str, str, str]:
     """A message about a design whose elements are all new, against one whose elements are kept."""
     from stepwell import mechanism
     from stepwell.files import preset_text, tables_in
-    from stepwell.studio.answering import answered
+    from stepwell.studio.aside import answered
     from stepwell.studio.message import message_of
 
     design = tables_in(preset_text(preset), preset)

@@ -10,7 +10,7 @@ import stepwell as sw
 from stepwell.files import DesignError, loads_tables, preset_text, presets, tables_in
 from stepwell.files.known import known_keys, new_cells
 from stepwell.mechanism import LIBRARY, Element
-from stepwell.studio.answering import answered
+from stepwell.studio.aside import answered
 from stepwell.studio.message import Message, unpacked
 
 

@@ -12,7 +12,7 @@ from PIL import Image
 
 import stepwell as sw
 from sizes import cases
-from stepwell.studio.answering import answered
+from stepwell.studio.aside import answered
 from stepwell.studio.message import Message, unpacked
 from stepwell.studio.standalone import replay
 from studio.pages import FORWARD

@@ -13,7 +13,7 @@ from stepwell.files import loads_tables, preset_text, presets, tables_in
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 from stepwell.statics import EventKind
-from stepwell.studio.answering import answered
+from stepwell.studio.aside import answered
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.message import Message, partial_answer, unpacked
 from stepwell.studio.motion import arrays_of, cells_of, drawn

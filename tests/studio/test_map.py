@@ -12,7 +12,7 @@ import stepwell as sw
 from stepwell.accounts import account
 from stepwell.design import DEFAULT_TOLERANCES, Yield, check, parameter, parameters
 from stepwell.files import loads_tables, preset_text, presets, tables_in
-from stepwell.studio.answering import answered
+from stepwell.studio.aside import answered
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.message import Message, unpacked
 from studio.pages import FORWARD, Answer
@@ -105,7 +105,7 @@ def test_what_no_closed_form_tells_is_followed_aside_coarse_first():
     keys = {**MAP, "pixels": [12, 10]}
     assert ask("map", slack, **keys).header["aside"] is True
     assert ask("border", slack, **PLANE).header["aside"] is True
-    from stepwell.studio.answering import answer
+    from stepwell.studio.aside import answer
 
     shown: list[View] = []
     last = answer("map_followed", PageDesign(slack), Ask(keys, show=shown.append))
@@ -216,7 +216,7 @@ def test_a_wish_is_asked_within_bounds(keys: Any):
 
 @pytest.mark.slow
 def test_a_yield_shows_few_first_and_is_pythons():
-    from stepwell.studio.answering import answer
+    from stepwell.studio.aside import answer
 
     shown: list[View] = []
     last = answer("yield", PageDesign(FORWARD), Ask({"anchor_mm": 3}, show=shown.append))

@@ -13,7 +13,7 @@ from stepwell.design import DEFAULT_TOLERANCES
 from stepwell.files import DesignError, loads, loads_tables, preset_text, presets, tables_in
 from stepwell.sequences import to_dot
 from stepwell.statics import EventKind
-from stepwell.studio.answering import answered
+from stepwell.studio.aside import answered
 from stepwell.studio.message import Message, unpacked
 from studio.pages import FORWARD, Answer
 

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 from stepwell.crash import report
-from stepwell.studio import answering, panels, session
-from stepwell.studio.answering import answered, types
+from stepwell.studio import aside, panels, session
+from stepwell.studio.aside import answered, types
 from stepwell.studio.ask import View
 from stepwell.studio.message import Message, WireError, message_of, packed, unpacked
 from studio.pages import FORWARD
@@ -30,8 +30,8 @@ def test_every_type_has_a_function_that_answers_it_and_every_such_function_a_typ
         for node in ast.parse(file.read_text("utf-8")).body
         if isinstance(node, ast.FunctionDef) and node.name.startswith("answer")
     }
-    assert functions == {(file, f"answer_{kind}") for kind, file in answering._PANELS.items()}
-    assert {*types()} >= answering.LONG
+    assert functions == {(file, f"answer_{kind}") for kind, file in aside._PANELS.items()}
+    assert {*types()} >= aside.LONG
 
 
 def test_a_message_is_read():
@@ -140,7 +140,7 @@ def test_an_unexpected_error_is_a_line_on_the_page_and_a_report_in_the_terminal(
         raise KeyError("bug")
 
     monkeypatch.setattr(report, "_folders", lambda: iter([tmp_path]))
-    monkeypatch.setattr(answering, "answer", broken)
+    monkeypatch.setattr(aside, "answer", broken)
     header, _ = unpacked(answered(Message("evaluate", 7, FORWARD)))
     (problem,) = header["problems"]
     assert (header["ok"], header["seq"]) == (False, 7)

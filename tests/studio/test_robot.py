@@ -11,7 +11,7 @@ pytest.importorskip("mujoco")
 import stepwell as sw
 from stepwell import files
 from stepwell.accounts import account
-from stepwell.studio.answering import LONG, answer
+from stepwell.studio.aside import LONG, answer
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.standalone import replay
 from studio.test_panels import ask, tables

@@ -20,7 +20,7 @@ from stepwell import base, files, studies
 from stepwell.accounts import account
 from stepwell.files import loads_tables, preset_text, tables_in
 from stepwell.studies import Axis, How, Space, Study, Workshop, begun, planned_study
-from stepwell.studio.answering import answered
+from stepwell.studio.aside import answered
 from stepwell.studio.message import Message, unpacked
 from stepwell.studio.panels.atlas import placed
 from stepwell.studio.stores import end_studies

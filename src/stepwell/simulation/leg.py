@@ -1,16 +1,29 @@
-"""A leg in the simulation: sliding blocks, levers, bands, the V and its foot."""
+"""A leg in the simulation: sliding blocks, levers, bands, the V and its foot.
+
+With levers and links as hinged bodies it validates the legs of rods: two levers hinged on each
+block keep the next one parallel, without a guide.
+"""
 
 import math
 from dataclasses import dataclass
 from itertools import accumulate
 from typing import Any
 
+from stepwell.mechanism import Cell
 from stepwell.robot import Leg, Robot
-from stepwell.simulation import hinges, parts, simulator
+from stepwell.simulation import parts, simulator
 from stepwell.simulation.parts import TOP, Place, Vec3
 
 # Damping of a lever's sideways swing [N s/m]: small against the damping of a travel.
 SIDEWAYS = 0.02
+APART = 0.012  # the two levers of a cell, along the chain [m]
+# Mass of a lever as a fraction of a block, and of a link as a fraction of a foot. It is taken from
+# the block and the foot, so that the robot weighs the same as one on rods.
+LEVER = 0.05
+LINK = 0.075
+THICK = 0.001  # radius of the drawn rods [m]
+# Light bodies make constraints soft, so these are set stiffer than those of the rods.
+STIFF = (0.998, 0.999, 0.001, 0.5, 2.0)
 
 
 @dataclass(frozen=True)
@@ -86,14 +99,14 @@ def add_leg(model: LegModel) -> None:
         parts.slider(block, f"{name}.side", (0.0, leg.side, 0.0), damping=SIDEWAYS)
         if model.hinged:
             parts.hinge(block, f"{name}.yaw", (0.0, 0.0, 1.0))
-            mass -= 2 * hinges.LEVER * robot.blocks.mass
+            mass -= 2 * LEVER * robot.blocks.mass
         size = (robot.blocks.length / 2, 0.004, 0.004)
         parts.box(block, size, (0.0, 0.0, TOP), mass=mass, rgba=parts.BLOCK, **parts.SEEN)
         # The levers and the bands join this block to the previous one.
         inner = previous, (where.joints[i] - origin[0], where.sideways[i] - origin[1], TOP)
         outer = block, (where.joints[i] - x, 0.0, TOP)
         if model.hinged:
-            hinges.add_levers(model, name, cell, inner, outer)
+            add_levers(model, name, cell, inner, outer)
         parts.site(previous, f"{name}.lever.in", inner[1])
         parts.site(block, f"{name}.lever.out", outer[1])
         _add_line(model, f"{name}.lever", (f"{name}.lever.in", f"{name}.lever.out"), parts.LEVER)
@@ -162,7 +175,7 @@ def _add_foot(model: LegModel, where: Places) -> None:
     parts.slider(tip, f"{name}.foot.x", (1.0, 0.0, 0.0))
     parts.slider(tip, f"{name}.foot.z", (0.0, 0.0, 1.0))
     parts.site(tip, f"{name}.tip")
-    foot, links = robot.foot, 2 * hinges.LINK * robot.foot.mass if model.hinged else 0.0
+    foot, links = robot.foot, 2 * LINK * robot.foot.mass if model.hinged else 0.0
     parts.stand(
         tip,
         (f"{name}.foot", f"{name}.sole"),
@@ -180,6 +193,60 @@ def _add_foot(model: LegModel, where: Places) -> None:
     }
     for end, (holder, at, pivot) in pivots.items():
         if model.hinged:
-            hinges.add_link(model, end, (holder, at), (x - pivot, 0.0, z))
+            add_link(model, end, (holder, at), (x - pivot, 0.0, z))
         parts.site(holder, f"{name}.pivot.{end}", at)
         _add_line(model, f"{name}.link.{end}", (f"{name}.pivot.{end}", f"{name}.tip"), parts.LINK)
+
+
+def hinge_angles(robot: Robot, leg: Leg) -> dict[str, float]:
+    """Angle of each hinge [rad], by its name, with every cell at 0."""
+    angles = {
+        f"{leg.name}.{name}.lever.{end}": -cell.limit
+        for cell, name in zip(leg.chain.levers, leg.chain.names, strict=True)
+        for end in ("front", "back")
+    }
+    link, span = robot.foot.link, robot.foot.span
+    half = leg.chain.cells[-1].full_travel / 2
+    # Upright, a link has angle 0; the links spread as the pivots move apart.
+    spread = math.asin((span + half) / 2 / link) - math.asin(span / 2 / link)
+    return angles | {f"{leg.name}.link.in": -spread, f"{leg.name}.link.out": spread}
+
+
+def add_levers(model: LegModel, name: str, cell: Cell, inner: Place, outer: Place) -> None:
+    """Add two parallel levers from block to block, whose hinges have the stops."""
+    tip = (0.0, model.leg.side * cell.lever, 0.0)
+    for end, shift in (("front", APART / 2), ("back", -APART / 2)):
+        label = f"{name}.lever.{end}"
+        (x, y, z), (a, b, c) = inner[1], outer[1]
+        lever = inner[0].add_body(name=label, pos=(x + shift, y, z))
+        stops = {"limited": True, "range": (-cell.limit, cell.limit), "solimp_limit": STIFF}
+        soft = parts.soft(model.settings)
+        parts.hinge(lever, label, (0.0, 0.0, model.leg.side), solref_limit=soft, **stops)
+        mass = LEVER * model.robot.blocks.mass
+        parts.rod(lever, (0, 0, 0), tip, THICK, mass=mass, rgba=parts.LEVER, **parts.SEEN)
+        parts.site(lever, f"{label}.tip", tip)
+        parts.site(outer[0], f"{label}.pin", (a + shift, b, c))
+        _pin(model, label, f"{label}.pin")
+
+
+def add_link(model: LegModel, end: str, pivot: Place, tip: Vec3) -> None:
+    """Add a link of the V, from a pivot down to the foot's tip."""
+    label, mass = f"{model.leg.name}.link.{end}", LINK * model.robot.foot.mass
+    link = pivot[0].add_body(name=label, pos=pivot[1])
+    parts.hinge(link, label, (0.0, 1.0, 0.0))
+    parts.rod(link, (0, 0, 0), tip, THICK, mass=mass, rgba=parts.LINK, **parts.SEEN)
+    parts.site(link, f"{label}.tip", tip)
+    _pin(model, label, f"{model.leg.name}.tip")
+
+
+def _pin(model: LegModel, name: str, site: str) -> None:
+    """Connect the tip of a lever or link to a point."""
+    model.spec.add_equality(
+        type=parts.mujoco.mjtEq.mjEQ_CONNECT,
+        objtype=parts.mujoco.mjtObj.mjOBJ_SITE,
+        name=name,
+        name1=f"{name}.tip",
+        name2=site,
+        solref=parts.soft(model.settings),
+        solimp=STIFF,
+    )

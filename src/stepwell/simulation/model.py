@@ -8,8 +8,8 @@ import numpy as np
 
 from stepwell.base import Floats, InputError, Ints
 from stepwell.robot import Antenna, Arena, Robot
-from stepwell.simulation import hinges, parts
-from stepwell.simulation.leg import LegModel, add_leg, in_body, places
+from stepwell.simulation import parts
+from stepwell.simulation.leg import LegModel, add_leg, hinge_angles, in_body, places
 from stepwell.simulation.simulator import Linkage, Model, Settings, Spec, mujoco
 
 TYPE = mujoco.mjtSensor
@@ -279,7 +279,7 @@ def _start_position(
         reference = -places(robot, leg).foot[1]
         joints[f"{leg.name}.foot.z"] = reference - float(robot.foot.depth(0.0))
         if settings.linkage is Linkage.HINGES:
-            joints |= hinges.start(robot, leg)
+            joints |= hinge_angles(robot, leg)
     q = model.qpos0.copy()
     for joint, value in joints.items():
         q[model.joint(joint).qposadr[0]] = value

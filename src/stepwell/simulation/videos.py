@@ -9,15 +9,16 @@ import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
+from importlib import import_module
+from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.base import InputError, StepwellError, most, need, notify, problem, write_atomic
 from stepwell.robot import Arena
-from stepwell.simulation import render
 from stepwell.simulation.mazes import Maze
 from stepwell.simulation.model import spec
 from stepwell.simulation.simulator import mujoco
@@ -35,6 +36,8 @@ PATIENCE = 60.0  # how long a graphics system may take to start [s]
 EDGE = 0.25
 GIF_WIDTH = 480
 GIF_COLOURS = 192
+READY = b"ready\n"
+GOAL = (0.0, 0.62, 0.45, 0.35)
 
 
 class VideoError(StepwellError, RuntimeError):
@@ -118,13 +121,13 @@ def _drawn(
             trail=trail if isinstance(result, Maze) else trail[:0],
         )
         tried: list[str] = []
-        drawing = [sys.executable, "-m", "stepwell.simulation.render", str(model), str(run)]
+        drawing = [sys.executable, "-m", "stepwell.simulation.videos", str(model), str(run)]
         pipe = subprocess.PIPE
         for system in SYSTEMS:
             process = subprocess.Popen(drawing, stdout=pipe, stderr=pipe, env=_environment(system))
             assert process.stdout is not None
             try:
-                if process.stdout.readline() == render.READY:
+                if process.stdout.readline() == READY:
                     yield _frames(process, len(chosen), width, height)
                     return
                 tried.append(f"{system or 'this system'}: {_last_line(process)}")
@@ -268,3 +271,65 @@ class _Gif:
 
 
 _ENCODERS = {".mp4": _Mp4, ".gif": _Gif}
+
+
+def _draw_frames(model_file: str, run_file: str) -> None:
+    """Write every frame to the output of a separate process, as height x width x 3 bytes.
+
+    The graphics system is chosen by an environment variable that is read once, when MuJoCo is
+    imported. Separate processes can try several systems, and a driver that crashes ends only its
+    own process.
+    """
+    # Directly, without `simulator`: here the graphics system is needed.
+    mujoco: Any = import_module("mujoco")
+    # Output of a driver must not end up between the frames.
+    frames = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    run = np.load(run_file)
+    view = json.loads(str(run["view"]))
+    model = mujoco.MjModel.from_binary_path(model_file)
+    data = mujoco.MjData(model)
+    renderer = mujoco.Renderer(model, view["height"], view["width"], max_geom=5000)
+    frames.write(READY)
+    camera = mujoco.MjvCamera()
+    camera.distance, camera.azimuth, camera.elevation = view["camera"]
+    camera.lookat[:] = view["lookat"]
+    options = mujoco.MjvOption()
+    options.geomgroup[4] = 0
+    trail = run["trail"]
+    # Shadows and reflections take most of a software renderer's time.
+    for flag in (mujoco.mjtRndFlag.mjRND_SHADOW, mujoco.mjtRndFlag.mjRND_REFLECTION):
+        renderer.scene.flags[flag] = view["shadows"]
+    for frame, position in enumerate(run["positions"]):
+        data.qpos[:] = position
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_camlight(model, data)
+        mujoco.mj_tendon(model, data)
+        if view["follow"]:
+            camera.lookat[:2] = position[:2]
+        renderer.update_scene(data, camera, options)
+        scene = renderer.scene
+        if "goal" in view:
+            x, y, radius = view["goal"]
+            disc = scene.geoms[scene.ngeom]
+            size, place = np.array([radius, 0.0005, 0.0]), np.array([x, y, 0.0005])
+            colour = np.array(GOAL, dtype=np.float32)
+            shape = mujoco.mjtGeom.mjGEOM_CYLINDER
+            mujoco.mjv_initGeom(disc, shape, size, place, np.eye(3).ravel(), colour)
+            scene.ngeom += 1
+        for a, b in pairwise(trail[: frame + 1]):
+            if scene.ngeom >= scene.maxgeom:
+                break
+            geom = scene.geoms[scene.ngeom]
+            shape = mujoco.mjtGeom.mjGEOM_CAPSULE
+            colour = np.array(view["trail"], dtype=np.float32)
+            mujoco.mjv_initGeom(geom, shape, np.zeros(3), np.zeros(3), np.eye(3).ravel(), colour)
+            mujoco.mjv_connector(geom, shape, view["width_m"], a, b)
+            scene.ngeom += 1
+        frames.write(renderer.render().tobytes())
+    frames.close()
+
+
+if __name__ == "__main__":
+    _draw_frames(*sys.argv[1:])

@@ -9,8 +9,7 @@ from typing import Any
 
 from stepwell.files import preset_text, tables_in
 from stepwell.kernels import stay
-from stepwell.studio.answering import LONG, answered, report_error, types
-from stepwell.studio.aside import WorkerProcess, prepare
+from stepwell.studio.aside import LONG, WorkerProcess, answered, prepare, report_error, types
 from stepwell.studio.ask import View
 from stepwell.studio.message import (
     Message,

@@ -1,1 +1,1 @@
-"""Answers to the page: a function `answer_<type>(design, ask)` each; `answering` lists them."""
+"""Answers to the page: a function `answer_<type>(design, ask)` each; `aside` lists them."""
