@@ -4,7 +4,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import combinations, islice, pairwise, permutations, product
+from itertools import chain, combinations, islice, pairwise, permutations, product
 
 import numpy as np
 
@@ -152,7 +152,7 @@ def order_of(text: str, names: tuple[str, ...] = ()) -> tuple[int, ...]:
     """Cells, 0 the innermost, of an order such as "2-1-3" of numbers or names; () for no order."""
     parts = [part.strip() for part in re.split("[->,]", text) if part.strip()] or [""]
     parts = text.split() if len(parts) == 1 else parts
-    numbers = [str(names.index(one) + 1) if one in names else one for one in parts]
+    numbers = _numbered(parts, names)
     if len(numbers) < 2 or set(numbers) != {str(cell + 1) for cell in range(len(numbers))}:
         return ()
     return tuple(int(number) - 1 for number in numbers)
@@ -162,26 +162,30 @@ def refuse_order(text: str, name: str, names: tuple[str, ...] = (), cells: int =
     """Raise InputError for an order such as "2-1-4" that does not name each cell once."""
     if ">" in text or not re.search("[-/,]", text) or set(text) <= set("01, "):
         return
-    halves = [[one.strip() for one in re.split("[-,]", half)] for half in text.split("/")]
-    read = [[str(names.index(one) + 1) if one in names else one for one in half] for half in halves]
-    cells = cells or max(2, *(int(one) for half in read for one in half if one.isdecimal()), 2)
-    for half, parts in zip(text.split("/"), read, strict=True):
-        wrong = next((one for one in parts if not one.isdecimal() or not int(one)), None)
-        twice = next((one for one in parts if parts.count(one) > 1), None)
-        missing = next((k for k in range(1, cells + 1) if str(k) not in parts), None)
-        beyond = next((one for one in parts if one.isdecimal() and int(one) > cells), None)
-        fault = (
-            (wrong == "" and "a number is missing")
-            or (wrong and f"{wrong!r} is no cell, the first is 1")
-            or (twice and f"cell {twice} appears twice")
-            or (beyond and f"there is no cell {beyond}")
-            or (missing and f"cell {missing} is missing")
-        )
-        if fault:
+    halves = text.split("/")
+    orders = [_numbered([one.strip() for one in re.split("[-,]", half)], names) for half in halves]
+    cells = cells or max([2, *(int(one) for one in chain(*orders) if one.isdecimal())])
+    for half, order in zip(halves, orders, strict=True):
+        for fault in _faults(order, cells):
             raise InputError(
                 f"{name}: order {short(half)}: {fault}. Name each cell once, the inner one 1, "
                 f"as in 2-1-3, or give the states, as in 00>10>11>01>00."
             )
+
+
+def _numbered(order: list[str], names: tuple[str, ...]) -> list[str]:
+    """An order with numbers in place of the names of cells."""
+    return [str(names.index(one) + 1) if one in names else one for one in order]
+
+
+def _faults(order: list[str], cells: int) -> Iterator[str]:
+    """Faults of an order of that many cells; each assumes that none comes before it."""
+    for one in order:
+        if not one.isdecimal() or not int(one):
+            yield f"{one!r} is no cell, the first is 1" if one else "a number is missing"
+    yield from (f"cell {one} appears twice" for one in order if order.count(one) > 1)
+    yield from (f"there is no cell {one}" for one in order if int(one) > cells)
+    yield from (f"cell {k} is missing" for k in range(1, cells + 1) if str(k) not in order)
 
 
 def _cycle_of_orders(target: str, last: str, name: str, names: tuple[str, ...]) -> str:
