@@ -138,9 +138,7 @@ def outcomes(
     from stepwell.studies import decided
 
     varied, results = _varied_and_found(study, names or {})
-    for unknown in [name for name in columns if name not in results]:
-        raise InputError(f"{unknown!r}: not a result that differs: use {', '.join(results)}.")
-    results = {name: results[name] for name in columns or results}
+    results = _selected(results, columns)
     deciding = {one.column: one.influences[0].name for one in decided(study)}
     strips = _strips(study, varied, results)
     shown = [one for one in results.items() if one[0] not in strips][:_PANELS]
@@ -232,6 +230,13 @@ def _varied_and_found(
     if not results:
         raise InputError("all designs have the same results: vary a parameter with an influence.")
     return varied, results
+
+
+def _selected(results: dict[str, _Column], columns: Sequence[str]) -> dict[str, _Column]:
+    """The results of these names; all if there are none."""
+    for unknown in [name for name in columns if name not in results]:
+        raise InputError(f"{unknown!r}: not a result that differs: use {', '.join(results)}.")
+    return {name: results[name] for name in columns or results}
 
 
 def _column(study: Study, name: str, chunks: Sequence[int], names: Mapping[str, str]) -> _Column:

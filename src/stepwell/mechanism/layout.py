@@ -151,20 +151,25 @@ class ChainLayout:
         self.owner = np.repeat(range(len(chain)), bands)
         # The side of a symbol, and the shortest rods at it.
         self.box, self.rod = 1.5 * lever, 0.3 * lever
-        self.symbols = {
-            i: Symbol(cell, [travels[i] for travels in reached])
-            for i, cell in enumerate(chain.cells)
-            if isinstance(cell, Element)
-        }
-        # Cells in series carry one force: a common scale, unless a curve would be flat on it.
-        scales = [(float(s.origin[1]), float(s.size[1])) for s in self.symbols.values()]
-        low = min((least for least, _ in scales), default=0.0)
-        high = max((least + size for least, size in scales), default=0.0)
-        if scales and high - low <= _FLAT * min(size for _, size in scales):
-            self.symbols = {
-                i: Symbol(one.element, [travels[i] for travels in reached], (low, high))
-                for i, one in self.symbols.items()
-            }
+        self.symbols = self._symbols(reached)
+
+    def _symbols(self, reached: Sequence[Sequence[float] | Floats]) -> dict[int, Symbol]:
+        """The symbol of each element, by its cell.
+
+        Cells in series carry one force: a common scale, unless a curve would be flat on it.
+        """
+        elements = [
+            (i, cell) for i, cell in enumerate(self.chain.cells) if isinstance(cell, Element)
+        ]
+        if not elements:
+            return {}
+        travels = {i: [row[i] for row in reached] for i, _ in elements}
+        symbols = {i: Symbol(element, travels[i]) for i, element in elements}
+        scales = [(float(one.origin[1]), float(one.size[1])) for one in symbols.values()]
+        low, high = min(least for least, _ in scales), max(least + size for least, size in scales)
+        if high - low > _FLAT * min(size for _, size in scales):
+            return symbols
+        return {i: Symbol(element, travels[i], (low, high)) for i, element in elements}
 
     def pose(
         self, travels: Sequence[float] | Floats, sheets: Sequence[int | None] | None = None

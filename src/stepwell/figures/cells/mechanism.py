@@ -90,18 +90,7 @@ def arrange(
     chain: Chain, states: States, *, columns: int | None = None, tallest: float = _TALLEST
 ) -> DrawingPlan:
     """Lay the drawings out in rows, if possible within the height `tallest` [mm]."""
-    visits = reading.vertices(states.path) if isinstance(states, Cycle) else []
-    wanted = [one.state for one in visits] if isinstance(states, Cycle) else list(states)
-    refuse_long(chain)
-    if not 0 < len(wanted) <= MOST_STATES:
-        raise InputError(f"states has {len(wanted)} entries: must be 1 to {MOST_STATES}.")
-    places = [_place(chain, state) for state in wanted]
-    visited = False
-    if isinstance(states, Cycle) and chain.elements:
-        visited = True
-        at, path = [one.sample for one in visits], states.path
-        each = zip(path.travel[at].tolist(), path.sheet[at].tolist(), strict=True)
-        places = [[*zip(*row, strict=True)] for row in each]
+    wanted, places, visited = _wanted_places(chain, states)
     travels = [[travel for travel, _ in place] for place in places]
     linkage = layout.ChainLayout(chain, travels)
     left, bottom, right, top = linkage.bounds(travels)
@@ -141,6 +130,26 @@ def arrange(
     rest = float(linkage.pose(travels[0]).blocks[-1, 2]) - linkage.unit * strokes[0]
     where = origins, scale, bounds, rest, ways, page, height
     return DrawingPlan(linkage, places, titles, visited, *where)
+
+
+def _wanted_places(
+    chain: Chain, states: States
+) -> tuple[list[State], list[list[tuple[float, int | None]]], bool]:
+    """The states to draw, travel and sheet of each cell, and whether those are of the cycle."""
+    visits: list[reading.Vertex] = []
+    if isinstance(states, Cycle):
+        visits = [*reading.vertices(states.path)]
+        wanted: list[State] = [one.state for one in visits]
+    else:
+        wanted = list(states)
+    refuse_long(chain)
+    if not 0 < len(wanted) <= MOST_STATES:
+        raise InputError(f"states has {len(wanted)} entries: must be 1 to {MOST_STATES}.")
+    if not isinstance(states, Cycle) or not chain.elements:
+        return wanted, [_place(chain, state) for state in wanted], False
+    at, path = [one.sample for one in visits], states.path
+    each = zip(path.travel[at].tolist(), path.sheet[at].tolist(), strict=True)
+    return wanted, [[*zip(*row, strict=True)] for row in each], True
 
 
 def refuse_long(chain: Chain) -> None:
