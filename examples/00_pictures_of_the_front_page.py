@@ -118,7 +118,7 @@ def build() -> Figure:
     made = sw.design(WISH, holes=HOLES, tolerances=WORKSHOP)
     assert made.yield_ is not None
     title = f"{WISH}: {surely(made.yield_)}"
-    draw = partial(figures.holes, made.chain, made.holes)
+    draw = partial(figures.holes, made.chain, HOLES)
     figure = figures.compose({title: [draw]}, width=120.0)
     # Rows a little further apart, for the size of the other pictures.
     figure.set_size_inches(120.0 / 25.4, 75.0 / 25.4)

@@ -7,6 +7,7 @@ import typer
 
 import stepwell as sw
 from cli.folders import written
+from facts import says
 from stepwell.cli.design import band_of, bands_of, between, elements_of, target_of
 from stepwell.cli.ranges import Range, span
 from stepwell.design import BandType, Tolerances, yields
@@ -44,6 +45,16 @@ def test_json_alone_says_everything(stepwell, tmp_path):
     assert record["yield"]["fraction"] == again.fraction
     assert len(record.pop("files")) == 8
     assert record == json.loads((tmp_path / "out" / "design.json").read_text())
+
+
+def test_the_grid_of_the_holes_passes_through_its_origin(stepwell):
+    ask = ("design", BACK, "--samples", 20, "--holes", 3, "--origin", "-1cm:0")
+    record = json.loads(stepwell(*ask, "--json").stdout)
+    assert (record["holes_mm"], record["origin_mm"], record["off_grid"]) == (3, [-10, 0], "")
+    for cell in record["cells"]:
+        steps = (cell["q_mm"][0] + 10) / 3, cell["q_mm"][1] / 3
+        assert steps == pytest.approx([round(one) for one in steps])
+    says(" ".join(stepwell(*ask).stdout.split()), "3 mm apart", "through (-10, 0) mm")
 
 
 def test_a_set_of_states_is_reached_and_no_other(stepwell):
@@ -216,6 +227,9 @@ def test_a_span_rises():
         (("all:2", "--objective", "best"), "best"),
         (("all:2", "--force-limit", 0), "must be > 0"),
         (("all:2", "--holes", 0), "0"),
+        (("all:2", "--origin", "-10:0"), "--origin: needs --holes LENGTH"),
+        (("all:2", "--holes", 5, "--origin", "-10"), "'-10': must be X:Y in mm, as in -10:0"),
+        (("all:2", "--holes", 5, "--origin", "0:inf"), "'0:inf': must be finite"),
         (("all:2", "--drive", "soft"), "'soft': must be stroke, force"),
     ],
 )

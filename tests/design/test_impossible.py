@@ -22,6 +22,7 @@ from stepwell.design.synthesis.region import (
     AnchorBox,
     AnchorPolygon,
     BandType,
+    HoleGrid,
     drilled,
     usual_box,
 )
@@ -112,7 +113,7 @@ def test_nothing_that_is_called_impossible_and_proved_has_a_witness(cells, cases
     proved = designed = tried = 0
     for _ in range(cases):
         box, pitch, band, wanted = random_case(rng, cells)
-        ways = [c for q in drilled(box, pitch).tolist() if (c := cell(band, tuple(q)))]
+        ways = [c for q in drilled(box, HoleGrid(pitch)).tolist() if (c := cell(band, tuple(q)))]
         # All choices, labels included: nothing here knows of symmetry or of end forces. Equal cells
         # are degenerate, so they do not load one after the other.
         numbers = permutations(range(len(ways)), cells)
@@ -137,7 +138,9 @@ def test_sets_of_states_called_impossible_and_proved_have_no_witness():
         every = ["".join(bits) for bits in product("01", repeat=cells)]
         for _ in range(cases):
             box, pitch, band, _ = random_case(rng, cells)
-            ways = [c for q in drilled(box, pitch).tolist() if (c := cell(band, tuple(q)))]
+            ways = [
+                c for q in drilled(box, HoleGrid(pitch)).tolist() if (c := cell(band, tuple(q)))
+            ]
             columns, wanted = [], set()
             while len(set(columns)) < cells:  # so that equal cells are out of the question
                 wanted = {every[0], *(s for s in every[1:-1] if rng.random() < 0.6), every[-1]}
@@ -219,7 +222,7 @@ def test_a_region_is_proved_as_a_whole_only_where_every_place_is(region):
 
 def test_all_orders_of_two_cells_on_few_holes_are_found_or_refused_rightly():
     box, pitch = AnchorBox(-0.004, 0.004, 0.0, 0.008), 0.004
-    ways = [c for q in drilled(box, pitch).tolist() if (c := cell(LONG, tuple(q)))]
+    ways = [c for q in drilled(box, HoleGrid(pitch)).tolist() if (c := cell(LONG, tuple(q)))]
     does = {sequence((a, b)) for a, b in combinations(ways, 2)}
     does |= {sequence((b, a)) for a, b in combinations(ways, 2)}
     for loading, unloading in product(permutations(range(2)), repeat=2):
@@ -267,8 +270,10 @@ def test_where_a_band_is_too_long_the_sizes_that_the_message_names_give_a_design
     assert advice, str(why)
     slack, holes = int(advice[1]), int(advice[2])
     region = within or usual_box(PAPER_LEVER, free)
-    assert holes == len(drilled(region, 0.005))
-    assert slack == sum(_goes_slack(q, free, rest) for q in drilled(region, 0.005).tolist())
+    assert holes == len(drilled(region, HoleGrid(0.005)))
+    assert slack == sum(
+        _goes_slack(q, free, rest) for q in drilled(region, HoleGrid(0.005)).tolist()
+    )
     lever, shorter = float(advice[3]) * 1e-3, float(advice[4]) * 1e-3
     assert lever > PAPER_LEVER and shorter < rest
     longer = answer(wanted, bands=(BandType(22.15, rest),), lever=lever, **how)

@@ -7,7 +7,7 @@ from itertools import combinations, islice, pairwise, permutations, product
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given, settings, strategies as st
 from hypothesis.extra.numpy import arrays
 
 import stepwell as sw
@@ -26,6 +26,7 @@ from stepwell.design.synthesis.region import (
     AnchorBox,
     AnchorPolygon,
     BandType,
+    HoleGrid,
     drilled,
     fits_grid,
     lattice,
@@ -280,7 +281,7 @@ def any_choice(f0: np.ndarray, f1: np.ndarray, loading, unloading) -> bool:
 def test_on_holes_a_cycle_is_found_exactly_where_trying_all_of_them_finds_one(
     within, pitch, possible
 ):
-    f0, f1 = holes_by_brute_force(drilled(within, pitch))
+    f0, f1 = holes_by_brute_force(drilled(within, HoleGrid(pitch)))
     count = 0
     for number, (loading, unloading) in enumerate(PAIRS):
         wanted = cycle(loading, unloading)
@@ -310,7 +311,7 @@ def test_where_each_cell_has_its_own_holes_the_certificate_says_by_how_much_they
     apart = (AnchorBox(0.018, 0.020, 0.0, 0.001), AnchorBox(0.0, 0.002, 0.0, 0.001))
     with pytest.raises(Impossible) as refusal:
         design("00>10>11>01>00", within=apart, holes=0.002, samples=1)
-    right, left = (holes_by_brute_force(drilled(region, 0.002)) for region in apart)
+    right, left = (holes_by_brute_force(drilled(region, HoleGrid(0.002))) for region in apart)
     best = max(
         min(b0 - a0, a1 - b1)
         for (a0, a1), (b0, b1) in product(zip(*right, strict=True), zip(*left, strict=True))
@@ -328,10 +329,10 @@ def test_among_holes_no_choice_is_better_by_the_objective(objective):
     # The holes at the edge of the proof stay, for the worst case to weigh.
     rough = Tolerances() if worst else Tolerances(anchor=0.001, stiffness=0.24)
     rule = candidates.Rule((-0.010, 0.0), (kind,), rough, math.inf, worst, PAPER_BOX)
-    table = rule.everything(PAPER_BOX, drilled(PAPER_BOX, 0.010))
+    table = rule.everything(PAPER_BOX, drilled(PAPER_BOX, HoleGrid(0.010)))
     for loading, unloading in PAIRS[: examples(1, full=6)]:
         orders = Orders(loading, unloading)
-        made = attempt.from_lattice(rule, orders, (PAPER_BOX,) * 3, 0.010)
+        made = attempt.from_lattice(rule, orders, (PAPER_BOX,) * 3, HoleGrid(0.010))
         assert made.best is not None and made.complete
         every = [
             placement.measured(rule, orders, table.take(np.array(picks)))
@@ -556,12 +557,12 @@ def test_each_cell_may_have_its_own_region():
 
 def test_holes_on_the_edge_of_a_polygon_count():
     triangle = AnchorPolygon(((0.001, 0.002), (0.004, 0.002), (0.001, 0.005)))
-    for places in (lattice(triangle, 0.001), drilled(triangle, 0.001)):
+    for places in (lattice(triangle, 0.001), drilled(triangle, HoleGrid(0.001))):
         assert np.round(places * 1e3, 6).tolist() == [
             [1, 2], [2, 2], [3, 2], [4, 2], [1, 3], [2, 3], [3, 3], [1, 4], [2, 4], [1, 5],
         ]  # fmt: skip
     assert len(lattice(PAPER_BOX, 0.005)) == 35
-    assert np.array_equal(drilled(PAPER_BOX, 0.005), lattice(PAPER_BOX, 0.005))
+    assert np.array_equal(drilled(PAPER_BOX, HoleGrid(0.005)), lattice(PAPER_BOX, 0.005))
 
 
 @given(
@@ -575,7 +576,7 @@ def test_holes_with_edges_on_the_grid_are_all_multiples_of_the_spacing(low, step
     other = [(pitch * k, pitch * k + sum([pitch] * n)) for k, n in zip(low, steps, strict=True)]
     for (left, right), (bottom, top) in (edges, other):
         box = AnchorBox(left, right, bottom, top)
-        places = drilled(box, pitch)
+        places = drilled(box, HoleGrid(pitch))
         assert len(places) == (steps[0] + 1) * (steps[1] + 1)
         np.testing.assert_allclose(places / pitch, np.round(places / pitch), atol=1e-7)
         assert np.array_equal(box.clamped(places), places)
@@ -588,7 +589,7 @@ def test_holes_with_edges_on_the_grid_are_all_multiples_of_the_spacing(low, step
 )
 def test_holes_of_any_area_are_the_multiples_inside_it(corner, size, pitch):
     box = AnchorBox(corner[0], corner[0] + size[0], corner[1], corner[1] + size[1])
-    places = drilled(box, pitch)
+    places = drilled(box, HoleGrid(pitch))
     numbers = np.arange(-100, 101) * pitch
     columns = np.sum((numbers >= box.left - 0.5e-6) & (numbers <= box.right + 0.5e-6))
     rows = np.sum((numbers >= box.bottom - 0.5e-6) & (numbers <= box.top + 0.5e-6))
@@ -605,9 +606,11 @@ def test_chosen_holes_pass_through_the_middle_of_the_joints():
 
 
 def test_an_anchor_beside_the_grid_of_holes_is_named_and_stays():
-    assert fits_grid((-0.010, 0.0), 0.005) and not fits_grid((-0.010, 0.0), 0.003)
+    assert fits_grid((-0.010, 0.0), HoleGrid(0.005)) and not fits_grid(
+        (-0.010, 0.0), HoleGrid(0.003)
+    )
     made = design(NESTED, holes=0.003, samples=1)
-    says(made.off_grid, "p (-10, 0) mm", "--free both")
+    says(made.off_grid, "p (-10, 0) mm", "--free both", "--origin -10:0")
     assert {cell.bands[0].p for cell in made.chain.levers} == {(-0.010, 0.0)}
     both = design(NESTED, holes=0.003, free="both", samples=1)
     assert not both.off_grid
@@ -615,11 +618,45 @@ def test_an_anchor_beside_the_grid_of_holes_is_named_and_stays():
     says(other.off_grid, "q (10, 0) mm", "--free both")
 
 
+@given(
+    st.floats(0.0015, 0.006),
+    st.tuples(st.floats(-0.02, -0.005), st.floats(-0.005, 0.005)),
+    st.sampled_from(["q", "p"]),
+)
+@settings(max_examples=examples(8, full=60))
+def test_a_grid_through_the_fixed_anchor_has_every_anchor_in_a_hole(pitch, at, free):
+    p, q = (at, (0.010, 0.0)) if free == "q" else ((-0.010, 0.0), (-at[0], at[1]))
+    fixed = p if free == "q" else q
+    try:
+        made = design(NESTED, holes=pitch, origin=fixed, free=free, p=p, q=q, samples=1)
+    except Impossible as why:
+        says(str(why), "through (")
+        return
+    assert not made.off_grid
+    for cell in made.chain.levers:
+        steps = (np.array([cell.bands[0].p, cell.bands[0].q]) - fixed) / pitch
+        # A hole up to half a micrometre outside the area is moved onto its edge.
+        assert np.abs(steps - np.round(steps)).max() <= 0.51e-6 / pitch
+
+
+def test_a_grid_with_its_mirror_image_elsewhere_has_no_hole_for_both_anchors():
+    with refuses(ValueError, "p = -q", "multiples of 1.5 mm"):
+        design(NESTED, holes=0.003, origin=(-0.010, 0.0), free="both", samples=1)
+    shifted = design(NESTED, holes=0.003, origin=(0.0015, 0.0), free="both", samples=1)
+    assert not shifted.off_grid
+    assert np.all(np.round(shifted.anchors[:, 0] / 0.0015) % 2 == 1)
+    assert "--free both" not in design(NESTED, holes=0.003, origin=(0.001, 0), samples=1).off_grid
+    with refuses(ValueError, "origin", "needs `holes`"):
+        design(NESTED, origin=(0.001, 0.0))
+    with refuses(ValueError, "origin", "finite"):
+        design(NESTED, holes=0.003, origin=(0.0, math.inf))
+
+
 def test_an_area_between_the_holes_is_refused_and_the_advice_works():
     between = AnchorBox(0.001, 0.004, -0.004, 0.004)
     with pytest.raises(ValueError, match=r"none is in AnchorBox.* 2\.5 mm apart"):
         design("0>1>0", within=between, holes=0.005, samples=1)
-    assert len(drilled(between, 0.0025)) == 3
+    assert len(drilled(between, HoleGrid(0.0025))) == 3
     assert design("0>1>0", within=between, holes=0.0025, samples=1).sequence == "0>1>0"
 
 

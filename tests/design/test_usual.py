@@ -117,6 +117,7 @@ def test_a_program_in_millimetres_does_not_pass_for_one_that_none_survives():
         ({"within": AnchorBox(0, 20, -0.015, 0.015)}, "within, x", 0.020),
         ({"within": AnchorBox(0, 2e-5, -1e-5, 1e-5)}, "within", (0.020, 0.010)),
         ({"holes": 5.0}, "holes", 0.005),
+        ({"holes": 0.005, "origin": (-10.0, 0.0)}, "origin", (-0.010, 0.0)),
         ({"bands": [BandType(28.5, 10.0)]}, "rest_length", 0.010),
         ({"bands": [BandType(0.0285, 0.010)]}, "stiffness", 28.5),
         ({"tolerances": sw.Tolerances(anchor=0.3)}, "anchor", 0.0003),

@@ -22,7 +22,7 @@ def from_origin(figure, gid: str) -> Array:
     middle = (one + other) / 2
     scale = LEG.levers[0].lever / np.hypot(*np.diff(middle, axis=0)[0])
     at = points(lines(figure, gid)[0])
-    return (at - middle["pq".index(gid)]) * scale
+    return (at - middle[int(gid == "q")]) * scale
 
 
 @pytest.mark.parametrize("pitch", [None, PITCH])
@@ -52,6 +52,21 @@ def test_the_pitch_is_a_dimension_and_no_holes_are_drawn_without_it():
     bare = figures.holes(LEG)
     assert not lines(bare, "hole")
     assert not lines(bare, "pitch")
+
+
+@pytest.mark.parametrize("origin", [(-0.010, 0.0), (0.0007, -0.0012), (0.0, 0.0015)])
+def test_the_drawn_grid_passes_through_its_origin_and_no_joint_covers_a_hole(origin):
+    pitch = 0.003
+    figure = figures.holes(LEG, pitch, origin)
+    x, y = (f"{one * 1e3:g}".replace("-", "\N{MINUS SIGN}") for one in origin)
+    says(" ".join(drawn.says(figure)), f"through ({x}, {y})")
+    steps = (from_origin(figure, "hole") - origin) / pitch
+    np.testing.assert_allclose(steps, np.round(steps), atol=1e-6)
+    (one, _), (other, _) = (points(line) for line in lines(figure, "lever")[:2])
+    scale = LEG.levers[0].lever / np.ptp(points(lines(figure, "lever")[0])[:, 0])
+    joints = np.array([one, other]) * scale - (one + other) / 2 * scale
+    apart = from_origin(figure, "hole")[:, None] - joints
+    assert np.hypot(*apart.T).min() > 0.24 * pitch
 
 
 @pytest.mark.parametrize("name", ["paper-forward", "three-wave", "four-shuffle"])

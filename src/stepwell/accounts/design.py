@@ -48,7 +48,8 @@ def design_schema(shape: Shape) -> Schema:
         *keys(states_whole=(bool, "reached.whole"), states_how=(str, "reached.how")),
         *keys(actuator=(actuator_schema(shape), "chain")),
         *keys(cells=([built_schema(shape)], lambda one: named(one.chain))),
-        *keys(holes="mm", off_grid=str, candidates=int, robustness=_ROBUSTNESS),
+        *(_of_grid(*one) for one in (("holes", "pitch", float), ("origin", "origin", [float]))),
+        *keys(off_grid=str, candidates=int, robustness=_ROBUSTNESS),
         Quantity("yield", read="yield_", holds=yields.inner_yield_schema(shape)),
         Quantity("assumptions"),
     )
@@ -62,11 +63,25 @@ def design_schema(shape: Shape) -> Schema:
     )
 
 
+def _of_grid(name: str, part: str, holds: Any) -> Quantity:
+    """A length of the grid of holes; None without holes."""
+    return Quantity(
+        name,
+        "mm",
+        read=lambda one: one.holes and getattr(one.holes, part),
+        holds=holds,
+        missing=True,
+    )
+
+
 def _origin(design: Design) -> str:
     """The origin and axes of the anchors, and the distance of the holes."""
     if design.chain.elements:
         return ""
-    apart = f"{amount(design.holes, 'm')} apart, " if design.holes else ""
+    grid, apart = design.holes, ""
+    if grid is not None:
+        through = [grid.shifted] * bool(grid.shifted)
+        apart = ", ".join([f"{amount(grid.pitch, 'm')} apart", *through, ""])
     axes = "x across to the outer block, y along the stroke"
     return f"{apart}origin in the middle of the joints; {axes}"
 

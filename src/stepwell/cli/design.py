@@ -13,7 +13,7 @@ from stepwell.base import REACH, from_unit, to_unit
 from stepwell.cli import tolerances as given
 from stepwell.cli.driving import NewDrive, stiffness_of
 from stepwell.cli.options import Design, Group, Output, argument, by_name, flag, option, read_chain
-from stepwell.cli.ranges import Range, length, millimetres, span
+from stepwell.cli.ranges import Point, Range, length, millimetres, point, span
 from stepwell.cli.screen import answered, progress, usable, wrong
 
 if TYPE_CHECKING:
@@ -85,10 +85,13 @@ class Parts(Group):
         default=Free.Q,
     )
     holes: float | None = option(
-        "Spacing of the holes for anchors [mm]; the grid passes through (0, 0), halfway between "
-        "the lever joints.",
-        "LENGTH",
-        parser=length(0.01),
+        "Spacing of the holes for anchors [mm].", "LENGTH", parser=length(0.01)
+    )
+    origin: Point | None = option(
+        "A point of the grid of --holes [mm], in the frame of each block; by default 0:0, halfway "
+        "between the lever joints.",
+        "X:Y",
+        parser=point,
     )
     bands: list[str] | None = option(
         "Available band: paper, robot or antennas; stiffness [N/m], rest length and tolerance [%]; "
@@ -121,6 +124,8 @@ class Parts(Group):
                 "cannot be combined with --x, --y, --holes, --band or --lever: elements have no "
                 "anchors.",
             )
+        if self.origin and not self.holes:
+            raise wrong("--origin", "needs --holes LENGTH, the spacing of the grid.")
         levers = [from_unit(lever, "mm") for lever in self.levers or ()] or [PAPER_LEVER]
         return {
             "within": self._box(usual_box(max(levers), self.place)) if self.x or self.y else None,
@@ -129,6 +134,7 @@ class Parts(Group):
             "force_scale": (self.force_scale.start, self.force_scale.stop),
             "travel_scale": (self.travel_scale.start, self.travel_scale.stop),
             "holes": None if self.holes is None else from_unit(self.holes, "mm"),
+            "origin": tuple(from_unit(one, "mm") for one in self.origin or (0.0, 0.0)),
             "bands": [one for text in self.bands or ["paper"] for one in bands_of(text)],
             "lever": levers,
             "equal_levers": not self.mixed_levers,

@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import typer
 
@@ -114,6 +115,21 @@ def _rising(text: str | Range, form: str, example: str, most: float, unit: str =
     with usable():
         require("points", ends.count or 0, f"{text!r}:")
     return ends
+
+
+class Point(NamedTuple):
+    """A point of a plane [mm]."""
+
+    x: float
+    y: float
+
+
+def point(text: str) -> Point:
+    """X:Y, each in mm or with its unit."""
+    ends = read_range(text.strip(), "X:Y in mm", "-10:0 or -1cm:0", millimetres)
+    if not math.hypot(ends.start, ends.stop) < math.inf:
+        raise typer.BadParameter(f"{text!r}: must be finite, as in -10:0.")
+    return Point(ends.start, ends.stop)
 
 
 def span(text: str | Range) -> Range:

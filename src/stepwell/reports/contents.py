@@ -107,7 +107,9 @@ def _design(design: Design, account: Account) -> Contents:
     files = {"design.toml": design_text(account), "yield.csv": design.yield_.to_csv}
     draws = {"force-plane": partial(figures.plot, design)}
     if len(design.chain) <= MOST_PLAYED and not design.chain.elements:
-        draws["holes"] = partial(figures.holes, design.chain, design.holes)
+        grid = design.holes
+        drilled = () if grid is None else (grid.pitch, grid.origin)
+        draws["holes"] = partial(figures.holes, design.chain, *drilled)
     return Contents("design", "design.json", files, draws)
 
 

@@ -11,7 +11,7 @@ from stepwell.design.orders import Orders
 from stepwell.design.synthesis import placement
 from stepwell.design.synthesis.candidates import Candidates, Rule, differences, joined
 from stepwell.design.synthesis.holes import best_choice, fits
-from stepwell.design.synthesis.region import Region, drilled, lattice
+from stepwell.design.synthesis.region import HoleGrid, Region, drilled, lattice
 from stepwell.mechanism import Cell, Chain
 
 # Node limits of a complete search among holes (some ten seconds), and of a first search.
@@ -31,7 +31,7 @@ class Attempt:
     rule: Rule
     orders: Orders
     regions: tuple[Region, ...]
-    holes: float | None
+    holes: HoleGrid | None
     tables: list[Candidates]  # candidates of the first step, for every different region
     owner: tuple[int, ...]  # number of the table of every cell
     best: placement.Placement | None
@@ -125,7 +125,7 @@ def named_chain(cells: Sequence[Cell], actuator_stiffness: float, title: str) ->
 
 
 def from_lattice(
-    rule: Rule, orders: Orders, regions: tuple[Region, ...], holes: float | None
+    rule: Rule, orders: Orders, regions: tuple[Region, ...], holes: HoleGrid | None
 ) -> Attempt:
     """The best choice from a lattice or from all holes, by complete search if these are few."""
     different = list(dict.fromkeys(regions))
@@ -146,7 +146,9 @@ def from_lattice(
     return Attempt(rule, orders, regions, holes, tables, owner, best, complete, nodes, pitch)
 
 
-def possible(rule: Rule, orders: Orders, regions: tuple[Region, ...], holes: float | None) -> bool:
+def possible(
+    rule: Rule, orders: Orders, regions: tuple[Region, ...], holes: HoleGrid | None
+) -> bool:
     """Whether a short search among the holes finds a choice that meets both orders."""
     different = list(dict.fromkeys(regions))
     _, tables = _tables(rule, different, holes)
@@ -160,11 +162,11 @@ def possible(rule: Rule, orders: Orders, regions: tuple[Region, ...], holes: flo
 
 
 def _tables(
-    rule: Rule, regions: Sequence[Region], holes: float | None
+    rule: Rule, regions: Sequence[Region], holes: HoleGrid | None
 ) -> tuple[float, list[Candidates]]:
     """The pitch [m] of the lattice or the holes, and the candidates of each region."""
     if holes is not None:
-        return holes, [rule.everything(region, drilled(region, holes)) for region in regions]
+        return holes.pitch, [rule.everything(region, drilled(region, holes)) for region in regions]
     share = _LATTICE_OF_ALL / (len(rule.kinds) * len(regions))
     places = min(_LATTICE, max(_LATTICE_LEAST, share))
     pitches, tables = zip(*(_lattice(rule, region, places) for region in regions), strict=True)

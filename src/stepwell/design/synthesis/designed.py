@@ -14,7 +14,7 @@ from stepwell.design.margins.robustness import Robustness, robustness
 from stepwell.design.orders import short
 from stepwell.design.switches import are_relays, switching_forces
 from stepwell.design.synthesis.attempt import Attempt
-from stepwell.design.synthesis.region import fits_grid
+from stepwell.design.synthesis.region import HoleGrid, fits_grid, shown_mm
 from stepwell.design.synthesis.slack import RegionsOf, slack_advice
 from stepwell.design.targets import Reached, Target, reached
 from stepwell.design.tolerances.draws import levers_of
@@ -34,7 +34,7 @@ class Design(ByValue, Drawn):
         yield_: fraction of samples that reach the target, with the tolerances.
         region: feasible pairs (F0, F1) [N] of a cell: closed curves (m, 2) around them, or all of
             them for holes.
-        holes: pitch of the drilled holes [m]; None for anchors anywhere.
+        holes: grid of the drilled holes, with `pitch` and `origin` [m]; None for anchors anywhere.
         candidates: number of candidates for a cell in the first step.
         proved: whether no other choice of holes with proved cells is better.
         method: what was searched, the objective, and what is proved.
@@ -45,7 +45,7 @@ class Design(ByValue, Drawn):
     cycle: Cycle = field(repr=False)
     yield_: Yield
     region: tuple[Floats, ...] = field(repr=False)
-    holes: float | None
+    holes: HoleGrid | None
     candidates: int
     proved: bool
     method: str
@@ -100,15 +100,19 @@ class Design(ByValue, Drawn):
     @property
     def off_grid(self) -> str:
         """The anchors that are in no hole of the grid, and the remedy; "" for none."""
-        bands = [cell.bands[0] for cell in levers_of(self.chain)] if self.holes else []
+        grid = self.holes
+        if grid is None:
+            return ""
+        bands = [cell.bands[0] for cell in levers_of(self.chain)]
         places = dict.fromkeys((name, getattr(one, name)) for one in bands for name in "pq")
-        off = [
-            f"{name} ({base.to_unit(x, 'mm'):.4g}, {base.to_unit(y, 'mm'):.4g}) mm"
-            for name, (x, y) in places
-            if not fits_grid((x, y), self.holes or math.inf)
-        ]
-        remedy = ": drill it separately, or search with --free both, where p = -q"
-        return ", ".join(off) + remedy if off else ""
+        off = [(name, place) for name, place in places if not fits_grid(place, grid)]
+        if not off:
+            return ""
+        named = ", ".join(f"{name} {shown_mm(place)} mm" for name, place in off)
+        x, y = (base.to_unit(one, "mm") + 0.0 for one in off[0][1])
+        ways = ["--free both, where p = -q"] * grid.mirrored
+        ways.append(f"--origin {x:.9g}:{y:.9g}, a grid through {off[0][0]}")
+        return f"{named}: drill it separately, or search with {', or '.join(ways)}"
 
     @property
     def assumptions(self) -> str:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stepwell.base import ONE_BY_ONE, QUICKLY, InputError, Progress, to_unit
+from stepwell.base import ONE_BY_ONE, QUICKLY, InputError, Progress, Vec2, to_unit
 from stepwell.design.orders import by_cells_at_1, of_sequence, of_states, order_of, short
 from stepwell.design.plane import Box
 from stepwell.design.switches import switching_forces
@@ -15,7 +15,7 @@ from stepwell.design.synthesis.attempt import Attempt
 from stepwell.design.synthesis.candidates import LOOKS, Kind, Rule
 from stepwell.design.synthesis.designed import Design
 from stepwell.design.synthesis.elements import Allowed, ElementTarget, Range, Scaled, scaled
-from stepwell.design.synthesis.region import AnchorBox, AnchorPolygon, BandType, Region
+from stepwell.design.synthesis.region import AnchorBox, AnchorPolygon, BandType, HoleGrid, Region
 from stepwell.design.synthesis.tries import Placed, TargetSearch
 from stepwell.design.targets import Target, unsearchable
 from stepwell.design.tolerances.draws import DEFAULT_TOLERANCES, Tolerances, levers_of, refuse_slips
@@ -39,6 +39,7 @@ def design(
     cells: int | None = None,
     within: Region | Sequence[Region] | None = None,
     holes: float | None = None,
+    origin: Vec2 = (0.0, 0.0),
     p: tuple[float, float] = (-0.010, 0.0),
     q: tuple[float, float] = (0.010, 0.0),
     free: str = "q",
@@ -81,8 +82,9 @@ def design(
         cells: number of cells for states="all".
         within: regions of the free anchors, one for all cells or one for each; by default the
             paper's box, scaled with the largest lever, and its mirror image for p.
-        holes: pitch of drilled holes [m]; their grid passes through the origin of the block frame,
-            halfway between the lever joints. None for anywhere.
+        holes: pitch of drilled holes [m]. None for anywhere.
+        origin: a point of their grid [m], in the frame of each block; by default its origin,
+            halfway between the lever joints.
         p, q: inner and outer anchor of every cell [m], if it is not free.
         free: which anchors are placed: "q", "p", or "both" with p = -q. Only q - p matters, so
             mirror images cover two anchors anywhere in a convex region and its image.
@@ -118,8 +120,9 @@ def design(
     Source: sorting theorem, theory page; defaults from Kamp et al. 2024, Figs. 1 and 2.
     """
     sequence = _one_target(sequence, states, order, samples)
+    grid = _grid_of(holes, origin)
     if elements:
-        if within is not None or holes is not None:
+        if within is not None or grid is not None:
             raise InputError("elements have no anchors: leave `within` and `holes` out.")
         allowed = Allowed(elements, force_scale, travel_scale, most_force, tolerances)
         goal = ElementTarget.of(sequence, states, cells)
@@ -143,14 +146,12 @@ def design(
         free=free,
     )
     if not unusual:
-        _check_units(rule, holes)
-    _check_holes(regions, holes)
+        _check_units(rule, grid)
+    _check_holes(regions, grid, free)
     mixed = not equal_levers and len(levers) > 1
     rules = [rule] * mixed + _one_lever_each(rule, len(bands))
     n = len(rules)
-    search = TargetSearch(
-        target, regions, holes, actuator_stiffness, seed, progress, n, free, usual
-    )
+    search = TargetSearch(target, regions, grid, actuator_stiffness, seed, progress, n, free, usual)
     placed = search.placed(rules)
     attempt = placed.best
     if attempt is not None:
@@ -170,7 +171,7 @@ def design(
         result,
         counted,
         () if attempt is None else attempt.region(),
-        holes,
+        grid,
         placed.candidates,
         attempt is not None and placed.complete,
         how,
@@ -312,7 +313,7 @@ def _check_objective(
         raise InputError(f"most_force = {most_force} N: must be > 0.")
 
 
-def _check_units(rule: Rule, holes: float | None) -> None:
+def _check_units(rule: Rule, holes: HoleGrid | None) -> None:
     name, around = "q" if rule.free == "p" else "p", rule.looked_at
     levers = list(dict.fromkeys(kind.lever for kind in rule.kinds))
     bands = list(dict.fromkeys(kind.band for kind in rule.kinds))
@@ -323,7 +324,9 @@ def _check_units(rule: Rule, holes: float | None) -> None:
         slips += sizes.length(name, rule.fixed, lever)
         far = [*sizes.far("within, x", corner[0], lever), *sizes.far("within, y", corner[1], lever)]
         slips += far or sizes.length("within", corner, lever)
-        slips += sizes.length("holes", holes or 0.0, lever)
+        if holes is not None:
+            slips += sizes.length("holes", holes.pitch, lever)
+            slips += sizes.far("origin", holes.origin, lever)
         for band in bands:
             slips += sizes.length("rest_length", band.rest_length, lever)
             if isinstance(band.law, Linear):
@@ -335,21 +338,34 @@ def _check_units(rule: Rule, holes: float | None) -> None:
     refuse_slips(rule.tolerances, travel, strongest, _WAY)
 
 
-def _check_holes(regions: Sequence[Region], holes: float | None) -> None:
+def _grid_of(pitch: float | None, origin: Vec2) -> HoleGrid | None:
+    if pitch is not None:
+        return HoleGrid(pitch, origin)
+    if any(origin):
+        raise InputError(f"origin = {origin!r}: needs `holes`, the pitch of the grid [m].")
+    return None
+
+
+def _check_holes(regions: Sequence[Region], holes: HoleGrid | None, free: str) -> None:
     if holes is None:
         return
+    if free == "both" and not holes.mirrored:
+        raise InputError(
+            f"holes {holes.shifted}: with p = -q, no p is in a hole: use an origin at multiples of "
+            f"{to_unit(holes.pitch / 2, 'mm'):.4g} mm, or free one anchor, q or p."
+        )
     for region in dict.fromkeys(regions):
         if len(areas.drilled(region, holes)):
             continue
         finer = holes
         for _ in range(20):
-            finer /= 2
+            finer = replace(finer, pitch=finer.pitch / 2)
             if len(areas.drilled(region, finer)):
                 break
         raise InputError(
-            f"holes {to_unit(holes, 'mm'):.4g} mm apart: none is in {region!r}. Their grid passes "
-            f"through (0, 0), halfway between the lever joints: move the region, or use holes "
-            f"{to_unit(finer, 'mm'):.4g} mm apart."
+            f"holes {to_unit(holes.pitch, 'mm'):.4g} mm apart: none is in {region!r}. Their grid "
+            f"passes {holes.shifted or 'through (0, 0), halfway between the lever joints'}: move "
+            f"the region, or use holes {to_unit(finer.pitch, 'mm'):.4g} mm apart."
         )
 
 

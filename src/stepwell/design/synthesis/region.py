@@ -175,6 +175,41 @@ PAPER_BOX = AnchorBox(0.0, 0.020, -0.015, 0.015)
 PAPER_LEVER = 0.010 * math.sqrt(2.0)
 
 
+@dataclass(frozen=True, slots=True)
+class HoleGrid:
+    """A square grid of drilled holes in the frame of a block; ValueError unless it is finite.
+
+    Args:
+        pitch: distance of the holes [m], > 0.
+        origin: a point (x, y) of the grid [m]; by default the middle of the lever joints.
+    """
+
+    pitch: float
+    origin: Vec2 = (0.0, 0.0)
+
+    def __post_init__(self):
+        if not 0 < self.pitch < math.inf:
+            raise InputError(f"pitch = {self.pitch} m: must be > 0 and finite.")
+        if len(self.origin) != 2 or not all(map(math.isfinite, self.origin)):
+            raise InputError(f"origin = {self.origin!r}: must be two finite numbers (x, y) [m].")
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether -q is a hole for every hole q."""
+        return fits_grid((-self.origin[0], -self.origin[1]), self)
+
+    @property
+    def shifted(self) -> str:
+        """The origin in words; "" for the middle of the joints."""
+        return f"through {shown_mm(self.origin)} mm" if any(self.origin) else ""
+
+
+def shown_mm(place: Vec2) -> str:
+    """A place [m] as "(x, y)" in millimetres."""
+    x, y = (to_unit(one, "mm") + 0.0 for one in place)
+    return f"({x:.4g}, {y:.4g})"
+
+
 def usual_box(lever: float, free: str = "q") -> AnchorBox:
     """The paper's box scaled with the lever [m]; for p its mirror image."""
     ratio, box = lever / PAPER_LEVER, PAPER_BOX
@@ -187,7 +222,7 @@ def usual_box(lever: float, free: str = "q") -> AnchorBox:
 _FREE = {"q": "anchors q", "p": "anchors p", "both": "anchors q, and p = -q,"}
 
 
-def allowed_text(regions: Sequence[Region], holes: float | None, free: str = "q") -> str:
+def allowed_text(regions: Sequence[Region], holes: HoleGrid | None, free: str = "q") -> str:
     """Text for the allowed anchors, with units."""
     places: list[str] = []
     for region in regions:
@@ -197,8 +232,11 @@ def allowed_text(regions: Sequence[Region], holes: float | None, free: str = "q"
             f"{kind}x {to_unit(box.left, 'mm'):.4g} to {to_unit(box.right, 'mm'):.4g} mm, "
             f"y {to_unit(box.bottom, 'mm'):.4g} to {to_unit(box.top, 'mm'):.4g} mm"
         )
-    pitch = "anywhere" if holes is None else f"in holes {to_unit(holes, 'mm'):.4g} mm apart"
-    return f"{_FREE[free]} {pitch} at {' or '.join(dict.fromkeys(places))}"
+    drilled = "anywhere"
+    if holes is not None:
+        through = f" {holes.shifted}," * bool(holes.shifted)
+        drilled = f"in holes {to_unit(holes.pitch, 'mm'):.4g} mm apart{through}"
+    return f"{_FREE[free]} {drilled} at {' or '.join(dict.fromkeys(places))}"
 
 
 def lattice(region: Region, pitch: float) -> Floats:
@@ -207,22 +245,21 @@ def lattice(region: Region, pitch: float) -> Floats:
     return _grid(region, pitch, (box.left, box.bottom))
 
 
-def drilled(region: Region, pitch: float) -> Floats:
-    """(m, 2) holes [m] inside the region, at multiples of `pitch` [m] from the block's origin.
+def drilled(region: Region, grid: HoleGrid) -> Floats:
+    """(m, 2) holes [m] of the grid inside the region.
 
     One less than half a micrometre outside is on the edge, and moved onto it.
     """
-    return region.clamped(_grid(region, pitch, (0.0, 0.0)))
+    return region.clamped(_grid(region, grid.pitch, grid.origin))
 
 
-def fits_grid(place: Vec2, pitch: float) -> bool:
-    """Whether a place [m] is at multiples of `pitch` [m] from the block's origin."""
-    return all(abs(x - pitch * round(x / pitch)) <= _EDGE for x in place)
+def fits_grid(place: Vec2, grid: HoleGrid) -> bool:
+    """Whether a place [m] is a hole of the grid."""
+    off = [x - at for x, at in zip(place, grid.origin, strict=True)]
+    return all(abs(x - grid.pitch * round(x / grid.pitch)) <= _EDGE for x in off)
 
 
 def _grid(region: Region, pitch: float, through: Vec2) -> Floats:
-    if not 0 < pitch < math.inf:
-        raise InputError(f"pitch = {pitch} m: must be > 0 and finite.")
     box = region.bounds
     sides = (box.left, box.right), (box.bottom, box.top)
     ends = [

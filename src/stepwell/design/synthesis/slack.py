@@ -71,7 +71,8 @@ def _looks_wrong(attempt: Attempt, lever: float, rest: float) -> bool:
     """Whether `design` would refuse these sizes as unit errors."""
     if attempt.rule.kinds[0].unusual:
         return False
-    lengths = attempt.holes or 0.0, attempt.rule.fixed, rest
+    pitch = attempt.holes.pitch if attempt.holes else 0.0
+    lengths = pitch, attempt.rule.fixed, rest
     slips = [slip for length in lengths for slip in sizes.length("", length, lever)]
     return bool(slips) or any(sizes.lever_of("", lever))
 

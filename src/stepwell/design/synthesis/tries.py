@@ -17,7 +17,7 @@ from stepwell.design.synthesis.attempt import Attempt, from_lattice, named_chain
 from stepwell.design.synthesis.candidates import Candidates, Rule, joined
 from stepwell.design.synthesis.designed import Impossible, explained
 from stepwell.design.synthesis.placement import all_proved, measured
-from stepwell.design.synthesis.region import Region, allowed_text, drilled, usual_box
+from stepwell.design.synthesis.region import HoleGrid, Region, allowed_text, drilled, usual_box
 from stepwell.design.targets import Behaviour, Target
 from stepwell.design.tolerances.draws import Tolerances
 from stepwell.design.tolerances.yields import yields
@@ -110,7 +110,7 @@ class Buildable(NamedTuple):
     concave: bool  # whether the nominal cell is proved concave
 
 
-def _buildable(rule: Rule, region: Region, holes: float) -> list[Buildable]:
+def _buildable(rule: Rule, region: Region, holes: HoleGrid) -> list[Buildable]:
     buildable: list[Buildable] = []
     places = drilled(region, holes)
     taut = [kind.taut(rule.differences(places)).tolist() for kind in rule.kinds]
@@ -231,7 +231,7 @@ class TargetSearch:
 
     target: Target
     regions: tuple[Region, ...]
-    holes: float | None  # pitch [m]
+    holes: HoleGrid | None
     actuator_stiffness: float
     seed: int
     progress: Progress
@@ -294,7 +294,7 @@ class TargetSearch:
         return _THROUGH_A_CYCLE if self.target.states is None else _ALONG_ALL_BRANCHES
 
     def _simulated_choices(
-        self, rules: list[Rule], holes: float, *, decided: bool
+        self, rules: list[Rule], holes: HoleGrid, *, decided: bool
     ) -> tuple[list[Chain], bool, str]:
         """Simulate every remaining choice of holes, or random ones for some seconds.
 

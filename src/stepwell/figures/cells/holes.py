@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stepwell.base import Floats, InputError, from_unit
+from stepwell.base import Floats, InputError, Vec2, from_unit
 from stepwell.figures.common import legends, marks, sheet, style, words
 from stepwell.figures.common.marks import along_x, along_y, arrow, mm, mm_pair
 from stepwell.mechanism import Cell, Chain, layout
@@ -25,7 +25,7 @@ _FREE = "the distance of the two joints of a block, and the length of a block be
 
 
 @style.styled
-def holes(chain: Chain, pitch: float | None = None) -> Figure:
+def holes(chain: Chain, pitch: float | None = None, origin: Vec2 = (0.0, 0.0)) -> Figure:
     """The inner and the outer plate of each cell, with p and q and the holes of the grid.
 
     A cell is drawn from the front, at half travel: the levers are level, and the stroke is upwards.
@@ -35,8 +35,8 @@ def holes(chain: Chain, pitch: float | None = None) -> Figure:
 
     Args:
         chain: up to 12 cells of levers and bands.
-        pitch: distance of the holes [m]; their grid passes through both origins. None draws the
-            anchors alone.
+        pitch: distance of the holes [m]. None draws the anchors alone.
+        origin: a point of their grid [m], in the frame of each plate; by default its origin.
 
     Raises:
         ValueError: elements, too many cells, or a pitch that is not positive.
@@ -52,7 +52,7 @@ def holes(chain: Chain, pitch: float | None = None) -> Figure:
         raise InputError(f"pitch = {pitch} m: must be > 0, the distance of the holes.")
     width = sheet.page_width(style.COLUMN if len(chain) <= 3 else style.PAGE)
     columns = max(1, min(len(chain), int(width / _WIDE)))
-    plates = _Plates(chain, pitch, width / columns)
+    plates = _Plates(chain, pitch, origin, width / columns)
     high = plates.high + _ABOVE + _BELOW
     notes = words.wrapped(plates.notes(width), int((width - 4.0) / _LETTER))
     foot = _LINE * len(notes) + 2.0
@@ -78,16 +78,19 @@ class _Plates:
     page.
     """
 
-    def __init__(self, chain: Chain, pitch: float | None, width: float):
+    def __init__(self, chain: Chain, pitch: float | None, through: Vec2, width: float):
         self.chain, self.width = chain, width
         self.linkage = layout.ChainLayout(chain)
         self.colours = style.cell_colours(len(chain))
         self.pitch = None if pitch is None else pitch * style.MM
+        self.through = np.array(through) * style.MM
         lever = max(cell.lever for cell in self._cells) * style.MM
         pair = self.linkage.half_pair * style.MM
         if self.pitch is not None and self.pitch < 4.0 * pair:
             # Free in the model; here no joint covers a hole.
-            pair = self.pitch * (round(pair / self.pitch - 0.5) + 0.5)
+            off = abs(math.remainder(self.through[1], self.pitch))
+            half = 0.5 if off <= self.pitch / 4 else 1.0
+            pair = self.pitch * (max(round(pair / self.pitch - half), 0) + half)
         self.pair = pair
         ends = [
             np.array([getattr(band, name) for cell in self._cells for band in cell.bands])
@@ -131,10 +134,12 @@ class _Plates:
             f"is to the left when seen from the front. " * bool(back)
         )
         size = f"1:{1 / self.scale:.3g}" if self.scale <= 1 else f"{self.scale:.3g}:1"
+        grid = f"Grid through {mm_pair((self.through / style.MM).tolist())} mm of each plate. "
+        grid *= self.pitch is not None and bool(self.through.any())
         return (
             f"Seen from the front at half travel. +x: across the stroke, from the inner to the "
-            f"outer block; +y: along the stroke. {turned}The outer block of a cell is the inner "
-            f"block of the next. Free: {_FREE}. Scale {size} on a print {width:.4g} mm wide."
+            f"outer block; +y: along the stroke. {grid}{turned}The outer block of a cell is the "
+            f"inner block of the next. Free: {_FREE}. Scale {size} on a print {width:.4g} mm wide."
         )
 
     def draw(self, ax: Axes, i: int) -> None:
@@ -178,7 +183,8 @@ class _Plates:
             step = self._step
             by = f"{_mm_of(self.pitch)} mm" if step == 1 else f"{step} × {_mm_of(self.pitch)} mm"
             x = origin[0] + self.inner[0] * scale
-            far = origin[1], origin[1] + step * self.pitch * scale
+            low = -(-self.through[1] % (step * self.pitch))  # the highest hole at or below y = 0
+            far = origin[1] + low * scale, origin[1] + (low + step * self.pitch) * scale
             along_y(ax, far, (x, x - 2.0), by, gid="pitch")
         x = self.width - 3.0
         y = _BELOW + self.high / 2
@@ -219,10 +225,15 @@ class _Plates:
             return
         pitch, inset = self.pitch * self._step, 0.3 * min(self.edge, self.pitch)
         every = [
-            np.arange(math.ceil((low + inset) / pitch), math.floor((high - inset) / pitch) + 1)
-            for low, high in (sides, self.y)
+            at_0
+            + pitch
+            * np.arange(
+                math.ceil((low - at_0 + inset) / pitch),
+                math.floor((high - at_0 - inset) / pitch) + 1,
+            )
+            for (low, high), at_0 in zip((sides, self.y), self.through, strict=True)
         ]
-        x, y = (one.ravel() * pitch * self.scale for one in np.meshgrid(*every))
+        x, y = (one.ravel() * self.scale for one in np.meshgrid(*every))
         size = min(3.0, 1.2 * pitch * self.scale)
         look = style.hollow(size, style.FAINT, markeredgewidth=0.6)
         ax.plot(at[0] + x, at[1] + y, "o", **look, zorder=2, gid="hole")
