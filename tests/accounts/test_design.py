@@ -37,7 +37,7 @@ def test_every_form_has_the_sequence_the_anchors_the_yield_and_the_method(back):
         for text in (
             BACK,
             f"with 95 % confidence {low} to {high}",
-            "outer before inner",
+            "outer moves before inner",
             "lattices",
         ):
             assert text in form

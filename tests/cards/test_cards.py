@@ -25,7 +25,7 @@ PARTS = {
     *("Counting", "Critical", "Cubic", "Curve", "Cycles", "Cylinder", "Draws", "Drive"),
     *("DriveNeeds", "GaitComparison"),
     *("OtherLanding", "Estimate", "Fitted", "FittedParameter", "Flip", "Floor"),
-    *("Foot", "ForceLaw", "Forgetting", "Goal", "History", "Hysteresis"),
+    *("Foot", "ForceLaw", "Forgetting", "Goal", "HalfCycle", "History", "Hysteresis"),
     *("InertialLanding", "Latch", "Leg", "LegPrediction", "LibraryEntry", "Linear", "Load"),
     *("Loop", "MeasuredCurve", "MeasuredSnap", "Measurement", "Move", "Node"),
     *(
@@ -36,6 +36,7 @@ PARTS = {
         "Prepared",
         "Push",
         "Reached",
+        "Reading",
         "Refit",
         "Resistance",
         "ReturnPointMemory",

@@ -6,7 +6,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import stepwell as sw
-from golden.recordings import bands, cells, rubber
+from golden.recordings import bands, cells, clip, rubber
 from stepwell import lab
 
 
@@ -14,11 +14,13 @@ from stepwell import lab
 def of_recordings() -> dict[str, Any]:
     """Of recordings and what they show."""
     with TemporaryDirectory() as folder:
-        for prepare in (bands, cells, rubber):
+        for prepare in (bands, cells, clip, rubber):
             prepare(Path(folder))
         batch = lab.read_all([Path(folder) / "data"])
         pulled = lab.read_all([Path(folder) / "bands"]).recordings
         rubbers = lab.read_all([Path(folder) / "rubber"]).recordings
+        clipped = lab.read(Path(folder) / "clip.csv")
+    element = lab.measure_element(clipped)
     compared = lab.compare(batch.recordings)
     built = sw.preset("paper-forward")
     test = lab.band_test(pulled)
@@ -32,6 +34,8 @@ def of_recordings() -> dict[str, Any]:
         compared,
         compared.cells[0],
         compared.pairs[0],
+        lab.compare([clipped], [element.chain]).chains[0],
+        element,
         lab.calibrate(lab.prepare(sorted_.series, notes=sorted_.notes), "linear"),
     )
     return {type(value).__name__: value for value in values}

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-from stepwell.base import InputError, nearest_word, write_atomic
+from stepwell.base import ByValue, InputError, nearest_word, write_atomic
 from stepwell.lab.recordings.columns import FACTORS, spelled
 
 FLIPS = ("none", "stroke", "force", "both")
@@ -19,8 +19,8 @@ _LEAST = {"cycle": 1, "skip": 0, "sample": 1}
 _MOST = 10**9
 
 
-@dataclass(frozen=True)
-class Reading:
+@dataclass(frozen=True, eq=False)
+class Reading(ByValue):
     """How recordings are read; None leaves the choice to the reader, which refuses if unclear.
 
     Attributes:
