@@ -53,7 +53,7 @@ def test_the_answer_to_a_query_has_only_the_machines_that_match(made):
     ]
     assert told.record["graphs"] == len(found.graph_classes)
     none = account(found, graph_classes=(), query="counts to five")
-    assert "no graph class" in _text(none) and violations(none.record) == []
+    assert "none of the graphs" in _text(none) and violations(none.record) == []
 
 
 def test_the_account_of_an_atlas_reads_no_store_and_follows_no_chain(made, monkeypatch):

@@ -74,7 +74,7 @@ def test_a_sweep_over_two_keys_is_a_grid_and_says_what_each_robot_did(stepwell, 
     assert float(data["advance"][3]) == pytest.approx(
         float(rows[3]["advance_over_u_max"]), abs=1e-6
     )
-    assert "2 of 4 robots" in result.stdout
+    assert "2 of 4 runs" in result.stdout
 
 
 @pytest.mark.slow

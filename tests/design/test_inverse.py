@@ -884,7 +884,7 @@ def test_progress_never_goes_back_and_arrives():
         ({"sequence": "00>10>11>01"}, "begins and ends with all cells at 0"),
         ({"sequence": "00>10>00"}, "includes the state with all at 1"),
         ({"sequence": "00>1>11>01>00"}, "must be 2 characters 0 or 1"),
-        ({"sequence": "00-01-11"}, "write > between states, 00>01>11; a full cycle is"),
+        ({"sequence": "00-01-11"}, "write > between states, 00>01>11, or name each cell"),
         ({"sequence": "00>10>01>11>01>00"}, "one at a time"),
         ({"sequence": "000>110>111>011>001>000"}, "one at a time"),
         ({"sequence": ""}, "must be"),

@@ -122,7 +122,7 @@ def test_where_the_proof_of_a_cell_ends_the_radius_does_and_says_so():
     cell = Simple(*d, 28.5, 0.010, R, math.sin(LIMIT))
     assert concave_disc(cell, result.radius)
     assert not concave_disc(cell, 1.01 * result.radius)
-    says(str(result), "beyond", "inner", "not proved")
+    says(str(result), "with more", "inner", "slack")
 
 
 def test_a_single_cell_has_no_order_to_lose():

@@ -336,7 +336,7 @@ def test_the_larger_atlases_are_those_that_the_page_s_commands_make(monkeypatch)
     found = larger.records()
     assert [one.identity for one in begun] == [one["identity"] for one in found]
     assert [one.designs.size * one.count for one in begun] == [one["designs"] for one in found]
-    assert all(one["machines_agree"] == one["graphs"] for one in found)
+    assert all(one["classes_agree"] == one["graphs"] for one in found)
     assert all(one["agreed"] == one["checked"] == 100 for one in found)
     # Only four cells count by themselves, in two graphs.
     assert [one["does"]["counts"]["graphs"] for one in found] == [0, 0, 2]

@@ -105,7 +105,7 @@ def atlas_account(
     cycles = counted(len(atlas.cycles), "cycle")
     answer = f"{counted(len(atlas.graph_classes), 'graph')} and {cycles}"
     if query:
-        matching = number(len(graph_classes)) if graph_classes else "no"
+        matching = number(len(graph_classes)) if graph_classes else "none"
         answer = f"{query}: {matching} of the graphs in this atlas"
     rows, space = recorded(_CLASS_TABLE, graph_classes), recorded(VARIED, _space(atlas))
     full, within = recorded(_CYCLES, atlas.cycles), atlas.tolerances

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
@@ -83,8 +84,21 @@ def _trial(walk: Walk) -> Trial:
     return Trial.of(walk)
 
 
+# A prediction takes seconds, and the record, the screen and the page need it.
+@lru_cache(maxsize=8)
+def _advance(robot: robots.Robot) -> float:
+    return robot.predict().advance
+
+
+def _predicted(walk: Walk) -> float | None:
+    """Advance per cycle by statics, as d/u_max, where the walk has two cycles to compare."""
+    compared = walk.cycles >= 2 and walk.comparison.predicted
+    return _advance(walk.robot) if compared else None
+
+
 WALK: Schema = (
     *_WALKED,
+    *keys(predicted_advance=("over_u_max", _predicted)),
     *keys(mean_advance=("over_u_max", lambda walk: _trial(walk).advance)),
     *keys(mean_turn=("deg", lambda walk: _trial(walk).turn)),
     *keys(work_per_cycle=("mJ", lambda walk: _trial(walk).work), u_max=("mm", "robot.u_max")),
@@ -145,11 +159,10 @@ def _simulated(about: About, *hints: str) -> dict[str, Any]:
 
 def _comparison(walk: Walk, advance: float) -> str:
     """Comparison of the gaits with statics, and of the advance after the first cycle."""
-    statics = walk.comparison
-    if walk.cycles < 2 or not statics.predicted:
-        return statics.text
-    predicted = walk.robot.predict().advance
-    return f"d/u_max {advance:z.3f}, predicted {predicted:z.2f}; {statics.text}"
+    predicted, text = _predicted(walk), walk.comparison.text
+    if predicted is None:
+        return text
+    return f"d/u_max {advance:z.3f}, predicted {predicted:z.2f}; {text}"
 
 
 def _input_sections(walk: Walk) -> parts.Sections:

@@ -21,8 +21,8 @@ Probes = Mapping[str, Callable[[], Any]]
 # As in pyproject.toml; a test compares both. A checkout that is not installed has no metadata to
 # read. Packages of the extras are in `extras`.
 NEEDED = (
-    "filelock", "networkx", "numba", "numpy", "platformdirs", "pydantic", "rich", "scipy",
-    "tomli-w", "typer",
+    "charset-normalizer", "filelock", "networkx", "numba", "numpy", "platformdirs", "pydantic",
+    "rich", "scipy", "tomli-w", "typer",
 )  # fmt: skip
 
 

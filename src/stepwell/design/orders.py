@@ -33,9 +33,6 @@ def checked_cycle(target: str, last: str, name: str = "target", names: tuple[str
             f"state {short(wrong)!r} must be {len(last)} {digits}, one per cell, cell 1 (the inner "
             f"one) first, with > between states;"
         )
-        if len(states) == 1 and len(parts := re.findall(r"\d+", wrong)) > 1:
-            last = last[: len(parts[0])]
-            problem = f"write > between states, {short('>'.join(parts))}; a full cycle is,"
     elif {states[0], states[-1]} != {"0" * len(last)} or last not in states:
         ends = ("at 0", "at 1") if two else ("in their first phase", "in their last")
         problem = (
@@ -162,6 +159,11 @@ def refuse_order(text: str, name: str, names: tuple[str, ...] = (), cells: int =
     """Raise InputError for an order such as "2-1-4" that does not name each cell once."""
     if ">" in text or not re.search("[-/,]", text) or set(text) <= set("01, "):
         return
+    if len(states := re.findall(r"0\d*|1\d+", text)) > 1 and "-".join(states) == text:
+        raise InputError(
+            f"{name}: write > between states, {short('>'.join(states))}, or name each cell once "
+            f"in an order, as in 2-1-3."
+        )
     halves = text.split("/")
     orders = [_numbered([one.strip() for one in re.split("[-,]", half)], names) for half in halves]
     cells = cells or max([2, *(int(one) for one in chain(*orders) if one.isdecimal())])
