@@ -118,14 +118,7 @@ class Parts(Group):
         from stepwell.design import PAPER_LEVER, usual_box
 
         kinds = [one for text in self.elements or () for one in elements_of(text)]
-        if kinds and (self.x or self.y or self.holes or self.bands or self.levers):
-            raise wrong(
-                "--element",
-                "cannot be combined with --x, --y, --holes, --band or --lever: elements have no "
-                "anchors.",
-            )
-        if self.origin and not self.holes:
-            raise wrong("--origin", "needs --holes LENGTH, the spacing of the grid.")
+        self._refuse_combinations(kinds)
         levers = [from_unit(lever, "mm") for lever in self.levers or ()] or [PAPER_LEVER]
         return {
             "within": self._box(usual_box(max(levers), self.place)) if self.x or self.y else None,
@@ -140,6 +133,16 @@ class Parts(Group):
             "equal_levers": not self.mixed_levers,
             "unusual": self.unusual,
         }
+
+    def _refuse_combinations(self, kinds: list[Any]) -> None:
+        if kinds and (self.x or self.y or self.holes or self.bands or self.levers):
+            raise wrong(
+                "--element",
+                "cannot be combined with --x, --y, --holes, --band or --lever: elements have no "
+                "anchors.",
+            )
+        if self.origin and not self.holes:
+            raise wrong("--origin", "needs --holes LENGTH, the spacing of the grid.")
 
     def _box(self, usual: Any) -> Any:
         for side, low, high in ((self.x, "left", "right"), (self.y, "bottom", "top")):
