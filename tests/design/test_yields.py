@@ -419,7 +419,7 @@ def test_the_critical_pair_is_the_one_that_changes_places_most_often():
     forces = result.end_forces(result.samples)
     assert critical.fraction == np.mean(forces[:, 1, 0] > forces[:, 2, 0])
     assert critical.names == ("cell 2", "cell 3") or critical.names == ("cell 3", "cell 2")
-    says(str(critical), "cell ", "cell ", critical.way, "reverse", "%")
+    says(str(critical), "cell ", "cell ", critical.way, "%", "reverse")
 
 
 def test_where_nothing_fails_the_critical_pair_is_the_nearest():

@@ -237,7 +237,7 @@ def core(env: Fresh) -> None:
         ("run", "preset:paper-forward", "--json"),
         ("graph", "preset:paper-forward"),
         ("graph", "preset:paper-forward", "--out", "graph.graphml"),
-        ("program", "preset:finger-selector"),
+        ("program", "preset:finger-selector", "--full"),
         ("design", "00>10>11>01>00", "--samples", "5000"),
         ("yield", "preset:paper-forward", "--samples", "1000"),
         ("replay", "preset:paper-forward"),
