@@ -279,7 +279,7 @@ LACKS = {
 def without(env: Fresh, *extras: str) -> None:
     """Every command that lacks an extra ends in one line that says which; `doctor` lists them."""
     lacked = [(extra, words) for extra in extras for words in LACKS[extra]]
-    listed, *told = env.each(("doctor",), *(words for _, words in lacked), codes=(0, 1))
+    listed, *told = env.each(("doctor", "--full"), *(words for _, words in lacked), codes=(0, 1))
     for extra in extras:
         assert install(extra) in listed
     for (extra, _), said in zip(lacked, told, strict=True):
