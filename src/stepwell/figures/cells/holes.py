@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stepwell.base import Floats, InputError, Vec2, from_unit
+from stepwell.figures.cells.mechanism import refuse_long
 from stepwell.figures.common import legends, marks, sheet, style, words
 from stepwell.figures.common.marks import along_x, along_y, arrow, mm, mm_pair
 from stepwell.mechanism import Cell, Chain, layout
@@ -43,11 +44,7 @@ def holes(chain: Chain, pitch: float | None = None, origin: Vec2 = (0.0, 0.0)) -
     """
     if chain.elements:
         raise InputError("the chain has elements, which have no anchors: draw it with mechanism.")
-    if len(chain) > MOST_CELLS:
-        raise InputError(
-            f"the chain has {len(chain)} cells: at most {MOST_CELLS} are legible; draw a part of "
-            f"it, Chain(chain.cells[:{MOST_CELLS}])."
-        )
+    refuse_long(chain, MOST_CELLS, "are legible")
     if pitch is not None and not 0 < pitch < math.inf:
         raise InputError(f"pitch = {pitch} m: must be > 0, the distance of the holes.")
     width = sheet.page_width(style.COLUMN if len(chain) <= 3 else style.PAGE)
@@ -174,10 +171,12 @@ class _Plates:
             for x, y in at + np.array(places) * style.MM * scale:
                 ax.plot(x, y, "o", color=colour, markersize=6.0, zorder=6, gid=name)
                 letters.append(legends.Label((x, y), name, colour))
-            told = "\n".join(f"{name} {mm_pair(place)} mm" for place in places[:2])
+            placed = "\n".join(f"{name} {mm_pair(place)} mm" for place in places[:2])
             look = {"ha": side, "va": "top", "linespacing": 1.15}
             ax.text(self.middle + way, _BELOW - 1.0, f"{block} block", **look)
-            ax.text(self.middle + way, _BELOW - 4.2, told, color=colour, **look, fontweight="bold")
+            ax.text(
+                self.middle + way, _BELOW - 4.2, placed, color=colour, **look, fontweight="bold"
+            )
         self._head(ax, i, high)
         if self.pitch is not None:
             step = self._step

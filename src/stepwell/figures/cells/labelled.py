@@ -12,6 +12,7 @@ from matplotlib.transforms import Bbox
 
 from stepwell.base import Floats, InputError
 from stepwell.figures.cells.linkage import Drawing
+from stepwell.figures.cells.mechanism import refuse_long
 from stepwell.figures.common import legends, sheet, style
 from stepwell.figures.common.legends import Label
 from stepwell.figures.common.marks import along_x, along_y, arrow, limits, mm, mm_pair, plain
@@ -81,11 +82,7 @@ def labelled_chain(chain: Chain) -> Figure:
     """
     if chain.elements:
         raise InputError("the chain has elements, which have no levers: draw it with mechanism.")
-    if len(chain) > _MOST_CELLS:
-        raise InputError(
-            f"the chain has {len(chain)} cells: at most {_MOST_CELLS} have room for their "
-            f"symbols; draw a part of it, Chain(chain.cells[:{_MOST_CELLS}])."
-        )
+    refuse_long(chain, _MOST_CELLS, "have room for their symbols")
     linkage = layout.ChainLayout(chain)
     pulled = [part * s for part, s in zip(_SHARES, chain.full_travels, strict=False)]
     states = [[0.0] * len(chain), pulled]

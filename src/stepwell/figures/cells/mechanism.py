@@ -152,12 +152,12 @@ def _wanted_places(
     return wanted, [[*zip(*row, strict=True)] for row in each], True
 
 
-def refuse_long(chain: Chain) -> None:
-    """Raise an error if the chain has too many cells to draw."""
-    if len(chain) > MOST_CELLS:
+def refuse_long(chain: Chain, most: int = MOST_CELLS, reason: str = "can be drawn") -> None:
+    """Raise an error if the chain has too many cells to draw; `reason` follows their most."""
+    if len(chain) > most:
         raise InputError(
-            f"the chain has {len(chain)} cells: at most {MOST_CELLS} can be drawn; "
-            f"draw a part of it, Chain(chain.cells[:{MOST_CELLS}])."
+            f"the chain has {len(chain)} cells: at most {most} {reason}; draw a part of it, "
+            f"Chain(chain.cells[:{most}])."
         )
 
 
