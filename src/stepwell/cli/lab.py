@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import stepwell as sw
-from stepwell.base import display_unit
+from stepwell.base import Measure, display_unit
 from stepwell.cli import options as opts, tolerances as given
 from stepwell.cli.options import Design, Group, Output, designs as design_names
 from stepwell.cli.ranges import length, millimetres, percent, window as read_window
@@ -60,10 +60,12 @@ class Measuring(Group):
     """How an element is measured in a recording."""
 
     noise: float | None = opts.option(
-        "Least standard deviation of the forces [N]; estimated by default.", "NUMBER", min=1e-9
+        "Least standard deviation of the forces [N, kPa or N mm]; estimated by default.",
+        "NUMBER",
+        min=1e-9,
     )
     least_drop: float | None = opts.option(
-        "Smallest drop of the force that ends a phase [N], for noise that is correlated.",
+        "Smallest drop of the force that ends a phase [N, kPa or N mm], for correlated noise.",
         "NUMBER",
         min=1e-9,
     )
@@ -78,12 +80,10 @@ class Measuring(Group):
         ends |= {"none": (False, False), "both": (True, True)}
         if self.stops not in ends:
             raise wrong("--stops", f"{self.stops!r}: must be low, high, both or none.")
+        _, factor = display_unit(recording.measure.force_unit)
+        noise, drop = (None if x is None else x / factor for x in (self.noise, self.least_drop))
         return sw.lab.measure_element(
-            recording,
-            self.name,
-            noise=self.noise,
-            least_drop=self.least_drop,
-            stops=ends[self.stops],
+            recording, self.name, noise=noise, least_drop=drop, stops=ends[self.stops]
         )
 
 
@@ -104,7 +104,7 @@ def element(
     Example: stepwell lab element clip.csv --out clip
     """
     output.check_output_folder("lab element")
-    given = how.recordings([file])
+    given = how.recordings([file], tuple(Measure))
     if len(given) != 1:
         raise wrong(str(file), f"holds {len(given)} recordings: give one file, and --sample.")
     result = part.measured(given[0])

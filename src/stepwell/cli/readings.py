@@ -9,10 +9,12 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import click
 import typer
 from typer.core import TyperCommand
 
 import stepwell as sw
+from stepwell.base import Measure
 from stepwell.cli.options import Group, flag, option
 from stepwell.cli.screen import progress, usable, warn, wrong
 
@@ -69,24 +71,31 @@ class ReadingOptions(Group):
             given: dict[str, Any] = {n: getattr(self, n) for n in names if n != "force"}
             return sw.lab.Reading(force=self.force_column, **given)
 
-    def read_all(self, paths: Sequence[Path]) -> Batch:
+    def read_all(
+        self, paths: Sequence[Path], measures: Iterable[Measure] = (Measure.TRAVEL,)
+    ) -> Batch:
         """All recordings of some paths; how they were read is printed.
 
-        At a terminal, columns that the files leave open are asked.
+        At a terminal, columns that the files leave open are asked, and the signs of a single file.
         """
         reading = self.reading
         if self.save_reading and not reading.given() and not _asks():
             raise wrong("--save-reading", "needs --stroke, --force or another option to save.")
-        with progress("reading") as tell:
-            batch = sw.lab.read_all(paths, reading, progress=tell)
+
+        def read() -> Batch:
+            with progress("reading") as tell:
+                return sw.lab.read_all(paths, reading, tell, measures)
+
+        batch = read()
         unclear = [error for error in batch.refused if error.columns]
         if unclear and _asks():
             reading = _asked(unclear[0], reading)
-            with progress("reading") as tell:
-                batch = sw.lab.read_all(paths, reading, progress=tell)
+            batch = read()
         elif unclear:
-            for error in unclear[:1]:
-                warn(columns_text(error))
+            warn(columns_text(unclear[0]))
+        if _asks() and reading.flip is None and (signs := _open_signs(batch)):
+            reading = replace(reading, flip=asked_flip(*signs))
+            batch = read()
         warn_readings(batch.recordings)
         if self.save_reading and reading.given():
             read = [Path(one.source).parent for one in batch.recordings]
@@ -94,9 +103,11 @@ class ReadingOptions(Group):
                 warn(f"{sw.lab.save_reading(reading, folder)}: written.")
         return batch
 
-    def recordings(self, paths: Sequence[Path]) -> list[Recording]:
+    def recordings(
+        self, paths: Sequence[Path], measures: Iterable[Measure] = (Measure.TRAVEL,)
+    ) -> list[Recording]:
         """All recordings of some paths; files that cannot be read are warnings."""
-        batch = self.read_all(paths)
+        batch = self.read_all(paths, measures)
         for error in batch.refused:
             warn(str(error))
         if not batch.recordings:
@@ -131,6 +142,26 @@ def columns_text(error: LabError) -> str:
         for row in rows
     )
     return "\n".join([f"Columns of {error.name}:", *lines])
+
+
+def _open_signs(batch: Batch) -> tuple[str, tuple[str, ...]] | None:
+    """Why the signs of a single file are open, and its values of `flip`; None if they are not."""
+    for error in batch.refused if len(batch.refused) == 1 and not batch.recordings else ():
+        return (str(error), error.flips) if error.flips else None
+    sources = {one.sha256 for one in batch.recordings}
+    others = {one.other_flip for one in batch.recordings}
+    if batch.refused or len(sources) != 1 or len(others) != 1 or others == {""}:
+        return None
+    first = batch.recordings[0]
+    return f"{first.source}: {'; '.join(first.reading)}", ("none", *others)
+
+
+def asked_flip(why: str, flips: Sequence[str]) -> str:
+    """The value of `flip` that the user enters."""
+    warn(why)
+    answer = typer.prompt(f"Signs to turn ({', '.join(flips)})", type=click.Choice(flips), err=True)
+    warn(f"The same as options: --flip {answer}")
+    return answer
 
 
 def _asks() -> bool:

@@ -275,6 +275,8 @@ def measured_element(result: MeasuredElement) -> Figure:
     column wide.
     """
     ways = [way for way in _WAYS if len(getattr(result, way))]
+    measure = result.element.measure
+    factors = words.travel(measure).factor, words.force(measure).factor
     key = element_key([result.element])
     head = 2.5 + 4.0 * -(-(len(key) + len(ways)) // 2)
     figure, ax = sheet.canvas(None, (style.COLUMN, 64.0 + head), (14.0, 10.0, 2.0, head))
@@ -282,7 +284,7 @@ def measured_element(result: MeasuredElement) -> Figure:
     for way in ways:
         rows = getattr(result, way)[:: 1 + len(getattr(result, way)) // _POINTS_OF_HALF]
         look = {"color": _WAYS[way], "markersize": 1.8, "markeredgewidth": 0.0, "zorder": 4.5}
-        key += ax.plot(*(rows * (style.MM, 1.0)).T, "o", **look, label=f"measured, {way}")
+        key += ax.plot(*(rows * factors).T, "o", **look, label=f"measured, {way}")
     legends.above(ax, key, 2, left=3.0)
     return figure
 

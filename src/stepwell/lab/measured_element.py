@@ -6,8 +6,20 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, Floats, InputError, Quantity, check, to_unit, write_csv
+from stepwell.base import (
+    ByValue,
+    Drawn,
+    Floats,
+    InputError,
+    Measure,
+    Quantity,
+    amount,
+    check,
+    display_unit,
+    write_csv,
+)
 from stepwell.lab.recordings.recording import LabError, Recording
+from stepwell.lab.recordings.signs import UnclearSigns
 from stepwell.mechanism import Chain, Element, Fit, fitted, sizes
 
 # Halves of one recording describe one curve if it turns at the same travels, within this fraction
@@ -28,7 +40,8 @@ class MeasuredElement(ByValue, Drawn):
     """An element, and what the recording of its test shows of it.
 
     Attributes:
-        element: the smooth curve with friction and error band.
+        element: the smooth curve with friction and error band, in the measure of the recording:
+            [m] and [N] below are [rad] and [N m], or [m³] and [Pa], of another measure.
         recording: of the test.
         half: "loading", "unloading", or "both" for the mean of both.
         curve: (n, 2) travel [m] and force [N] of the points through which the curve passes.
@@ -85,16 +98,22 @@ class MeasuredElement(ByValue, Drawn):
         return Chain([self.element], title=self.element.name)
 
     def to_csv(self, file: str | os.PathLike[str]) -> None:
-        """Write the curve as CSV with travel [mm] and force [N], which `load_element` reads."""
-        columns = zip((Quantity("travel", "mm"), Quantity("force", "N")), self.curve.T, strict=True)
-        write_csv(file, [*columns], 10)
+        """Write the curve as CSV in the units of reports, which `load_element` reads."""
+        measure = self.element.measure
+        pairs = (measure.travel, measure.travel_unit), (measure.force, measure.force_unit)
+        named = [Quantity(name, display_unit(unit)[0]) for name, unit in pairs]
+        write_csv(file, [*zip(named, self.curve.T, strict=True)], 10)
 
     def __str__(self):
-        ends = [f"{to_unit(a, 'mm'):.3g} to {to_unit(b, 'mm'):.3g} mm" for a, b in self.phases]
+        measure = self.element.measure
+        unit, factor = display_unit(measure.travel_unit)
+        ends = [f"{a * factor:.3g} to {b * factor:.3g} {unit}" for a, b in self.phases]
         phases = f"{len(ends)} phases: {', '.join(ends)}"
         if len(ends) == 1:
-            phases = f"1 phase, {ends[0]}: the force only rises (monotone), so no snap-through"
-        return f"{phases}; noise {self.noise:.2g} N; error band {self.error_band:.2g} N"
+            rises = f"the {measure.force} only rises (monotone), so no snap-through"
+            phases = f"1 phase, {ends[0]}: {rises}"
+        noise, band = (amount(x, measure.force_unit, 2) for x in (self.noise, self.error_band))
+        return f"{phases}; noise {noise}; error band {band}"
 
     def __repr__(self):
         return f"MeasuredElement({self.element.name!r}, {self})"
@@ -116,7 +135,8 @@ def measure_element(
     the first is used.
 
     Args:
-        recording: travel as stroke [m], and force [N].
+        recording: travel as stroke [m], and force [N]; or volume and pressure, or angle and torque,
+            of which the units below are then.
         name: of the element; by default that of the recording.
         half: "loading" or "unloading" for one of them; by default the mean of both, and friction
             from their difference, if both are recorded.
@@ -126,33 +146,45 @@ def measure_element(
         stops: whether the element has stops at the low and at the high end of its curve.
 
     Raises:
-        LabError: a constant stroke, a half that is not recorded, halves that belong to different
-            curves, noise that could make or hide every phase, or a curve that is no element.
+        LabError: signs that the work does not decide, a constant stroke, a half that is not
+            recorded, halves that belong to different curves, noise that could make or hide every
+            phase, or a curve that is no element.
         ValueError: a number out of range, or `half` is another word.
 
     Source: ours (theory page, "Elements"); see `stepwell.mechanism.fitted`.
     """
     if half not in (None, "loading", "unloading"):
         raise InputError(f"half = {half!r}: must be 'loading', 'unloading' or None for both.")
-    least = 0.0 if noise is None else check.positive("noise", noise, "N")
-    drop = 0.0 if least_drop is None else check.positive("least_drop", least_drop, "N")
+    measure = recording.measure
+    unit = measure.force_unit
+    least = 0.0 if noise is None else check.positive("noise", noise, unit)
+    drop = 0.0 if least_drop is None else check.positive("least_drop", least_drop, unit)
     _refuse_few(recording, least)
+    if other := recording.other_flip:
+        why = next((line for line in recording.reading if line.startswith("signs")), "signs: open")
+        raise LabError(
+            recording.source,
+            f"the work does not decide the signs, on which phases and energies depend ({why}): "
+            f"give flip = 'none' or '{other}' (--flip none or --flip {other}).",
+            flips=("none", other),
+        )
     trim = not (stops if isinstance(stops, bool) else stops[0])
     try:
         halves, notes = _halves(recording, half)
-        fit, friction = _fit(halves, (least, drop, trim), notes)
-        _refuse_many(fit)
-        _refuse_falling(fit, stops)
+        fit, friction = _fit(halves, (least, drop, trim), measure, notes)
+        _refuse_many(fit, unit)
+        _refuse_falling(fit, stops, measure)
         curve = _curve(fit)
         x, y = curve.T.tolist()
         named = name or recording.name
-        element = Element.from_table(x, y, named, stops=stops, friction=friction, unusual=True)
+        options = {"stops": stops, "friction": friction, "measure": measure, "unusual": True}
+        element = Element.from_table(x, y, named, **options)
         for slip in sizes.of_element(element):
             raise InputError(f"{slip} Check the units in the header of the file.")
     except LabError:
         raise
     except InputError as error:
-        raise LabError(recording.source, str(error)) from None
+        raise LabError(recording.source, str(error), flips=getattr(error, "flips", ())) from None
     begin = min(float(np.min(x)) for x, _ in halves.values())
     approach = element.low - begin if fit.offset is not None else 0.0
     notes += _remarks(fit, approach, recording)
@@ -182,8 +214,8 @@ _Rows = tuple[Floats, Floats]
 def _curve(fit: Fit) -> Floats:
     """(n, 2) travel [m] and force [N] of the points of a fit, rounded."""
     force = fit.force - (fit.offset or 0.0)
-    digits = 7 - int(np.floor(np.log10(np.max(np.abs(force)))))
-    return np.column_stack([np.round(fit.travel, 9), np.round(force, digits)])
+    far, most = (7 - int(np.floor(np.log10(np.max(np.abs(x))))) for x in (fit.travel, force))
+    return np.column_stack([np.round(fit.travel, max(far, 9)), np.round(force, most)])
 
 
 def _halves(recording: Recording, half: str | None) -> tuple[dict[str, _Rows], list[str]]:
@@ -230,14 +262,14 @@ def _counts_loading_negative(recording: Recording, half: slice) -> bool:
 
 
 def _fit(
-    halves: dict[str, _Rows], options: tuple[float, float, bool], notes: list[str]
+    halves: dict[str, _Rows], options: tuple[float, float, bool], measure: Measure, notes: list[str]
 ) -> tuple[Fit, float]:
     """The curve of one half or of the mean of both, and the friction; may add notes."""
     least, drop, trim = options
     alone = trim and len(halves) == 1
-    fits = {way: fitted(x, y, least, drop, alone) for way, (x, y) in halves.items()}
+    fits = {way: fitted(x, y, least, drop, alone, measure) for way, (x, y) in halves.items()}
     if len(fits) == 2:
-        return _mean(halves, fits, options, notes)
+        return _mean(halves, fits, options, measure, notes)
     return next(iter(fits.values())), 0.0
 
 
@@ -245,11 +277,13 @@ def _mean(
     halves: dict[str, _Rows],
     fits: dict[str, Fit],
     options: tuple[float, float, bool],
+    measure: Measure,
     notes: list[str],
 ) -> tuple[Fit, float]:
     """The mean of loading and unloading, and the friction; may add notes."""
     up, down = fits["loading"], fits["unloading"]
-    _refuse_unlike(up, down)
+    _refuse_unlike(up, down, measure)
+    unit, force = measure.force_unit, measure.force
     low, high = max(up.travel[0], down.travel[0]), min(up.travel[-1], down.travel[-1])
 
     def apart(x: Floats) -> Floats:
@@ -261,26 +295,26 @@ def _mean(
     error = max(up.band, down.band)
     if friction < -error:
         notes.append(
-            f"Unloading is {-2 * friction:.2g} N above loading: the force drifts, or the halves "
-            f"are of different tests. Friction is taken as 0."
+            f"Unloading is {amount(-2 * friction, unit, 2)} above loading: the {force} drifts, or "
+            f"the halves are of different tests. Friction is taken as 0."
         )
     elif most - least > max(2.0 * error, 0.5 * abs(friction)):
+        low_end, high_end = (amount(x, unit, 2) for x in (least, most))
         notes.append(
-            f"Half the difference of loading and unloading is {least:.2g} to {most:.2g} N: it is "
-            f"no constant friction. The median is used; the rest is not in the element."
+            f"Half the difference of loading and unloading is {low_end} to {high_end}: it is no "
+            f"constant friction. The median is used; the rest is not in the element."
         )
     both: list[_Rows] = []
     for sign, way in ((1.0, "loading"), (-1.0, "unloading")):
         x, y = halves[way]
         inside = (x >= low) & (x <= high)
         both.append((x[inside], y[inside] - sign * apart(x[inside])))
-    travel, force = (np.concatenate(column) for column in zip(*both, strict=True))
-    joined = fitted(travel, force, *options)
+    travel, mean = (np.concatenate(column) for column in zip(*both, strict=True))
+    joined = fitted(travel, mean, *options, measure)
     drift = float(down.force[0] - up.force[0])
     if joined.offset is not None and abs(drift) > error:
-        notes.append(
-            f"Before contact unloading is {drift:+.2g} N from loading: drift, or friction."
-        )
+        off = amount(drift, unit, 2)
+        notes.append(f"Before contact unloading is {off} from loading: drift, or friction.")
     return joined, float(f"{friction:.3g}") if friction > 0.5 * error else 0.0
 
 
@@ -290,20 +324,22 @@ def _refuse_few(recording: Recording, noise: float) -> None:
         raise LabError(
             recording.source,
             f"{len(recording)} rows are too few to show their noise: must be {_FEWEST} or more. "
-            f"Give noise= in N (--noise), or write the points into a table.",
+            f"Give noise= in {recording.measure.force_unit} (--noise), or write the points into a "
+            f"table.",
         )
 
 
-def _refuse_many(fit: Fit) -> None:
+def _refuse_many(fit: Fit, unit: str) -> None:
     """Raise ValueError for more turns than an element has: vibration."""
     if len(fit.turns) > _MOST_TURNS:
         raise InputError(
             f"the force rises and falls {len(fit.turns) + 1} times: vibration or hum is likely. "
-            f"Give the smallest drop that counts as a snap, as least_drop= in N (--least-drop)."
+            f"Give the smallest drop that counts as a snap, as least_drop= in {unit} "
+            f"(--least-drop in {display_unit(unit)[0]})."
         )
 
 
-def _refuse_falling(fit: Fit, stops: bool | tuple[bool, bool]) -> None:
+def _refuse_falling(fit: Fit, stops: bool | tuple[bool, bool], measure: Measure) -> None:
     """Raise ValueError where the force falls at an end that has no stop."""
     given = (stops, stops) if isinstance(stops, bool) else stops
     falls = not fit.rises, fit.rises == bool(len(fit.turns) % 2)
@@ -313,19 +349,23 @@ def _refuse_falling(fit: Fit, stops: bool | tuple[bool, bool]) -> None:
             f"at the {word} end" for k, word in enumerate(("low", "high")) if falls[k]
         )
         word = "both" if all(needed) else ("high", "low")[needed[0]]
-        raise InputError(
-            f"the force falls {ends} of the travel, where an element needs a stop. If there are "
-            f"stops, give stops={tuple(needed)} (--stops {word}); else test over more travel, or "
-            f"check the sign of the force."
+        named = measure.force
+        other = f"else test over more {measure.travel}, or check the sign of the {named}."
+        if all(falls):
+            other = f"if the {named} is counted negative, give flip = 'force' (--flip force)."
+        raise UnclearSigns(
+            f"the {named} falls {ends} of the {measure.travel}, where an element needs a stop. If "
+            f"there are stops, give stops={tuple(needed)} (--stops {word}); {other}",
+            ("force",) if all(falls) else (),
         )
 
 
-def _refuse_unlike(up: Fit, down: Fit) -> None:
+def _refuse_unlike(up: Fit, down: Fit, measure: Measure) -> None:
     """Raise ValueError where loading and unloading have other turns: a snap during the test."""
     places = [fit.travel[list(fit.turns)] for fit in (up, down)]
     span = float(np.ptp(up.travel))
     if len(places[0]) != len(places[1]) or np.any(np.abs(places[0] - places[1]) > _APART * span):
-        each = [_listed(one) for one in places]
+        each = [_listed(one, measure) for one in places]
         raise InputError(
             f"loading turns at {each[0]}, unloading at {each[1]}: their mean is no curve of one "
             f"element. It probably snapped during the test, or a half is disturbed. Use one of "
@@ -333,33 +373,38 @@ def _refuse_unlike(up: Fit, down: Fit) -> None:
         )
 
 
-def _listed(travels: Floats) -> str:
-    texts = [f"{one:.3g}" for one in to_unit(travels, "mm")]
-    return f"{', '.join(texts)} mm" if texts else "no travel"
+def _listed(travels: Floats, measure: Measure) -> str:
+    unit, factor = display_unit(measure.travel_unit)
+    texts = [f"{one * factor:.3g}" for one in travels]
+    return f"{', '.join(texts)} {unit}" if texts else f"no {measure.travel}"
 
 
 def _remarks(fit: Fit, approach: float, recording: Recording) -> Sequence[str]:
     notes: list[str] = []
+    measure = recording.measure
+    unit, force = measure.force_unit, measure.force
     least = float(np.min(fit.changes)) if fit.turns else np.inf
     if least < 2.0 * fit.band:
         notes.append(
-            f"The smallest change of force between turns, {least:.2g} N, is less than twice the "
-            f"error band: its phase is uncertain. Measure with less noise or more rows."
+            f"The smallest change of {force} between turns, {amount(least, unit, 2)}, is less than "
+            f"twice the error band: its phase is uncertain. Measure with less noise or more rows."
         )
     if fit.is_exact:
         notes.append(
-            "The force shows no noise: it is computed, or was filtered. A filter can hide a snap."
+            f"The {force} shows no noise: it is computed, or was filtered. A filter can hide a "
+            f"snap."
         )
     if fit.offset is not None:
         notes.append(
-            f"{to_unit(approach, 'mm'):.3g} mm without contact are left out; the force there, "
-            f"{fit.offset:.2g} N, is taken as zero."
+            f"{amount(approach, measure.travel_unit, 3)} without contact are left out; the "
+            f"{force} there, {amount(fit.offset, unit, 2)}, is taken as zero."
         )
     if fit.outliers:
-        notes.append(f"Outliers of the force, replaced by their neighbours: {fit.outliers}.")
+        notes.append(f"Outliers of the {force}, replaced by their neighbours: {fit.outliers}.")
     if fit.scatter.step > 2.0 * fit.scatter.sd:
         notes.append(
-            f"Forces are multiples of {fit.scatter.step:.3g} N, which limits the accuracy."
+            f"Values of {force} are multiples of {amount(fit.scatter.step, unit, 3)}, which limits "
+            f"the accuracy."
         )
     if fit.scatter.rows:
         notes.append(
@@ -368,7 +413,7 @@ def _remarks(fit: Fit, approach: float, recording: Recording) -> Sequence[str]:
         )
     if not fit.rises:
         notes.append(
-            "The force falls first: the element begins between two phases, or the machine counts "
-            "this force as negative."
+            f"The {force} falls first: the element begins between two phases, or the machine "
+            f"counts this {force} as negative."
         )
     return [*notes, *recording.remarks]

@@ -145,7 +145,7 @@ class Element(ByValue, Drawn):
         x, y = element_curves.checked(travel, force, measure, 3 if noise is None else 5)
         band = 0.0
         if noise is not None:
-            fit = smoothing.fitted(x, y, noise, trim=not _both(stops)[0])
+            fit = smoothing.fitted(x, y, noise, trim=not _both(stops)[0], measure=measure)
             x, y, band = fit.travel, fit.force, fit.band
         on = (Sheet.of(cubics.through(x, y), float(x[-1])),)
         made = cls(on, stops, friction, name, measure, error_band=band, mobility=mobility)
@@ -287,7 +287,8 @@ class Element(ByValue, Drawn):
         """
         from stepwell import lab
 
-        given = recording if isinstance(recording, lab.Recording) else lab.read(recording)
+        is_read = isinstance(recording, lab.Recording)
+        given = recording if is_read else lab.read(recording, measures=tuple(Measure))
         return lab.measure_element(given, name, **options).element
 
     @classmethod

@@ -72,7 +72,7 @@ def scatter_of(force: Floats, travel: Floats | None = None) -> Scatter:
     local = np.maximum(_local(contrasts[best], n), sd)
     # Without noise, means of blocks show the shape of the curve only.
     exact = sd <= EXACT * float(np.ptp(force))
-    ratio, slow, rows = (1.0, 0.0, 0) if exact else _long_run(force, sd)
+    ratio, slow, rows = (1.0, 0.0, 0) if exact else _long_run(force, sd, travel)
     return Scatter(sd, local, step, ratio, slow, rows)
 
 
@@ -149,7 +149,7 @@ def _local(contrast: Floats, n: int) -> Floats:
     return np.repeat(middle, [len(part) for part in np.array_split(np.arange(n), blocks)])
 
 
-def _long_run(force: Floats, sd: float) -> tuple[float, float, int]:
+def _long_run(force: Floats, sd: float, travel: Floats | None) -> tuple[float, float, int]:
     """Long-run ratio, standard deviation of the slow part, and the rows of its correlation."""
     sizes = [2**k for k in range(1, 21) if len(force) >= _BLOCKS * 2**k]
     deviations: list[float] = []
@@ -165,25 +165,26 @@ def _long_run(force: Floats, sd: float) -> tuple[float, float, int]:
         np.sum(ratios > 0.8 * _CORRELATED) < 3 - few
         or np.max(ratios) < (1.3 if few else 1.0) * _CORRELATED
     ):
-        return _of_every_other(force, sd)
+        return _of_every_other(force, sd, travel)
     most = int(np.argmax(ratios))
     grows = most == len(ratios) - 1 and ratios[-1] > 1.15 * ratios[-2]
     return float(ratios[most]), np.inf if grows else max(deviations), sizes[most]
 
 
-def _of_every_other(force: Floats, sd: float) -> tuple[float, float, int]:
+def _of_every_other(force: Floats, sd: float, travel: Floats | None) -> tuple[float, float, int]:
     """The same from every 2nd, 3rd and 4th row: the means of short recordings are too few."""
     if not _FEWEST_ROWS <= len(force) <= _SHORT:
         return 1.0, 0.0, 0
+
+    def deviation(apart: int, order: int, at: Floats | None) -> float:
+        rows = (slice(k, None, apart) for k in range(apart))
+        each = [_differences(force[k], order, None if at is None else at[k]) for k in rows]
+        return _MAD * float(np.median(np.abs(np.concatenate(each))))
+
+    spacings = (None,) if travel is None else (None, travel)
     deviations = [
-        _MAD
-        * min(
-            float(
-                np.median(np.abs(np.concatenate([_differences(one, order, None) for one in rows])))
-            )
-            for order in _ORDERS
-        )
-        for rows in ([force[k::apart] for k in range(apart)] for apart in (2, 3, 4))
+        min(deviation(apart, order, at) for order in _ORDERS for at in spacings)
+        for apart in (2, 3, 4)
     ]
     most = int(np.argmax(deviations))
     ratio = deviations[most] / sd

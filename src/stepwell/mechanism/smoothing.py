@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stepwell.base import Floats, InputError, Ints
+from stepwell.base import Floats, InputError, Ints, Measure, amount, display_unit
 from stepwell.mechanism.scatter import EXACT, Scatter, scatter_of, without_outliers
 
 # Points are averaged over at most this many intervals of equal travel.
@@ -27,6 +27,8 @@ _BAND = 6.5
 # A force within this many standard errors of the first one is that before contact, if it lasts for
 # more than this fraction of the travel.
 _SAME, _APPROACH = 3.0, 0.03
+# Standard deviations of a point by which the curve may leave it and its neighbour.
+_SWING = 4.0
 # Correlated noise makes drops up to this many of its standard deviations.
 _SLOW_DROP = 30.0
 # Least standard deviation over the range of the forces.
@@ -102,7 +104,12 @@ def changes(force: Floats, turns: Sequence[int]) -> Floats:
 
 
 def fitted(
-    travel: Floats, force: Floats, noise: float = 0.0, least_drop: float = 0.0, trim: bool = True
+    travel: Floats,
+    force: Floats,
+    noise: float = 0.0,
+    least_drop: float = 0.0,
+    trim: bool = True,
+    measure: Measure = Measure.TRAVEL,
 ) -> Fit:
     """The smooth curve through (n,) points in the order of measurement.
 
@@ -112,16 +119,21 @@ def fitted(
         noise: least standard deviation of the forces [N].
         least_drop: turns between which the force changes by less are noise [N].
         trim: whether to leave out a stretch of constant force before the first rise.
+        measure: quantities of travel and force, for messages.
 
     Raises:
         ValueError: no rise is larger than the noise; or the noise is correlated and could make a
             turn, and `least_drop` is 0.
     """
+    unit, named = measure.force_unit, measure.force
     if not np.ptp(force):
-        raise InputError(f"the force is {float(force[0]):.4g} N everywhere: must rise and fall.")
+        level = amount(float(force[0]), unit)
+        raise InputError(f"the {named} is {level} everywhere: must rise and fall.")
     new = np.append(True, (np.diff(travel) != 0.0) | (np.diff(force) != 0.0))
     travel, force = travel[new], force[new]
-    spaced = travel if len(travel) <= 500 and np.all(np.diff(travel) > 0.0) else None
+    steps = np.diff(travel)
+    one_way = np.all(steps > 0.0) or np.all(steps < 0.0)
+    spaced = travel if len(travel) <= 500 and one_way else None
     scatter = scatter_of(force, spaced)
     cleaned, outliers = without_outliers(force, max(scatter.sd, noise))
     if outliers:
@@ -131,11 +143,11 @@ def fitted(
     curve = smooth(bins, least_drop)
     if not proven(bins):
         raise InputError(
-            f"no rise of the force is distinguishable from its noise of about "
-            f"{max(scatter.sd, noise):.3g} N: must rise and fall by more; check that travel and "
-            f"force are in the right columns, or measure with less noise."
+            f"no rise of the {named} is distinguishable from its noise of about "
+            f"{amount(max(scatter.sd, noise), unit, 3)}: must rise and fall by more; check that "
+            f"{measure.travel} and {named} are in the right columns, or measure with less noise."
         )
-    _refuse_slow(curve, scatter, least_drop)
+    _refuse_slow(curve, scatter, least_drop, unit)
     band = _BAND * float(np.max(curve.error)) + scatter.step / 2.0
     x, y, turns, offset = curve.travel, curve.force, curve.turns, None
     first = turns[0] if turns else len(x) - 1
@@ -189,18 +201,20 @@ def _contact(x: Floats, y: Floats, curve: Smooth) -> tuple[float, float, float] 
     return start, float(first), offset
 
 
-def _refuse_slow(curve: Smooth, scatter: Scatter, least_drop: float) -> None:
+def _refuse_slow(curve: Smooth, scatter: Scatter, least_drop: float, unit: str) -> None:
     """Raise ValueError where correlated noise may have made a turn."""
     most = _SLOW_DROP * scatter.slow
     least = float(np.min(changes(curve.force, curve.turns)))
     if least_drop or not curve.turns or least >= most:
         return
-    size = f"drops up to about {most:.3g} N" if np.isfinite(most) else "drops of any size"
+    size = "drops of any size"
+    if np.isfinite(most):
+        size = f"drops up to about {amount(most, unit, 3)}"
     raise InputError(
         f"the noise is correlated over {scatter.rows} rows or more (drift, vibration or a filter): "
         f"{size} may be noise, and the smallest change between turns is "
-        f"{least:.3g} N. Give the smallest drop that counts as a snap, as least_drop= in N "
-        f"(--least-drop on the command line)."
+        f"{amount(least, unit, 3)}. Give the smallest drop that counts as a snap, as least_drop= "
+        f"in {unit} (--least-drop in {display_unit(unit)[0]})."
     )
 
 
@@ -280,15 +294,35 @@ def smooth(bins: Bins, least_drop: float = 0.0) -> Smooth:
         regression between turns.
     """
     x, y, error = _spline(bins)
+    y, most = _within(bins, x, y)
     stretches = proven(bins)
     turns = _turns(bins, x, y, stretches)
     rises = not stretches or stretches[0][0] > 0
     # What a window shows and the curve does not is no turn of the curve.
     turns, rises = _without_small(y, turns, rises, max(least_drop, float(np.max(error))))
     y = _monotone(x, y, error, turns, rises)
+    error = np.where(_near_turns(bins, x, turns), error, np.minimum(error, most))
     keep = np.union1d(np.arange(0, len(x), _FINE), turns).astype(int)
     at = np.searchsorted(keep, turns)
     return Smooth(x[keep], y[keep], tuple(at.tolist()), error[keep], rises)
+
+
+def _within(bins: Bins, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """The spline within the noise of the points beside each travel, and its largest standard error.
+
+    A spline swings where the points are far apart, and beside a jump; the curve is monotone there.
+    """
+    after = np.clip(np.searchsorted(bins.travel, x), 1, len(bins.travel) - 1)
+    sides = np.stack([bins.force[after - 1], bins.force[after]])
+    noise = _SWING * np.sqrt(np.maximum(bins.variance[after - 1], bins.variance[after]))
+    low, high = np.min(sides, axis=0), np.max(sides, axis=0)
+    return np.clip(y, low - noise, high + noise), (high - low + 2.0 * noise) / _BAND
+
+
+def _near_turns(bins: Bins, x: Floats, turns: list[int]) -> np.ndarray:
+    """Mask of the travels from whose neighbouring points a turn is at most one point away."""
+    after = np.searchsorted(bins.travel, x)
+    return np.isin(after, [after[turn] + k for turn in turns for k in (-1, 0, 1)])
 
 
 def _spline(bins: Bins) -> tuple[Floats, Floats, Floats]:

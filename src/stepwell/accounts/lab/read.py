@@ -7,7 +7,7 @@ from typing import Any
 
 from stepwell import base
 from stepwell.accounts.chain import ERROR_BAND, label_of, texts, with_sign
-from stepwell.accounts.head import About, Row, keys
+from stepwell.accounts.head import About, Row, Shape, keys
 from stepwell.accounts.parts import CARD, FULL, Account, Fact, Notes, Picture, RecordTable, Text
 from stepwell.accounts.words import folded_notes
 from stepwell.lab import Batch, MeasuredElement, Recording, half_cycles, hashes
@@ -205,19 +205,26 @@ _NUMBERS: base.Schema = (
     base.Quantity("smallest_drop", "N", "smallest drop that is seen"),
     base.Quantity("approach", "mm", "travel without contact"),
 )
-ELEMENT: base.Schema = (
-    *keys(data_sha256={str: str}, name=(str, "element.name"), half=str),
-    base.Quantity("phases", read=_phases, holds=[_PHASE]),
-    *_NUMBERS,
-    *keys(resolution=("N", "step"), correlated_rows=(int, "correlated"), outliers=int, rows=int),
-    *keys(notes=[str]),
-)
+
+
+def element_schema(shape: Shape) -> base.Schema:
+    """Schema of a measured element in the units of its measure."""
+    schema = (
+        *keys(data_sha256={str: str}, name=(str, "element.name"), half=str),
+        base.Quantity("phases", read=_phases, holds=[_PHASE]),
+        *_NUMBERS,
+        *keys(resolution=("N", "step"), correlated_rows=(int, "correlated"), outliers=int),
+        *keys(rows=int, notes=[str]),
+    )
+    return base.in_measure(schema, shape.measure)
 
 
 def measured_element_account(measured: MeasuredElement, about: About) -> Account:
     """Phases of a measured element, and what limits their accuracy."""
     halves = "loading and unloading" if measured.half == "both" else f"{measured.half} only"
-    numbers = zip(_NUMBERS, texts(_NUMBERS, measured), strict=True)
+    measure = measured.element.measure
+    schema, phase = (base.in_measure(one, measure) for one in (_NUMBERS, _PHASE))
+    numbers = zip(schema, texts(schema, measured), strict=True)
     facts = (
         *(Fact(base.headed(q.head), text) for q, text in numbers if getattr(measured, q.attribute)),
         Fact("Rows", f"{measured.rows}, {halves}"),
@@ -225,13 +232,17 @@ def measured_element_account(measured: MeasuredElement, about: About) -> Account
     band = (
         ERROR_BAND,
         "Friction is Coulomb friction: half the difference between loading and unloading.",
-        "Between the phases the curve is known only if the machine prescribed the travel.",
+        "Between the phases the curve is known only if the machine prescribed the "
+        f"{measure.travel}.",
     )
-    columns = "Up at, down at: forces at which a phase snaps to the next and to the previous one."
+    columns = (
+        f"Up at, down at: {measure.force}s at which a phase snaps to the next and to the previous "
+        f"one."
+    )
     if len(measured.phases) == 1:
         columns = ""
     sections = {
-        "Phases": (RecordTable(_PHASE, "phases", more="phases", level=CARD), Text(columns)),
+        "Phases": (RecordTable(phase, "phases", more="phases", level=CARD), Text(columns)),
         "Notes": Notes(measured.notes),
         "Curve": Picture("element", "The curve over the points, its phases numbered"),
         "Assumptions": Notes(band),

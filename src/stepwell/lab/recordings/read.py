@@ -111,20 +111,26 @@ class Batch(ByValue):
         return f"Batch({len(self.recordings)} recordings, {len(self.refused)} refused)"
 
 
-def read(file: str | os.PathLike[str], reading: Reading | None = None) -> Recording:
+def read(
+    file: str | os.PathLike[str],
+    reading: Reading | None = None,
+    measures: Iterable[Measure] = (Measure.TRAVEL,),
+) -> Recording:
     """One recording, in SI, from the export of a test machine or any table with units.
 
     Args:
         file: text in any encoding with commas, semicolons, tabs or white space, or a workbook.
         reading: columns, units, signs and part, where the file leaves them open; recording.toml in
             its folder completes it.
+        measures: accepted quantities; `tuple(Measure)` also reads volume and pressure, and angle
+            and torque.
 
     Raises:
         LabError: the file is missing, broken, binary or empty, no reading stands out (the error
             lists its columns), or it has several specimens.
     """
     name = os.fspath(file)
-    return _only(name, _recordings(name, _content(file), _completed(file, reading)))
+    return _only(name, _recordings(name, _content(file), _completed(file, reading), measures))
 
 
 def read_bytes(content: bytes, name: str, reading: Reading | None = None) -> Recording:
@@ -195,11 +201,16 @@ def _samples(
     except Unclear as error:
         raise LabError(name, str(error), error.rows) from None
     except ValueError as error:
-        raise LabError(name, str(error)) from None
+        raise LabError(name, str(error), flips=getattr(error, "flips", ())) from None
 
 
-def _recordings(name: str, content: bytes, reading: Reading | None) -> list[Recording]:
-    found = _samples(name, content, reading, (Measure.TRAVEL,))
+def _recordings(
+    name: str,
+    content: bytes,
+    reading: Reading | None,
+    measures: Iterable[Measure] = (Measure.TRAVEL,),
+) -> list[Recording]:
+    found = _samples(name, content, reading, measures)
     sha256 = hashlib.sha256(content).hexdigest()
     return [
         Recording(
@@ -212,6 +223,8 @@ def _recordings(name: str, content: bytes, reading: Reading | None) -> list[Reco
             one.gauge,
             one.steps,
             one.reading,
+            one.measure,
+            one.other_flip,
         )
         for one in found
     ]
@@ -229,6 +242,7 @@ def read_all(
     files: Iterable[str | os.PathLike[str]],
     reading: Reading | None = None,
     progress: Callable[[int, int], None] | None = None,
+    measures: Iterable[Measure] = (Measure.TRAVEL,),
 ) -> Batch:
     """Recordings from files and folders, and an error for every other file.
 
@@ -240,6 +254,7 @@ def read_all(
             read.
         reading: as for `read`, for all files.
         progress: called with (done, total) files.
+        measures: as for `read`.
     """
     recordings: list[Recording] = []
     refused: list[LabError] = []
@@ -248,7 +263,7 @@ def read_all(
     for done, name in enumerate(names, 1):
         try:
             content, own = _content(name), _completed(name, reading)
-            recordings += _recordings(name, content, own)
+            recordings += _recordings(name, content, own, measures)
         except LabError as error:
             refused.append(error)
         base.notify(progress, done, len(names))

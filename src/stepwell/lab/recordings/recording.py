@@ -10,7 +10,17 @@ from pathlib import PurePath
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Drawn, Floats, InputError, Vec2, printable, to_unit
+from stepwell.base import (
+    Bools,
+    ByValue,
+    Drawn,
+    Floats,
+    InputError,
+    Measure,
+    Vec2,
+    printable,
+    to_unit,
+)
 
 
 class LabError(InputError):
@@ -21,9 +31,17 @@ class LabError(InputError):
         problem: one line: the value, the allowed values, and an action.
         columns: rows of a table of the file's columns, if they do not decide how it is read:
             number, name, unit, range, and what each may be. A traceback shows them too.
+        flips: values of `flip` that may be right, if the file leaves its signs open.
     """
 
-    def __init__(self, name: str, problem: str, columns: Sequence[tuple[str, ...]] = ()):
+    def __init__(
+        self,
+        name: str,
+        problem: str,
+        columns: Sequence[tuple[str, ...]] = (),
+        flips: Sequence[str] = (),
+    ):
+        self.flips = tuple(flips)
         self.name = printable(name)
         self.problem = printable(problem)
         self.columns = tuple(tuple(map(printable, row)) for row in columns)
@@ -79,6 +97,10 @@ class Recording(ByValue, Drawn):
         gauge: length of the band at stroke 0 [m] if the file contains its length; else None.
         steps: resolution of stroke [m] and force [N]; 0 if unknown.
         reading: how the file was read, a line each: columns, units, signs, zero, part.
+        measure: quantities of stroke and force, if they are volume and pressure, or angle and
+            torque.
+        other_flip: the value of `flip` that may be right too, as the work does not decide the
+            signs; "" if they are decided or requested.
 
     Raises:
         ValueError: arrays differ in length, have fewer than two samples, or contain a stroke or a
@@ -94,6 +116,8 @@ class Recording(ByValue, Drawn):
     gauge: float | None = field(default=None, repr=False)
     steps: tuple[float, float] = field(default=(0.0, 0.0), repr=False)
     reading: tuple[str, ...] = field(default=(), repr=False)
+    measure: Measure = field(default=Measure.TRAVEL, repr=False)
+    other_flip: str = field(default="", repr=False)
 
     def __post_init__(self):
         lengths = len(self.time), len(self.stroke), len(self.force)

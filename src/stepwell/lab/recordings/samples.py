@@ -6,16 +6,26 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import GRAVITY, Floats, InputError, Measure, counted, display_unit, to_unit
+from stepwell.base import (
+    GRAVITY,
+    Floats,
+    InputError,
+    Measure,
+    amount,
+    counted,
+    display_unit,
+    to_unit,
+)
 from stepwell.lab.recordings import columns as headings, roles, signs
 from stepwell.lab.recordings.reading import Reading
-from stepwell.lab.recordings.recording import direction_of, halves_of
+from stepwell.lab.recordings.recording import direction_of, halves_of, turns_of
 from stepwell.lab.recordings.roles import Taken
 from stepwell.lab.recordings.rows import Style, TableText, is_workbook, sheets
 from stepwell.lab.recordings.tables import NumberBlock, blocks
 
 _SHOWN = 40
 _DIGITS = 6  # decimal places, more than any reading has
+_MANY = 20  # rows
 _STEP_ROWS = 20_000  # rows that show the resolution
 
 
@@ -32,6 +42,7 @@ class Specimen(NamedTuple):
         gauge: least length [m], if the file contains the length of a band.
         steps: resolutions of travel and force from their digits, 0 if unknown.
         lost: lines of the file that could not be used, as (line, text).
+        other_flip: the value of `flip` that may be right too, if the signs are not decided.
     """
 
     label: str
@@ -44,6 +55,7 @@ class Specimen(NamedTuple):
     gauge: float | None
     steps: tuple[float, float]
     lost: tuple[tuple[int, str], ...] = ()
+    other_flip: str = ""
 
 
 def samples(
@@ -191,7 +203,7 @@ def _sample(taken: Taken, block: NumberBlock, reading: Reading, beside: bool) ->
         (_step(taken.travel), _step(taken.force)),
         tuple(lost),
     )
-    return _described(_part(_signed(made, reading), reading), taken)
+    return _described(_part(_signed(_without_return(made), reading), reading), taken)
 
 
 def _is_length(taken: Taken) -> bool:
@@ -211,18 +223,21 @@ def _signed(one: Specimen, reading: Reading) -> Specimen:
     else:
         chosen = signs.decided(one.travel, one.force)
         if not chosen.why:
-            raise InputError(
+            raise signs.UnclearSigns(
                 "the work of loading does not decide whether the force is counted negative: give "
                 "--flip none, --flip force, --flip stroke or --flip both."
             )
-    travel, lines = one.travel * chosen.stroke, [f"signs: {chosen.why}"]
+    travel, lines = one.travel * chosen.stroke, [f"signs: {chosen.reason}"]
     if signs.is_far(travel) and one.gauge is None:
         unit, factor = display_unit(one.measure.travel_unit)
         begin = f"{one.measure.stroke} counts from the first sample"
         lines.append(f"zero: {begin}, {one.travel[0] * factor:.6g} {unit} in the file")
         travel = travel - travel[0]
     return one._replace(
-        travel=travel, force=one.force * chosen.force, reading=(*one.reading, *lines)
+        travel=travel,
+        force=one.force * chosen.force,
+        reading=(*one.reading, *lines),
+        other_flip=chosen.other,
     )
 
 
@@ -248,6 +263,27 @@ def _part(one: Specimen, reading: Reading) -> Specimen:
         travel=one.travel[rows],
         force=one.force[rows],
         reading=(*one.reading, f"part: {shown}cycle {number} of {total}"),
+    )
+
+
+def _without_return(one: Specimen) -> Specimen:
+    """The sample without a first or last row that is one jump over most of the travel."""
+    turns = turns_of(one.travel)
+    span = float(np.ptp(one.travel))
+    keep, jumps = slice(None), list[str]()
+    if len(one.travel) >= _MANY and turns:
+        ends = {"first": (0, turns[0]), "last": (turns[-1], len(one.travel) - 1)}
+        for place, (a, b) in ends.items():
+            jump = abs(float(one.travel[b] - one.travel[a]))
+            if b - a == 1 and jump >= 0.5 * span:
+                shown = amount(jump, one.measure.travel_unit)
+                jumps.append(f"the {place} row is {shown} away from the one beside it: left out")
+                keep = slice(1, keep.stop) if place == "first" else slice(keep.start, -1)
+    return one._replace(
+        time=one.time[keep],
+        travel=one.travel[keep],
+        force=one.force[keep],
+        remarks=(*one.remarks, *jumps),
     )
 
 

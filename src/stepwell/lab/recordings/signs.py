@@ -4,7 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Floats
+from stepwell.base import Floats, InputError
+from stepwell.lab.recordings.reading import FLIPS
 from stepwell.lab.recordings.recording import halves_of, turns_of
 
 # Fractions of the largest force and of the recorded strokes, below which both count as zero.
@@ -12,17 +13,37 @@ _REST, _NEAR = 0.05, 0.1
 # Work over that of a force of one sign: taken up, given off, and of a specimen that only springs.
 _TAKEN, _GIVEN, _SPRINGS = -0.05, -0.5, 0.9
 _ENOUGH = 10  # samples
-_BOTH = "if loading is counted negative, give --flip both"
-_FORCE = "if the force is counted negative, give --flip force"
+_OPEN = {
+    "both": "if loading is counted negative, give --flip both",
+    "stroke": "if the stroke is counted negative, give --flip stroke",
+    "force": "if the force is counted negative, give --flip force",
+}
 _FAR = 3.0  # distance from zero, over the range of the strokes, of an absolute position
 
 
 class Signs(NamedTuple):
-    """Factors of stroke and force (1 or -1), and the reason; no reason if undecided."""
+    """Factors of stroke and force (1 or -1), and the reason; no reason if undecided.
+
+    `other` is the value of `flip` that may be right too, with the reason for the one used.
+    """
 
     stroke: int
     force: int
     why: str = ""
+    other: str = ""
+
+    @property
+    def reason(self) -> str:
+        """The reason, and the option for the signs that may be right too."""
+        return f"{self.why}; {_OPEN[self.other]}" if self.other else self.why
+
+
+class UnclearSigns(InputError):
+    """Signs that the work does not decide; `flips` are the values of `flip` that may be right."""
+
+    def __init__(self, problem: str, flips: tuple[str, ...] = FLIPS):
+        self.flips = flips
+        super().__init__(problem)
 
 
 def turned(flip: str) -> Signs:
@@ -68,7 +89,9 @@ class _Beginning(NamedTuple):
 
 def _of_one_half(stroke: Floats, force: Floats, begin: _Beginning) -> Signs:
     if begin.falls and not is_far(stroke):  # as an unloading test that is set to zero before
-        return Signs(1, 1, f"as recorded: a stroke that falls is unloading; {_BOTH}")
+        gives = begin.at_rest and begin.work <= -_SPRINGS
+        why = "as recorded: a stroke that falls is unloading"
+        return Signs(1, 1, why, "stroke" if gives else "both")
     if not (begin.at_rest and abs(begin.work) >= _SPRINGS and _springs(stroke, force)):
         return _as_recorded(begin.work)
     return _signs(begin.loading, begin.loading if begin.work > 0 else -begin.loading)
@@ -89,8 +112,9 @@ def _of_cycles(stroke: Floats, force: Floats, begin: _Beginning) -> Signs:
 
 def _as_recorded(work: float) -> Signs:
     """The signs of the file, which the work leaves open."""
-    gives = f": the specimen gives off work at first; {_FORCE}" if work <= -_SPRINGS else ""
-    return Signs(1, 1, f"as recorded{gives}")
+    if work > -_SPRINGS:
+        return Signs(1, 1, "as recorded")
+    return Signs(1, 1, "as recorded: the specimen gives off work at first", "force")
 
 
 def pulled(stroke: Floats, force: Floats, near: float) -> Signs:
