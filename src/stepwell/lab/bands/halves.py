@@ -145,7 +145,7 @@ def loops_of(
 
 def _positive(recording: Recording) -> Recording:
     """The recording with tension and its stroke positive, where both are counted negative."""
-    x, f, why = signs.pulled(recording.stroke, recording.force, REACH)
+    x, f, why, _ = signs.pulled(recording.stroke, recording.force, REACH)
     if not why:
         return recording
     remarks = (*recording.remarks, why)
