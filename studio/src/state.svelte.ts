@@ -124,6 +124,8 @@ class Studio {
   private marked = false;
   private asked = 0;
   private known = 0;
+  /** Number of the request for what fields show; 0 if it is answered. */
+  private described = 0;
   private readonly underWay = new Set<string>();
   private unsaved = false;
   private saving = 0;
@@ -189,6 +191,16 @@ class Studio {
   /** Asks for one thing, apart from what follows the design. */
   once(type: string, ask: object, then: (view: View) => void, partly?: (view: View) => void): void {
     this.wire.ask(type, this.design, this.leg, ask, then, partly);
+  }
+
+  /** Asks for what fields show of the present design; the page is busy until it is known. */
+  describe(type: string, then: (view: View) => void): void {
+    this.busy = true;
+    this.described = this.wire.ask(type, this.design, this.leg, {}, (view) => {
+      if (view.seq >= this.described) this.described = 0;
+      then(view);
+      this.calm();
+    });
   }
 
   /** Ends what is under way of a type that takes long. */
@@ -501,7 +513,7 @@ class Studio {
   }
 
   private calm(): void {
-    if (!this.unsaved && this.known >= this.asked) this.busy = false;
+    if (!this.unsaved && this.known >= this.asked && !this.described) this.busy = false;
   }
 }
 
