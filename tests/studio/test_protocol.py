@@ -1,7 +1,9 @@
 """Messages between page and server: what is understood, and what is refused in words."""
 
 import ast
+import asyncio
 import json
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -151,11 +153,27 @@ def test_an_unexpected_error_is_a_line_on_the_page_and_a_report_in_the_terminal(
     assert FORWARD["chain"]["cell"][0]["name"] in file.read_text("utf-8")
 
 
-def test_machine_code_that_cannot_be_had_leaves_the_connection_open(tmp_path, monkeypatch, capsys):
-    def broken():
-        raise OSError("no compiler")
+def test_a_session_answers_without_its_process(monkeypatch):
+    def unable(_self: Any):
+        raise OSError("no more processes")
 
-    monkeypatch.setattr(report, "_folders", lambda: iter([tmp_path]))
-    monkeypatch.setattr(session, "prepare", broken)
-    session.hasten.__wrapped__()
-    assert "no compiler (unexpected)" in capsys.readouterr().err
+    monkeypatch.setattr(aside.WorkerProcess, "_started", unable)
+    sent: asyncio.Queue[bytes] = asyncio.Queue()
+
+    async def answers() -> list[dict[str, Any]]:
+        with ThreadPoolExecutor(1) as threads:
+            one = session.Session(sent.put, threads, None)
+            answering = asyncio.create_task(one.answer())
+            headers: list[dict[str, Any]] = []
+            for kind in ("evaluate", "graph"):
+                message = {"v": 1, "type": kind, "seq": 3, "design": FORWARD}
+                await one.hear(json.dumps(message))
+                headers.append(unpacked(await asyncio.wait_for(sent.get(), 60))[0])
+            answering.cancel()
+        return headers
+
+    # A browser of other tests has a running loop in this thread.
+    with ThreadPoolExecutor(1) as apart:
+        evaluated, drawn = apart.submit(asyncio.run, answers()).result()
+    assert evaluated["sequence"] == "00>10>11>01>00"
+    assert drawn["ended"]

@@ -1,5 +1,6 @@
 """The studio as a process: who may talk to it, what it answers when, and how it ends."""
 
+import gzip
 import http.client
 import json
 import signal
@@ -44,7 +45,7 @@ def get(studio: Studio, path: str, **headers: str) -> Got:
     """A file of the page, by headers of one's own."""
     connection = http.client.HTTPConnection(studio.host, timeout=20)
     with closing(connection):
-        connection.putrequest("GET", path, skip_host="Host" in headers)
+        connection.putrequest("GET", path, skip_host="Host" in headers, skip_accept_encoding=True)
         for name, value in headers.items():
             connection.putheader(name, value)
         connection.endheaders()
@@ -67,6 +68,15 @@ def test_every_answer_keeps_a_browser_to_this_page(studio: Studio):
 @pytest.mark.parametrize("name", page_files())
 def test_the_files_of_the_page_are_served_by_their_names(studio: Studio, name: str):
     assert get(studio, f"/{name}").body == page_files()[name]
+
+
+def test_a_file_of_the_page_is_sent_compressed_and_once(studio: Studio):
+    first = get(studio, "/studio.js", **{"Accept-Encoding": "gzip"})
+    assert gzip.decompress(first.body) == page_files()["studio.js"]
+    assert len(first.body) < 120_000
+    again = get(studio, "/studio.js", **{"If-None-Match": first.headers["etag"]})
+    assert (again.status, again.body) == (304, b"")
+    assert get(studio, "/studio.js", **{"If-None-Match": 'W/"other"'}).status == 200
 
 
 @pytest.mark.parametrize(

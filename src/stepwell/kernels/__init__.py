@@ -5,7 +5,7 @@ calls: it is interpreted while the work is small, and compiled by a separate pro
 Machine code is stored on disk under the fingerprint of its source and its environment.
 """
 
-from stepwell.kernels.entry import WORTH_LOADING, entry, stay
+from stepwell.kernels.entry import WORTH_LOADING, entry, interpret, stay
 from stepwell.kernels.fingerprint import kernel, leaf, record
 from stepwell.kernels.store import kept
 from stepwell.kernels.threads import (

@@ -30,6 +30,8 @@ _WORTH_WAITING = 5.0  # s
 _LOOK_AGAIN = 0.25  # s
 # A long-lived process uses machine code from the first call on.
 _long_lived = False
+# A process that must answer at once leaves machine code to another one.
+_left_to_others = False
 # Interpreted time of all entries [s].
 _interpreted_for = 0.0
 
@@ -123,6 +125,8 @@ class Entry(Generic[P, R]):
         wanted = _requested_mode()
         if wanted != AUTO:
             return wanted == COMPILED
+        if _left_to_others:
+            return False
         price = self._seconds
         for place, field in self._sized:
             array = args[place]
@@ -145,6 +149,12 @@ def stay() -> None:
     """From now on use machine code that is on disk from the first call of every kernel."""
     global _long_lived
     _long_lived = True
+
+
+def interpret() -> None:
+    """From now on never wait for the compiler in this process."""
+    global _left_to_others
+    _left_to_others = True
 
 
 def entry(seconds: float = 0.0, *of: str) -> Callable[[Callable[P, R]], Entry[P, R]]:

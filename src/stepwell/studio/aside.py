@@ -3,29 +3,20 @@
 import asyncio
 import json
 import multiprocessing
-import os
-import signal
 import sys
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from importlib import import_module
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
-from time import monotonic
 from typing import Any
 
 from stepwell.base import StepwellError
 from stepwell.crash import reported
+from stepwell.files import preset_text, tables_in
 from stepwell.studio.ask import Ask, PageDesign, View
-from stepwell.studio.message import (
-    Message,
-    Refusal,
-    packed,
-    partial_answer,
-    problems_of,
-    progress_message,
-    refusal_message,
-)
+from stepwell.studio.message import Message, Refusal, packed, problems_of, refusal_message
 
 # For every type of message the file in `panels` with the function `answer_<type>`.
 FILES = {
@@ -42,20 +33,19 @@ FILES = {
     "targets": ("wish", "yield"),
 }
 _PANELS = {kind: file for file, kinds in FILES.items() for kind in kinds}
-# Panels in a separate process: `ask.report` reports progress, and the page can cancel them.
+# Panels that each have a process of their own, which the page can cancel; `ask.report` reports
+# progress. All others take milliseconds.
 LONG = {
-    *("atlas", "export", "map_followed", "margin", "maze", "measured", "predict", "replay"),
-    *("study", "study_csv", "study_design", "study_estimate", "thumbnails", "walk", "wish"),
-    "yield",
+    *("atlas", "border", "export", "graph", "jump", "map", "map_followed", "margin", "maze"),
+    *("measured", "predict", "program", "replay", "study", "study_csv", "study_design"),
+    *("study_estimate", "thumbnails", "walk", "wish", "yield"),
 }
+# Panels whose processes belong to the server.
+OWN = {"studies", "study_begin", "study_stop"}
 _BROKEN = (
     "The studio failed on this. Its terminal names a file to report it with; go back to the last "
     "good state and on from there."
 )
-# What long answers need, imported once for all of them.
-_USED = "stepwell.design", "stepwell.accounts", "scipy.stats", "scipy.optimize", "xarray", "numba"
-# Seconds between two reports of progress.
-_EVERY = 0.1
 
 
 def types() -> tuple[str, ...]:
@@ -92,20 +82,42 @@ def report_error(error: Exception, asked: str = "") -> None:
         sys.stderr.write(f"{reported(error, ['studio'], asked)}\n")
 
 
-class WorkerProcess:
-    """One process at a time; it starts with the first work and stays warm for the next."""
+def broken(message: Message) -> bytes:
+    """The answer to a message whose process ended by itself."""
+    return refusal_message(message.type, message.seq, [Refusal("", _BROKEN)])
 
-    def __init__(self) -> None:
+
+def warm() -> None:
+    """Answer a typical first request in advance, to import its packages."""
+    answered(Message("evaluate", 0, tables_in(preset_text("paper-forward"))))
+
+
+class WorkerProcess:
+    """One process at a time; it starts with the first work and stays warm for the next.
+
+    `nice` lowers its priority, so that answers to a drag come first.
+    """
+
+    def __init__(self, nice: int = 5) -> None:
+        self._nice = nice
         self._process: BaseProcess | None = None
         self._pipe: Connection | None = None
+        # Starting a process and waiting for it block a thread.
+        self._thread = ThreadPoolExecutor(1, "worker")
+        self._ended = False
 
     async def run(self, message: Message, report: Callable[[bytes], None]) -> bytes | None:
         """The answer to a message, None if the work was ended; `report` is called with progress."""
-        pipe = self._started()
+        loop = asyncio.get_running_loop()
+        self._ended = False
         try:
+            pipe = await loop.run_in_executor(self._thread, self._started)
+            if self._ended:  # meanwhile
+                self.end()
+                return None
             pipe.send(message)
             while True:
-                last, data = await asyncio.to_thread(pipe.recv)
+                last, data = await loop.run_in_executor(self._thread, pipe.recv)
                 if last:
                     return data
                 report(data)
@@ -115,17 +127,23 @@ class WorkerProcess:
 
     def end(self) -> None:
         """End the process at once."""
+        self._ended = True
         process, self._process = self._process, None
         if process is not None:
             process.kill()
             process.join()
+
+    def close(self) -> None:
+        """End the process, and accept no more work."""
+        self.end()
+        self._thread.shutdown(wait=False, cancel_futures=True)
 
     def _started(self) -> Connection:
         if self._process is not None and self._process.is_alive() and self._pipe is not None:
             return self._pipe
         apart = _apart()
         ours, theirs = apart.Pipe()
-        process: BaseProcess = apart.Process(target=work, args=(theirs,), daemon=True)
+        process: BaseProcess = apart.Process(target=_work, args=(theirs, self._nice), daemon=True)
         process.start()
         self._process, self._pipe = process, ours
         theirs.close()
@@ -133,42 +151,27 @@ class WorkerProcess:
 
 
 def prepare() -> None:
-    """Start the imports of the process from which long work is forked."""
+    """Start the process from which workers are forked, if there is one."""
     if "forkserver" in multiprocessing.get_all_start_methods():
         _apart()
         from multiprocessing import forkserver
 
-        forkserver.ensure_running()
+        with suppress(OSError):  # without it the server answers
+            forkserver.ensure_running()
+
+
+_WORKER = "stepwell.studio.worker"
 
 
 def _apart() -> Any:
     # A fork of this process would copy locked locks of its threads: if possible, start
-    # from a process without threads that has imported all packages.
+    # from a process without threads that has imported all packages and loaded machine code.
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     apart = multiprocessing.get_context("forkserver")
-    apart.set_forkserver_preload([__name__, *_USED])
+    apart.set_forkserver_preload([_WORKER])
     return apart
 
 
-def work(pipe: Connection) -> None:
-    """Answer one message after another until the studio ends; runs in the process."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the studio handles Ctrl-C and ends this process
-    if hasattr(os, "nice"):
-        os.nice(5)  # answers to a drag have priority
-    with suppress(EOFError, OSError):
-        while True:
-            message: Message = pipe.recv()
-            reported_at = monotonic()
-
-            def report(done: float, total: float, message: Message = message) -> None:
-                nonlocal reported_at
-                now = monotonic()
-                if now - reported_at >= _EVERY:
-                    reported_at = now
-                    pipe.send((False, progress_message(message.type, message.seq, done, total)))
-
-            def show(view: View, message: Message = message) -> None:
-                pipe.send((False, partial_answer(message.type, message.seq, view)))
-
-            pipe.send((True, answered(message, Ask(message.ask, report, show, message.studies))))
+def _work(pipe: Connection, nice: int) -> None:
+    import_module(_WORKER).work(pipe, nice)

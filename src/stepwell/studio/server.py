@@ -1,12 +1,15 @@
 """The server of the studio: files of the page and one socket, on this machine only."""
 
 import asyncio
+import gzip
+import hashlib
 import os
 import secrets
 import socket
 from collections.abc import AsyncIterator, Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
+from functools import cache
 from importlib import import_module
 from importlib.resources import files
 from pathlib import Path
@@ -15,9 +18,11 @@ from typing import Any
 import platformdirs
 
 from stepwell.base import need
+from stepwell.kernels import interpret
+from stepwell.studio.aside import prepare, warm
 from stepwell.studio.guard import App, Guard, kept_token
 from stepwell.studio.message import LONGEST_MESSAGE
-from stepwell.studio.session import Session, warm
+from stepwell.studio.session import Session
 from stepwell.studio.stores import end_studies
 
 HOST = "127.0.0.1"
@@ -103,7 +108,9 @@ def application(
 
     @asynccontextmanager
     async def lifespan(_app: Any) -> AsyncIterator[None]:
-        threads.submit(warm)
+        # Machine code is for workers: loading it here would delay an answer by seconds.
+        for first in (interpret, warm, prepare):
+            threads.submit(first)
         ready()
         yield
         await asyncio.to_thread(end_studies)
@@ -114,9 +121,17 @@ def application(
         await _talked(websocket, Session(websocket.send_bytes, threads, design, kept))
 
     def route(path: str, name: str) -> Any:
-        async def page(_request: Any) -> Any:
-            kind = _TYPES[name.rpartition(".")[2]]
-            return responses.Response(held[name], media_type=kind)
+        kind, tag = _TYPES[name.rpartition(".")[2]], f'W/"{_digest(held[name])}"'
+
+        async def page(request: Any) -> Any:
+            # A browser keeps the file and asks whether it is still this one.
+            headers = {"etag": tag, "vary": "accept-encoding"}
+            if tag in request.headers.get("if-none-match", ""):
+                return responses.Response(status_code=304, headers=headers)
+            body = held[name]
+            if "gzip" in request.headers.get("accept-encoding", ""):
+                headers["content-encoding"], body = "gzip", _compressed(body)
+            return responses.Response(body, headers=headers, media_type=kind)
 
         return routing.Route(path, page)
 
@@ -138,6 +153,15 @@ def page_files() -> dict[str, bytes]:
     folder = files("stepwell.studio") / "page"
     held = folder.iterdir() if folder.is_dir() else ()
     return {one.name: one.read_bytes() for one in held if one.name.rpartition(".")[2] in _TYPES}
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()[:20]
+
+
+@cache
+def _compressed(data: bytes) -> bytes:
+    return gzip.compress(data, 6, mtime=0)
 
 
 async def _talked(websocket: Any, session: Session) -> None:

@@ -3,13 +3,11 @@
 import asyncio
 from collections.abc import Awaitable, Callable
 from concurrent.futures import Executor
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 from stepwell.files import preset_text, tables_in
-from stepwell.kernels import stay
-from stepwell.studio.aside import LONG, WorkerProcess, answered, prepare, report_error, types
+from stepwell.studio.aside import LONG, OWN, WorkerProcess, answered, broken, types
 from stepwell.studio.ask import View
 from stepwell.studio.message import (
     Message,
@@ -22,6 +20,8 @@ from stepwell.studio.message import (
 )
 
 CANCEL, START = "cancel", "start"
+# What the process for fast requests answers first, to itself.
+_FIRST = Message("evaluate", 0, tables_in(preset_text("paper-forward")), {})
 Send = Callable[[bytes], Awaitable[None]]  # of the socket
 
 
@@ -57,8 +57,8 @@ class Waiting:
 class Session:
     """The work for one socket.
 
-    Fast requests are answered in `threads`, so that the socket keeps receiving; `start` has the
-    tables of the design given to the command.
+    Fast requests are answered by a process with compiled code, and until it is ready in `threads`;
+    `start` has the tables of the design given to the command.
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class Session:
     ):
         self._send, self._threads = send, threads
         self._start, self._studies = start, studies
-        self._quick = Waiting()
+        self._quick, self._fast = Waiting(), WorkerProcess(nice=0)
         # One process per slow type: an inverse design of minutes must not delay a yield.
         self._long = {kind: LongWork(send) for kind in LONG}
         self._types = (*types(), START, CANCEL)
@@ -93,20 +93,26 @@ class Session:
 
     async def answer(self) -> None:
         """Answer queued messages until cancelled."""
+        starting = asyncio.create_task(self._fast.run(_FIRST, lambda _: None))
         try:
             lanes = [lane.answer() for lane in self._long.values()]
-            await asyncio.gather(self._answer_quick(), *lanes)
+            await asyncio.gather(self._answer_quick(starting), *lanes)
         finally:
-            for lane in self._long.values():
-                lane.aside.end()
+            starting.cancel()
+            for worker in (self._fast, *(lane.aside for lane in self._long.values())):
+                worker.close()
 
-    async def _answer_quick(self) -> None:
+    async def _answer_quick(self, starting: asyncio.Task[bytes | None]) -> None:
         loop = asyncio.get_running_loop()
         while True:
             message = await self._quick.take()
-            await self._send(await loop.run_in_executor(self._threads, answered, message))
-            # Loading compiled code takes longer than the first answer without it.
-            await loop.run_in_executor(self._threads, hasten)
+            # Loading compiled code takes longer than the first answers without it.
+            ready = starting.done() and starting.result() is not None
+            if ready and message.type not in OWN:
+                data = await self._fast.run(message, lambda _: None) or broken(message)
+            else:
+                data = await loop.run_in_executor(self._threads, answered, message)
+            await self._send(data)
 
     async def _cancel(self, seq: int) -> None:
         for lane in self._long.values():
@@ -141,22 +147,6 @@ class LongWork:
             self.running = None
             await asyncio.gather(*self._told)
             await self._send(_ended(message) if data is None else data)
-
-
-def warm() -> None:
-    """Answer typical first requests in advance, to import their packages."""
-    answered(Message("evaluate", 0, tables_in(preset_text("paper-forward"))))
-
-
-@cache
-def hasten() -> None:
-    """Load compiled code before the first drag, and prepare the process for slow work."""
-    try:
-        prepare()
-        stay()
-        warm()
-    except Exception as error:  # the page is answered without it
-        report_error(error)
 
 
 def _ended(message: Message) -> bytes:
