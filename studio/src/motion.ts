@@ -1,6 +1,30 @@
 // Reads the samples of a cycle: where everything is at the cursor, and how play passes through it.
 
+import { formatted, nameOf } from "./design";
 import type { View } from "./wire";
+
+/** A snap, or a cell that reaches a stop or another phase. */
+export interface Event {
+  kind: "snap" | "switch";
+  sample: number;
+  stroke_mm: number;
+  direction: number;
+  cells: number[];
+  before_mm: number[];
+  after_mm: number[];
+}
+
+/** An event in words: where it is, and the travels of the cells that move. */
+export function eventText(view: View, { kind, cells, before_mm, after_mm, stroke_mm, direction }: Event): string {
+  const { travel, stroke } = view.units;
+  const moves = cells.map((i, k) => {
+    const [from, to] = [before_mm[k], after_mm[k]].map((one) => formatted(one));
+    return `${nameOf(view.cells[i], i)} ${from === to ? `at ${to}` : `${from} → ${to}`}`;
+  });
+  const half = direction > 0 ? "loading" : "unloading";
+  const name = kind === "snap" ? "Snap" : "Switch";
+  return `${name} at ${formatted(stroke_mm)} ${stroke}, ${half}: ${moves.slice(0, 4).join(", ")} ${travel}`;
+}
 
 /** How long a snap is shown, though it takes next to no time [ms]. */
 export const SNAP_MS = 700;

@@ -1,44 +1,98 @@
-// Draws curves on a canvas: axes with units, lines that stop where a segment ends, one cursor.
+// Axes, ticks and places of a plot: each plot of the page is painted inside one frame.
 
-/** One line; where `segment` changes, nothing is drawn. */
-export interface Line {
-  x: ArrayLike<number>;
-  y: ArrayLike<number>;
-  segment?: ArrayLike<number>;
-  /** +1 loading, -1 unloading, which is drawn thinner. */
-  direction?: ArrayLike<number>;
-  colour: string;
-  /** Of what is only looked at beside the rest: faint and dashed. */
-  ghost?: boolean;
+import type { Point } from "./design";
+
+/** One axis: its name, its unit if it has one, and the values between which it lies. */
+export interface Axis {
+  name: string;
+  unit: string;
+  range: Point;
+  /** Values with words beside them; round numbers by default. */
+  marks?: [number, string][];
 }
 
-/** A point to be marked: hollow where a snap begins, full where it lands, or the cursor. */
-export interface Dot {
+/** A value and event at a place of the axes, in words. */
+export interface Reading {
   x: number;
   y: number;
-  colour: string;
-  kind: "from" | "to" | "cursor";
+  text: string;
+  /** Index of a line or point, where the reading belongs to one. */
+  line?: number;
+  index?: number;
 }
 
-export interface Plot {
-  x: string;
-  y: string;
-  lines: Line[];
-  dots: Dot[];
-  cursor?: number;
-}
+/** What a plot is painted with: a canvas, or the recorder of an SVG file. */
+export type Pen = Pick<
+  CanvasRenderingContext2D,
+  | "strokeStyle" | "fillStyle" | "lineWidth" | "lineJoin" | "globalAlpha" | "font" | "textAlign" | "textBaseline"
+  | "beginPath" | "moveTo" | "lineTo" | "arc" | "rect" | "stroke" | "fill" | "fillRect" | "strokeRect"
+  | "fillText" | "strokeText" | "setLineDash" | "save" | "restore" | "clip"
+> & { drawImage(image: HTMLCanvasElement, x: number, y: number, w: number, h: number): void };
 
-interface Colours {
+export interface Look {
   ink: string;
   quiet: string;
   grid: string;
   paper: string;
 }
 
-const LEFT = 50;
-const RIGHT = 12;
-const TOP = 22;
-const BOTTOM = 34;
+export const LOOKS: Record<"light" | "dark", Look> = {
+  light: { ink: "#1f2328", quiet: "#5c636b", grid: "#e9e7e1", paper: "#ffffff" },
+  dark: { ink: "#e8e6e1", quiet: "#a5a8ad", grid: "#2c3238", paper: "#1b2025" },
+};
+
+export const FONT = "12px system-ui, sans-serif";
+const [LEFT, RIGHT, TOP, BOTTOM] = [50, 12, 22, 34];
+
+/** Name and unit of an axis. */
+export const worded = ({ name, unit }: Axis): string => (unit ? `${name} [${unit}]` : name);
+
+/** Where values lie on the screen. */
+export class Frame {
+  constructor(
+    readonly x: Axis,
+    readonly y: Axis,
+    readonly wide: number,
+    readonly tall: number,
+    /** Free space above the plot, where a file has its title. */
+    readonly above = 0,
+  ) {}
+
+  /** Left, top, width and height of the space inside the axes [px]. */
+  get inner(): [number, number, number, number] {
+    const top = this.above + TOP;
+    return [LEFT, top, Math.max(1, this.wide - LEFT - RIGHT), Math.max(1, this.tall - top - BOTTOM)];
+  }
+
+  across(x: number): number {
+    const [left, , wide] = this.inner;
+    return left + ((x - this.x.range[0]) / (this.x.range[1] - this.x.range[0])) * wide;
+  }
+
+  up(y: number): number {
+    const [, top, , tall] = this.inner;
+    return top + (1 - (y - this.y.range[0]) / (this.y.range[1] - this.y.range[0])) * tall;
+  }
+
+  /** The values at a place of the screen. */
+  at([px, py]: Point): Point {
+    const [left, top, wide, tall] = this.inner;
+    const [[x0, x1], [y0, y1]] = [this.x.range, this.y.range];
+    return [x0 + ((px - left) / wide) * (x1 - x0), y0 + (1 - (py - top) / tall) * (y1 - y0)];
+  }
+
+  holds({ x, y }: { x: number; y: number }): boolean {
+    const within = (value: number, [low, high]: Point): boolean =>
+      value >= low - 1e-9 * (high - low) && value <= high + 1e-9 * (high - low);
+    return within(x, this.x.range) && within(y, this.y.range);
+  }
+}
+
+/** Where a pointer is in the plot [px]. */
+export function pixelOf(event: MouseEvent): Point {
+  const { left, top } = (event.currentTarget as Element).closest(".surface")!.getBoundingClientRect();
+  return [event.clientX - left, event.clientY - top];
+}
 
 /** Round numbers between two, about so many and at least three. */
 export function ticks(low: number, high: number, about: number): number[] {
@@ -47,12 +101,47 @@ export function ticks(low: number, high: number, about: number): number[] {
   const steps = [10, 5, 2.5, 2, 1, 0.5].map((one) => one * power);
   const least = steps.findLast((one) => one >= raw * 0.999)!;
   const ends = (step: number): number[] => [Math.ceil(low / step - 1e-9), Math.floor(high / step + 1e-9)];
-  const step = steps.find((one) => one <= least && ends(one)[1] - ends(one)[0] >= 2)!;
+  const step = steps.find((one) => one <= least && ends(one)[1] - ends(one)[0] >= 2) ?? steps.at(-1)!;
   const [first, last] = ends(step);
   return Array.from({ length: last - first + 1 }, (_, k) => Number(((first + k) * step).toPrecision(12)));
 }
 
-function range(values: ArrayLike<number>[]): [number, number] {
+function marksOf({ marks, range: [low, high] }: Axis, about: number): [number, string][] {
+  const all = marks ?? ticks(low, high, Math.max(2, about)).map((one): [number, string] => [one, written(one)]);
+  return all.filter(([value]) => value >= low - 1e-9 * (high - low) && value <= high + 1e-9 * (high - low));
+}
+
+/** Paints the axes with their names and marks. */
+export function paintAxes(pen: Pen, frame: Frame, look: Look): void {
+  const [left, top, wide, tall] = frame.inner;
+  pen.font = FONT;
+  pen.lineWidth = 1;
+  pen.fillStyle = look.quiet;
+  pen.strokeStyle = look.grid;
+  pen.textAlign = "right";
+  pen.textBaseline = "middle";
+  for (const [y, text] of marksOf(frame.y, frame.tall / 55)) {
+    pen.beginPath();
+    pen.moveTo(left, Math.round(frame.up(y)) + 0.5);
+    pen.lineTo(left + wide, Math.round(frame.up(y)) + 0.5);
+    pen.stroke();
+    pen.fillText(text, left - 6, frame.up(y));
+  }
+  pen.textAlign = "center";
+  pen.textBaseline = "top";
+  for (const [x, text] of marksOf(frame.x, frame.wide / 80)) pen.fillText(text, frame.across(x), top + tall + 5);
+  pen.textAlign = "right";
+  pen.textBaseline = "bottom";
+  pen.fillText(worded(frame.x), left + wide, top + tall + BOTTOM - 1);
+  pen.textAlign = "left";
+  pen.textBaseline = "top";
+  pen.font = `600 ${FONT.replace("12", "13")}`;
+  pen.fillStyle = look.ink;
+  pen.fillText(worded(frame.y), 4, frame.above + 2);
+}
+
+/** The least and the greatest of all values, with a part of their distance beside each. */
+export function rangeOf(values: ArrayLike<number>[], beside = 0): Point {
   let [low, high] = [Infinity, -Infinity];
   for (const all of values) {
     for (let k = 0; k < all.length; k += 1) {
@@ -60,96 +149,9 @@ function range(values: ArrayLike<number>[]): [number, number] {
       if (all[k] > high) high = all[k];
     }
   }
-  if (!(high > low)) return Number.isFinite(low) ? [low - 1, low + 1] : [0, 1];
-  return [low, high];
-}
-
-/** Paints one plot; returns where its x axis lies, for the pointer. */
-export function paint(canvas: HTMLCanvasElement, plot: Plot, colours: Colours): (x: number) => number {
-  const [wide, tall] = [canvas.clientWidth, canvas.clientHeight];
-  const ratio = devicePixelRatio || 1;
-  if (canvas.width !== Math.round(wide * ratio) || canvas.height !== Math.round(tall * ratio)) {
-    canvas.width = Math.round(wide * ratio);
-    canvas.height = Math.round(tall * ratio);
-  }
-  const pen = canvas.getContext("2d")!;
-  pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-  pen.clearRect(0, 0, wide, tall);
-
-  const [x0, x1] = range(plot.lines.map((line) => line.x));
-  let [y0, y1] = range(plot.lines.map((line) => line.y));
-  const room = (y1 - y0) * 0.06;
-  [y0, y1] = [y0 - room, y1 + room];
-  const across = (x: number): number => LEFT + ((x - x0) / (x1 - x0)) * (wide - LEFT - RIGHT);
-  const up = (y: number): number => tall - BOTTOM - ((y - y0) / (y1 - y0)) * (tall - TOP - BOTTOM);
-
-  pen.font = "12px system-ui, sans-serif";
-  pen.lineWidth = 1;
-  pen.fillStyle = colours.quiet;
-  pen.textAlign = "right";
-  pen.textBaseline = "middle";
-  for (const y of ticks(y0, y1, Math.max(2, tall / 55))) {
-    pen.strokeStyle = colours.grid;
-    pen.beginPath();
-    pen.moveTo(LEFT, Math.round(up(y)) + 0.5);
-    pen.lineTo(wide - RIGHT, Math.round(up(y)) + 0.5);
-    pen.stroke();
-    pen.fillText(written(y), LEFT - 6, up(y));
-  }
-  pen.textAlign = "center";
-  pen.textBaseline = "top";
-  for (const x of ticks(x0, x1, Math.max(2, wide / 80))) {
-    pen.fillText(written(x), across(x), tall - BOTTOM + 5);
-  }
-  pen.textAlign = "right";
-  pen.textBaseline = "bottom";
-  pen.fillText(plot.x, wide - RIGHT, tall - 1);
-  pen.textAlign = "left";
-  pen.textBaseline = "top";
-  pen.font = "600 13px system-ui, sans-serif";
-  pen.fillStyle = colours.ink;
-  pen.fillText(plot.y, 4, 2);
-
-  if (plot.cursor !== undefined) {
-    pen.strokeStyle = colours.quiet;
-    pen.beginPath();
-    pen.moveTo(across(plot.cursor), TOP);
-    pen.lineTo(across(plot.cursor), tall - BOTTOM);
-    pen.stroke();
-  }
-  pen.lineJoin = "round";
-  // All of unloading lies under all of loading, so that no thin line cuts a thick one.
-  for (const way of [-1, 1]) {
-    for (const { x, y, segment, direction, colour, ghost } of plot.lines) {
-      pen.strokeStyle = colour;
-      pen.lineWidth = way < 0 ? 1.3 : 2.4;
-      pen.globalAlpha = ghost ? 0.45 : 1;
-      pen.setLineDash(ghost ? [5, 4] : []);
-      pen.beginPath();
-      for (let k = 0; k < x.length; k += 1) {
-        if ((direction?.[k] ?? 1) !== way) continue;
-        const joined =
-          k > 0 &&
-          (!segment || segment[k] === segment[k - 1]) &&
-          (!direction || direction[k - 1] === way);
-        if (joined) pen.lineTo(across(x[k]), up(y[k]));
-        else pen.moveTo(across(x[k]), up(y[k]));
-      }
-      pen.stroke();
-    }
-  }
-  pen.globalAlpha = 1;
-  pen.setLineDash([]);
-  for (const { x, y, colour, kind } of plot.dots) {
-    pen.beginPath();
-    pen.arc(across(x), up(y), kind === "cursor" ? 5.5 : 3.2, 0, 2 * Math.PI);
-    pen.fillStyle = kind === "from" ? colours.paper : colour;
-    pen.strokeStyle = kind === "cursor" ? colours.paper : colour;
-    pen.lineWidth = kind === "cursor" ? 2 : 1.5;
-    pen.fill();
-    pen.stroke();
-  }
-  return (pixel) => x0 + ((pixel - LEFT) / (wide - LEFT - RIGHT)) * (x1 - x0);
+  const half = Math.abs(low) || 1;
+  if (!(high > low)) return Number.isFinite(low) ? [low - half, low + half] : [0, 1];
+  return [low - beside * (high - low), high + beside * (high - low)];
 }
 
 const written = (value: number): string => String(value).replace("-", "−");

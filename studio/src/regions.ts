@@ -2,7 +2,7 @@
 
 import { colour } from "./colours";
 import type { Point } from "./design";
-import { ticks } from "./plot";
+import { FONT, type Frame, type Look, type Pen } from "./plot";
 
 /** How one region looks. */
 export interface Style {
@@ -23,19 +23,14 @@ export interface Picture {
   image: ArrayLike<number>;
   /** Pixels across and up. */
   size: Point;
-  x: [number, number];
-  y: [number, number];
+  x: Point;
+  y: Point;
   styles: Style[];
   curves: Curve[];
 }
 
-/** The space of the axes round the picture. */
-export const ROOM = { left: 46, right: 10, top: 8, bottom: 24 };
-
 const COLOURS = 6;
 const SHARE = { light: 0.5, dark: 0.42 };
-const INK = { light: "#1f2328", dark: "#e8e6e1" };
-const PAPER = { light: "#ffffff", dark: "#1b2025" };
 // A letter needs a square of so many pixels of the screen.
 const ROOM_OF_LETTER = 16;
 
@@ -46,79 +41,69 @@ export const styleOf = (k: number, theme: "light" | "dark"): Style => ({
   hatch: Math.floor(k / COLOURS),
 });
 
-export function paintMap(canvas: HTMLCanvasElement, picture: Picture, theme: "light" | "dark"): void {
-  const [wide, tall] = [canvas.clientWidth, canvas.clientHeight];
-  const ratio = devicePixelRatio || 1;
-  canvas.width = Math.round(wide * ratio);
-  canvas.height = Math.round(tall * ratio);
-  const pen = canvas.getContext("2d")!;
-  const [across, up] = [wide - ROOM.left - ROOM.right, tall - ROOM.top - ROOM.bottom];
-  fill(pen, picture, theme, ratio, across, up);
-  pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-
-  const [[x0, x1], [y0, y1]] = [picture.x, picture.y];
-  const at = (x: number, y: number): Point => [
-    ROOM.left + ((x - x0) / (x1 - x0)) * across,
-    ROOM.top + (1 - (y - y0) / (y1 - y0)) * up,
-  ];
-  pen.strokeStyle = INK[theme];
+export function paintMap(pen: Pen, picture: Picture, frame: Frame, look: Look, theme: "light" | "dark"): void {
+  const [left, top, wide, tall] = frame.inner;
+  pen.drawImage(filled(picture, frame, look, SHARE[theme]), left, top, wide, tall);
+  pen.save();
+  pen.beginPath();
+  pen.rect(left, top, wide, tall);
+  pen.clip();
+  pen.strokeStyle = look.ink;
   pen.lineJoin = "round";
   for (const { points, dashed } of picture.curves) {
     pen.setLineDash(dashed ? [5, 4] : []);
     pen.lineWidth = dashed ? 1 : 1.8;
     pen.beginPath();
-    for (let k = 0; k < points.length; k += 2) pen.lineTo(...at(points[k], points[k + 1]));
+    for (let k = 0; k < points.length; k += 2) pen.lineTo(frame.across(points[k]), frame.up(points[k + 1]));
     pen.stroke();
   }
+  pen.restore();
   pen.setLineDash([]);
   pen.lineWidth = 1;
-  pen.strokeRect(ROOM.left + 0.5, ROOM.top + 0.5, across - 1, up - 1);
+  pen.strokeRect(left + 0.5, top + 0.5, wide - 1, tall - 1);
 
-  pen.font = "12px system-ui, sans-serif";
-  pen.fillStyle = INK[theme];
   pen.textAlign = "center";
-  pen.textBaseline = "top";
-  for (const x of ticks(x0, x1, Math.max(2, across / 80))) pen.fillText(written(x), at(x, y0)[0], tall - ROOM.bottom + 5);
-  pen.textAlign = "right";
   pen.textBaseline = "middle";
-  for (const y of ticks(y0, y1, Math.max(2, up / 55))) pen.fillText(written(y), ROOM.left - 6, at(x0, y)[1]);
-
-  pen.textAlign = "center";
-  pen.font = "600 14px system-ui, sans-serif";
+  pen.font = `600 ${FONT.replace("12", "14")}`;
+  pen.fillStyle = look.ink;
   pen.lineWidth = 3;
-  pen.strokeStyle = PAPER[theme];
+  pen.strokeStyle = look.paper;
   const [w, h] = picture.size;
+  const value = ([low, high]: Point, part: number): number => low + part * (high - low);
   for (const { code, column, row, side } of roomiest(picture)) {
-    if (Math.min((side * across) / w, (side * up) / h) < ROOM_OF_LETTER) continue;
-    const [x, y] = [ROOM.left + (column * across) / w, ROOM.top + (1 - row / h) * up];
-    pen.strokeText(picture.styles[code].letter, x, y);
-    pen.fillText(picture.styles[code].letter, x, y);
+    const [x, y] = [value(picture.x, column / w), value(picture.y, row / h)];
+    const across = frame.across(value(picture.x, (column + side) / w)) - frame.across(x);
+    const up = frame.up(y) - frame.up(value(picture.y, (row + side) / h));
+    if (Math.min(across, up) < ROOM_OF_LETTER || !frame.holds({ x, y })) continue;
+    pen.strokeText(picture.styles[code].letter, frame.across(x), frame.up(y));
+    pen.fillText(picture.styles[code].letter, frame.across(x), frame.up(y));
   }
 }
 
 // Pixel by pixel of the screen: an enlarged image would be hatched in steps.
-function fill(
-  pen: CanvasRenderingContext2D,
-  { image, size: [w, h], styles }: Picture,
-  theme: "light" | "dark",
-  ratio: number,
-  across: number,
-  up: number,
-): void {
-  const [wide, tall] = [Math.round(across * ratio), Math.round(up * ratio)];
-  if (wide < 1 || tall < 1) return;
-  const plain = styles.map((style) => mixed(style.colour, SHARE[theme], theme));
-  const lines = styles.map((style) => mixed(style.colour, 1, theme));
+function filled({ image, size: [w, h], x, y, styles }: Picture, frame: Frame, look: Look, share: number): HTMLCanvasElement {
+  const ratio = devicePixelRatio || 1;
+  const [left, top, ...inner] = frame.inner;
+  const [wide, tall] = inner.map((one) => Math.max(1, Math.round(one * ratio)));
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [wide, tall];
+  const pen = canvas.getContext("2d")!;
+  const plain = styles.map((style) => mixed(style.colour, share, look.paper));
+  const lines = styles.map((style) => mixed(style.colour, 1, look.paper));
   const data = pen.createImageData(wide, tall);
   const pixels = new Uint32Array(data.data.buffer);
+  const index = (value: number, [low, high]: Point, n: number): number =>
+    Math.max(0, Math.min(n - 1, Math.floor(((value - low) / (high - low)) * n)));
+  const columns = Array.from({ length: wide }, (_, i) => index(frame.at([left + (i + 0.5) / ratio, top])[0], x, w));
   for (let j = 0; j < tall; j += 1) {
-    const row = (h - 1 - Math.floor((j * h) / tall)) * w;
+    const row = index(frame.at([left, top + (j + 0.5) / ratio])[1], y, h) * w;
     for (let i = 0; i < wide; i += 1) {
-      const code = image[row + Math.floor((i * w) / wide)];
+      const code = image[row + columns[i]];
       pixels[j * wide + i] = hatched(styles[code].hatch, i / ratio, j / ratio) ? lines[code] : plain[code];
     }
   }
-  pen.putImageData(data, Math.round(ROOM.left * ratio), Math.round(ROOM.top * ratio));
+  pen.putImageData(data, 0, 0);
+  return canvas;
 }
 
 function hatched(hatch: number, x: number, y: number): boolean {
@@ -129,10 +114,9 @@ function hatched(hatch: number, x: number, y: number): boolean {
 }
 
 // As four bytes, red first, on machines that store the last byte first, as all browsers' do.
-function mixed(hex: string, share: number, theme: "light" | "dark"): number {
+function mixed(hex: string, share: number, paper: string): number {
   const part = (text: string, k: number): number => parseInt(text.slice(1 + 2 * k, 3 + 2 * k), 16);
-  const byte = (k: number): number =>
-    Math.round(share * part(hex, k) + (1 - share) * part(PAPER[theme], k));
+  const byte = (k: number): number => Math.round(share * part(hex, k) + (1 - share) * part(paper, k));
   return ((255 << 24) | (byte(2) << 16) | (byte(1) << 8) | byte(0)) >>> 0;
 }
 
@@ -155,5 +139,3 @@ function roomiest({ image, size: [w, h], styles }: Picture) {
   }
   return best.filter((one) => one.side > 0);
 }
-
-const written = (value: number): string => String(value).replace("-", "−");

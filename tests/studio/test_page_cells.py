@@ -152,7 +152,7 @@ def test_an_argument_of_a_truss_is_edited(start: Any):
     design["chain"]["cell"][0]["von_mises_truss"]["height_mm"] = 10
     same(page, design)
     expect(
-        page.get_by_role("group", name="The curve of flat: force in N over travel in mm")
+        page.get_by_role("application", name="The curve of flat: force in N over travel in mm")
     ).to_be_visible()
 
 

@@ -74,7 +74,7 @@ def test_a_chain_of_volumes_has_the_words_of_figures_and_reports(offline: Opened
     page = opens(offline, tmp_path, replay(balloon))
     assert number(page, "peak pressure") == shown_as(balloon.cycle().peak_force / 1e3)
     for label in ("pressure [kPa] over volume [mL]", "volume of each cell [mL] over volume [mL]"):
-        expect(page.get_by_role("img", name=label)).to_be_visible()
+        expect(page.get_by_role("application", name=label)).to_be_visible()
     expect(page.get_by_text("V = 0 mL")).to_be_visible()
     for part in (".summary", ".stroke", ".drawing"):
         words = re.compile(r"\b(force|stroke|travel)\b")

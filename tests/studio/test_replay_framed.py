@@ -56,8 +56,8 @@ def all_in_view(frame: Frame) -> None:
     assert whole[0] <= room[0] and whole[1] <= room[1]
     for seen in (
         frame.get_by_role("group", name="The mechanism at the cursor"),
-        frame.get_by_role("img", name="Force: "),
-        frame.get_by_role("img", name="Travel: "),
+        frame.get_by_role("application", name="Force: "),
+        frame.get_by_role("application", name="Travel: "),
         frame.get_by_role("button", name="Play"),
         output(frame, "state"),
     ):
@@ -95,7 +95,7 @@ def test_two_side_by_side_have_legible_curves_and_their_legend(
     page.set_viewport_size({"width": width, "height": 800})
     page.locator("iframe").evaluate("frame => { frame.style.height = '48rem' }")
     for name in ("Force: ", "Travel: "):
-        box = frame.get_by_role("img", name=name).bounding_box()
+        box = frame.get_by_role("application", name=name).bounding_box()
         assert box is not None and box["height"] > 110
     expect(frame.get_by_text("a snap leads from ○ to ●")).to_be_visible()
     expect(frame.get_by_text("anchor of outer")).to_be_visible()
@@ -124,8 +124,8 @@ def test_twenty_cells_with_ties_leave_room_for_what_is_seen(offline: Opened, tmp
         page.set_viewport_size({"width": width, "height": 800})
         for part, least in (
             (frame.get_by_role("group", name="The mechanism at the cursor"), 100),
-            (frame.get_by_role("img", name="Force: "), 60),
-            (frame.get_by_role("img", name="Travel: "), 60),
+            (frame.get_by_role("application", name="Force: "), 60),
+            (frame.get_by_role("application", name="Travel: "), 60),
         ):
             box = part.bounding_box()
             assert box is not None and box["height"] > least and box["width"] > 200
