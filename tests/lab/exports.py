@@ -1,13 +1,10 @@
 """Made-up exports: one test of a specimen, written as different machines and people write it."""
 
-import io
-import zipfile
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from lab.workbooks import Array, ods, xls, xlsx
 
 # Time [s], stroke [mm] and force [N] of a band that is pulled and let go.
 WAY = np.concatenate([np.linspace(0, 20, 61), np.linspace(20, 0, 61)[1:]])
@@ -117,43 +114,9 @@ READ: dict[str, str | bytes] = {
 }
 
 
-def xlsx(columns: Sequence[Array], names: Sequence[str]) -> bytes:
-    """A workbook with one sheet, made without a library."""
-
-    def cell(value: float | str) -> str:
-        if isinstance(value, str):
-            return f'<c t="inlineStr"><is><t>{value}</t></is></c>'
-        return f"<c><v>{value!r}</v></c>"
-
-    rows = [list(names), *([float(x) for x in row] for row in zip(*columns, strict=True))]
-    body = "".join(f"<row>{''.join(map(cell, row))}</row>" for row in rows)
-    main = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
-    office = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
-    package = "http://schemas.openxmlformats.org/package/2006"
-    kind = "application/vnd.openxmlformats-officedocument.spreadsheetml"
-    parts = {
-        "[Content_Types].xml": f'<Types xmlns="{package}/content-types"><Default Extension="rels" '
-        f'ContentType="application/vnd.openxmlformats-package.relationships+xml"/><Override '
-        f'PartName="/xl/workbook.xml" ContentType="{kind}.sheet.main+xml"/><Override '
-        f'PartName="/xl/worksheets/sheet1.xml" ContentType="{kind}.worksheet+xml"/></Types>',
-        "_rels/.rels": f'<Relationships xmlns="{package}/relationships"><Relationship Id="a" '
-        f'Type="{office}/officeDocument" Target="xl/workbook.xml"/></Relationships>',
-        "xl/_rels/workbook.xml.rels": f'<Relationships xmlns="{package}/relationships">'
-        f'<Relationship Id="b" Type="{office}/worksheet" Target="worksheets/sheet1.xml"/>'
-        "</Relationships>",
-        "xl/workbook.xml": f'<workbook xmlns="{main}" xmlns:r="{office}"><sheets>'
-        '<sheet name="Test 1" sheetId="1" r:id="b"/></sheets></workbook>',
-        "xl/worksheets/sheet1.xml": f'<worksheet xmlns="{main}"><sheetData>{body}</sheetData>'
-        "</worksheet>",
-    }
-    file = io.BytesIO()
-    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, text in parts.items():
-            archive.writestr(name, '<?xml version="1.0" encoding="UTF-8"?>' + text)
-    return file.getvalue()
-
-
-READ["workbook"] = xlsx(_BOTH, ["Time (s)", "Displacement (mm)", "Force (N)"])
+for _write in (xlsx, ods, xls):
+    _names = ["Time (s)", "Displacement (mm)", "Force (N)"]
+    READ[f"workbook, {_write.__name__}"] = _write(_BOTH, _names)
 
 # Exports that leave a choice, with what the message names.
 ASKED: dict[str, tuple[str, str]] = {

@@ -85,7 +85,7 @@ def test_volume_pressure_and_angle_torque_are_read_as_elements_in_any_spelling(t
         file = tmp_path / "a.csv"
         file.write_text(f"{head}\n{rows}", "utf-8")
         assert lab.read_curve(file).measure.travel == measure
-        with refuses(lab.LabError, "not stroke and", "table_csv"):
+        with refuses(lab.LabError, "not stroke and", "lab element"):
             lab.read(file)
 
 

@@ -93,7 +93,8 @@ class ReadingOptions(Group):
             batch = read()
         elif unclear:
             warn(columns_text(unclear[0]))
-        if _asks() and reading.flip is None and (signs := _open_signs(batch)):
+        single = len(paths) == 1 and paths[0].is_file() and reading.flip is None
+        if single and _asks() and (signs := _open_signs(batch)):
             reading = replace(reading, flip=asked_flip(*signs))
             batch = read()
         warn_readings(batch.recordings)
@@ -146,14 +147,12 @@ def columns_text(error: LabError) -> str:
 
 def _open_signs(batch: Batch) -> tuple[str, tuple[str, ...]] | None:
     """Why the signs of a single file are open, and its values of `flip`; None if they are not."""
-    for error in batch.refused if len(batch.refused) == 1 and not batch.recordings else ():
+    for error in batch.refused:
         return (str(error), error.flips) if error.flips else None
-    sources = {one.sha256 for one in batch.recordings}
-    others = {one.other_flip for one in batch.recordings}
-    if batch.refused or len(sources) != 1 or len(others) != 1 or others == {""}:
-        return None
-    first = batch.recordings[0]
-    return f"{first.source}: {'; '.join(first.reading)}", ("none", *others)
+    for one in batch.recordings:
+        if one.other_flip:
+            return f"{one.source}: {'; '.join(one.reading)}", ("none", one.other_flip)
+    return None
 
 
 def asked_flip(why: str, flips: Sequence[str]) -> str:

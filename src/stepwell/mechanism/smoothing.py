@@ -299,9 +299,10 @@ def smooth(bins: Bins, least_drop: float = 0.0) -> Smooth:
     turns = _turns(bins, x, y, stretches)
     rises = not stretches or stretches[0][0] > 0
     # What a window shows and the curve does not is no turn of the curve.
-    turns, rises = _without_small(y, turns, rises, max(least_drop, float(np.max(error))))
-    y = _monotone(x, y, error, turns, rises)
+    least = max(least_drop, float(np.max(np.minimum(error, most))))
+    turns, rises = _without_small(y, turns, rises, least)
     error = np.where(_near_turns(bins, x, turns), error, np.minimum(error, most))
+    y = _monotone(x, y, error, turns, rises)
     keep = np.union1d(np.arange(0, len(x), _FINE), turns).astype(int)
     at = np.searchsorted(keep, turns)
     return Smooth(x[keep], y[keep], tuple(at.tolist()), error[keep], rises)

@@ -142,13 +142,20 @@ def read_bytes(content: bytes, name: str, reading: Reading | None = None) -> Rec
     return _only(name, _recordings(name, content, reading))
 
 
-def read_every(content: bytes, name: str, reading: Reading | None = None) -> list[Recording]:
+def read_every(
+    content: bytes,
+    name: str,
+    reading: Reading | None = None,
+    measures: Iterable[Measure] = (Measure.TRAVEL,),
+) -> list[Recording]:
     """All specimens in the content of a file, a recording each; `name` is not opened.
+
+    `measures` are as for `read`.
 
     Raises:
         LabError: as `read`.
     """
-    return _recordings(name, content, reading)
+    return _recordings(name, content, reading, measures)
 
 
 def samples_of(file: str | os.PathLike[str], reading: Reading | None = None) -> list[Specimen]:

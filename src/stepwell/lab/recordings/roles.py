@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Floats, InputError, Measure, display_unit
+from stepwell.base import Floats, InputError, Measure
 from stepwell.lab.recordings.columns import FACTORS, UNIT_KIND, WEIGHTS, TableColumn, parted
 from stepwell.lab.recordings.reading import Reading
 
@@ -321,11 +321,8 @@ class _Table:
         if pair is None or pair in measures:
             return ""
         has = f"has {pair.travel} and {pair.force}, not stroke and force"
-        key = f"noise_{display_unit(pair.force_unit)[0]}"
         return (
-            f"{has}. Write a design file with the lines [[chain.cell]], table_csv = the name "
-            f"of this file in quotes, and {key} = the standard deviation of the noise; then "
-            f"use stepwell run."
+            f"{has}: read it as an element, with `stepwell lab element` and the name of this file."
         )
 
     def _of_other_names(self, side: _Side, measures: Sequence[Measure]) -> str:
