@@ -112,6 +112,8 @@ class Studio {
   theme = $state<"light" | "dark">("light");
   /** Whether something is still to be answered or kept of what was changed last. */
   busy = $state(false);
+  /** The types of requests that have waited for an answer for some time. */
+  slow = $state.raw<ReadonlySet<string>>(new Set());
   undos = $state(0);
   redos = $state(0);
 
@@ -135,9 +137,15 @@ class Studio {
 
   constructor() {
     const token = new URLSearchParams(location.search).get("token") ?? "";
-    this.wire = new Wire(token, (alive) => {
-      this.alive = alive;
-    });
+    this.wire = new Wire(
+      token,
+      (alive) => {
+        this.alive = alive;
+      },
+      (types) => {
+        this.slow = types;
+      },
+    );
   }
 
   /** Connects, and opens the design of the address, or the one given to the command. */
@@ -464,7 +472,7 @@ class Studio {
     this.fresh = new Set();
     this.underWay.clear();
     window.clearTimeout(this.resting);
-    for (const { type, long } of this.followers()) if (long) this.wire.cancel(type);
+    for (const { type } of this.followers()) this.wire.cancel(type);
     this.busy = true;
     this.asked = this.wire.ask("evaluate", this.design, this.leg, {}, (view) =>
       this.answered(view),

@@ -34,6 +34,8 @@ interface Request {
 // the page; more would only pile up.
 const IN_FLIGHT = 2;
 const RETRY_MS = 700;
+// What takes longer shows that it works.
+const SLOW_MS = 300;
 /** Longest message that the server takes [bytes]. */
 export const LONGEST = 1 << 20;
 
@@ -81,10 +83,16 @@ export class Wire {
   private seq = 0;
   private readonly sent = new Map<string, Request[]>();
   private readonly waiting = new Map<string, Request>();
+  private slow: ReadonlySet<string> = new Set();
 
+  /**
+   * @param linked called when the connection stands or is lost.
+   * @param slowed called with the types that have waited for an answer for some time.
+   */
   constructor(
     private readonly token: string,
     private readonly linked: (alive: boolean) => void,
+    private readonly slowed: (types: ReadonlySet<string>) => void,
   ) {}
 
   /** Connects, and again whenever the connection is lost. */
@@ -130,7 +138,16 @@ export class Wire {
       queueMicrotask(() => settle({ type, seq, ok: false, problems, blocks: {} }));
     } else if (this.socket && (this.sent.get(type)?.length ?? 0) < IN_FLIGHT) this.send(request);
     else this.waiting.set(type, request);
+    setTimeout(() => this.look(type), SLOW_MS);
     return seq;
+  }
+
+  /** Whether a type waits for an answer, reported once it has for some time. */
+  private look(type: string): void {
+    const waits = this.waiting.has(type) || (this.sent.get(type) ?? []).length > 0;
+    if (waits === this.slow.has(type)) return;
+    this.slow = new Set(waits ? [...this.slow, type] : [...this.slow].filter((one) => one !== type));
+    this.slowed(this.slow);
   }
 
   /** Ends what is under way of a type that takes long. */
@@ -163,6 +180,7 @@ export class Wire {
       this.waiting.delete(view.type);
       this.send(next);
     }
+    if (this.slow.has(view.type)) this.look(view.type);
     const problems = view.problems?.map(({ at, text }) => ({ at, text: named(text) }));
     own.settle({ ...view, problems });
   }

@@ -64,22 +64,36 @@ def test_a_stiffness_is_typed_shown_as_default_and_taken_out_again(page: Page):
     assert spin(page, name).input_value() == "33"
 
 
-# The server's answer on keys comes later than all others.
-LATE = """
-const send = WebSocket.prototype.send;
-WebSocket.prototype.send = function (message) {
-  setTimeout(() => send.call(this, message), JSON.parse(message).type === "cells" ? 600 : 0);
-};
-undefined
-"""
+def late(page: Page, kind: str) -> None:
+    """The server's answers of a type come later than all others."""
+    page.evaluate(
+        """(kind) => {
+          const send = WebSocket.prototype.send;
+          WebSocket.prototype.send = function (message) {
+            setTimeout(() => send.call(this, message), JSON.parse(message).type === kind ? 600 : 0);
+          };
+        }""",
+        kind,
+    )
 
 
 def test_a_page_is_busy_until_its_fields_show_the_new_defaults(page: Page):
     more(page, "inner")
     page.get_by_text("Common to all cells").click()
-    page.evaluate(LATE)
+    late(page, "cells")
     typed(page, "stiffness of all bands in N/m", 33)
     assert spin(page, "stiffness of the band of inner in N/m").input_value() == "33"
+
+
+def test_a_panel_shows_that_its_answer_takes_long_while_the_numbers_are_there(page: Page):
+    late(page, "graph")
+    typed(page, "q of outer, x in mm", 19)
+    panel = page.get_by_role("tabpanel")
+    expect(panel).to_have_attribute("aria-busy", "true")
+    design = tables("paper-forward")
+    design["chain"]["cell"][1]["q_mm"] = [19, 0]
+    same(page, design)
+    expect(panel).to_have_attribute("aria-busy", "false")
 
 
 def test_a_bad_value_is_reported_at_its_field_and_can_be_mended(page: Page):

@@ -209,6 +209,15 @@ def test_two_pages_do_not_hear_each_other(studio: Studio, page: Page):
     assert sequences[0] != sequences[1]
 
 
+def test_numbers_do_not_wait_for_the_graph(page: Page):
+    cell = FORWARD["chain"]["cell"][0]
+    eight = [{**cell, "name": f"cell {k}", "q_mm": [10 + 10 * k / 8, 0]} for k in range(8)]
+    page.ask("evaluate", FORWARD)
+    graph = page.send("graph", {"chain": {**FORWARD["chain"], "cell": eight}})
+    numbers = page.send("evaluate", FORWARD)
+    assert [page.hear().header["seq"] for _ in range(2)] == [numbers, graph]
+
+
 @pytest.mark.slow
 def test_long_work_shows_progress_and_can_be_stopped_while_dragging_goes_on(page: Page):
     slow = tables_in(preset_text("slack"))

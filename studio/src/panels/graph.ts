@@ -6,5 +6,6 @@ export default {
   title: "Graph",
   place: "tab" as const,
   follows: { type: "graph" },
+  asks: ["graph"],
   view: Graph,
 };

@@ -11,5 +11,6 @@ export default {
     long: true,
     ask: () => (recordings.files.length ? { files: recordings.files } : null),
   },
+  asks: ["measured"],
   view: Measured,
 };

@@ -5,5 +5,6 @@ export default {
   name: "mechanism",
   title: "Mechanism",
   place: "middle" as const,
+  asks: ["evaluate"],
   view: Mechanism,
 };

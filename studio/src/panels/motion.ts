@@ -1,4 +1,10 @@
 // The curves of one full cycle, with one cursor.
 import Motion from "./Motion.svelte";
 
-export default { name: "motion", title: "Motion", place: "middle" as const, view: Motion };
+export default {
+  name: "motion",
+  title: "Motion",
+  place: "middle" as const,
+  asks: ["evaluate"],
+  view: Motion,
+};

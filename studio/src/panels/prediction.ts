@@ -6,5 +6,6 @@ export default {
   title: "Prediction",
   place: "robot" as const,
   follows: { type: "predict", long: true },
+  asks: ["predict"],
   view: Prediction,
 };

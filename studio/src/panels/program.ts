@@ -15,5 +15,6 @@ export default {
       return plan && askOf(plan);
     },
   },
+  asks: ["program"],
   view: Program,
 };

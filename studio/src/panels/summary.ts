@@ -12,5 +12,6 @@ export default {
     long: true,
     ask: () => (studio.views.evaluate.method === "search" ? {} : null),
   },
+  asks: ["evaluate", "margin"],
   view: Summary,
 };

@@ -7,5 +7,6 @@ export default {
   title: "Yield",
   place: "top" as const,
   follows: { type: "yield", long: true, ask: () => tolerances.asked },
+  asks: ["yield"],
   view: Yield,
 };
