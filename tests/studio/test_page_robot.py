@@ -118,13 +118,13 @@ def test_a_robot_of_the_gallery_shows_its_legs_and_walks_as_python_says(
     robot = sw.preset("robot-forward")
     prediction = robot.predict()
     expect(output(page, "prediction")).to_have_text(
-        f"{prediction.motion.value}, d/u_max {prediction.advance:.3g}", timeout=PATIENT
+        f"{prediction.motion.value}, predicted d/u_max {prediction.advance:.3g}", timeout=PATIENT
     )
     expect(page.locator("canvas[data-ready]")).to_be_visible()
     assert [url for url in opened.asked if url.endswith("scene.js")]
     # There is no run yet that could be exported, and no cursor.
     button(page, "Export").click()
-    expect(button(page, "Run as HTML")).to_have_count(0)
+    expect(button(page, "Save page of the run")).to_have_count(0)
     button(page, "Close").click()
     expect(button(page, "Close")).to_have_count(0)
     typed(page, "Cycles to walk", "2")
@@ -146,7 +146,7 @@ def test_a_robot_of_the_gallery_shows_its_legs_and_walks_as_python_says(
     compare(page, walk)
     button(page, "Export").click()
     with page.expect_download(timeout=PATIENT) as saved:
-        button(page, "Run as HTML").click()
+        button(page, "Save page of the run").click()
     assert saved.value.suggested_filename.endswith("-run.html")
     assert saved.value.path().read_text("utf-8") == replay(walk)
     button(page, "Close").click()

@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 
 from stepwell.accounts import assumptions
-from stepwell.base import Floats, Ints, __version__, display_unit, plain
+from stepwell.base import Floats, InputError, Ints, __version__, display_unit, plain
 from stepwell.design import Change, Margin, margin
+from stepwell.files import WrittenProgram, dumps
 from stepwell.mechanism import Cell, Chain, Element, layout, phase_at
-from stepwell.sequences import Cycle, Program
+from stepwell.robot import Robot
+from stepwell.sequences import Cycle, Program, ProgramMethod
 from stepwell.statics import Event, EventKind, Path, SegmentKind
 from stepwell.studio.ask import View
 
@@ -290,8 +292,25 @@ def motion_of(
             {"program": None, **cycle_header(cycle), **margins_of(limits)},
         )
     few, rests = drawn(path), assumptions(path.chain)
-    header = {**path_header(path, few), "version": __version__, "assumptions": rests, **view_header}
+    kept = written(result) if isinstance(result, Program) else None
+    rest = {"version": __version__, "assumptions": rests, "toml": design_text(path.chain, kept)}
+    header = {**path_header(path, few), **rest, **view_header}
     return View(header, arrays_of(few) | landscape(path.chain) | {"phase": _phases(few)})
+
+
+def written(program: Program) -> WrittenProgram:
+    """The program of a design file; with rounded numbers for a planned program."""
+    if program.method is ProgramMethod.GIVEN:
+        return WrittenProgram(program.start, program.turning_points, program.target)
+    return WrittenProgram.of(program)
+
+
+def design_text(design: Chain | Robot, program: WrittenProgram | None = None) -> str:
+    """The design file of a motion; "" if the design is outside the limits of its file."""
+    try:
+        return dumps(design, program=program)
+    except InputError:
+        return ""
 
 
 def _phases(path: Path) -> Ints:

@@ -14,6 +14,7 @@ from stepwell.files import arena_tables
 from stepwell.robot import Arena, Robot, states
 from stepwell.simulation import HEIGHT, Maze, Walk, mujoco, obstacle_names, spec, walk as walk_of
 from stepwell.studio.ask import Ask, View
+from stepwell.studio.motion import design_text
 
 _SHAPES = {
     int(mujoco.mjtGeom.mjGEOM_BOX): "box",
@@ -206,6 +207,7 @@ def walked(result: Walk | Maze) -> View:
         **scene.header(),
         "title": walk.robot.title,
         "version": __version__,
+        "toml": design_text(walk.robot),
         "arena": None if walk.arena is None else arena_tables(walk.arena),
         "steps": {name: _STEPS.get(name, _STEP) for name in differences},
         "record": account(result).record,

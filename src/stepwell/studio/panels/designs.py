@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
 from contextlib import suppress
 from dataclasses import MISSING, fields, is_dataclass
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stepwell import files, statics
+from stepwell import accounts, files, statics
 from stepwell.base import ExtraError, InputError, Ints
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
@@ -226,20 +227,24 @@ _DPI, _KINDS = 600, ("svg", "png", "pdf")
 
 
 def answer_export(design: PageDesign, ask: Ask) -> View:
-    """The bytes of a file: `what` is a figure in the `kind` svg, png or pdf, or the samples in csv.
+    """The bytes of a file: `what` is a figure, the samples or the result, `kind` its type.
 
-    Both show the full cycle; the samples have all columns of `stepwell run --out`.
+    All show the full cycle: a figure as svg, png or pdf; the samples as csv, with all columns of
+    `stepwell run --out`; the result as json, the record of `stepwell run --json`.
     """
-    what, kind = ask.text("what", 20), ask.text("kind", 3)
+    what, kind = ask.text("what", 20), ask.text("kind", 4)
     ask.close()
     cycle = design.chain.cycle()
-    kinds = ("csv",) if what == "samples" else _KINDS
+    kinds = {"samples": ("csv",), "result": ("json",)}.get(what, _KINDS)
     if kind not in kinds:
         raise InputError(f"ask.kind = {kind!r}: must be {', '.join(kinds)}.")
     with TemporaryDirectory() as folder:
         file = Place(folder) / f"out.{kind}"
         if what == "samples":
             cycle.path.to_csv(file)
+        elif what == "result":
+            record = accounts.account(cycle).record
+            file.write_text(json.dumps(record, indent=2, allow_nan=False) + "\n", "utf-8")
         else:
             from stepwell.figures import save
 
@@ -256,7 +261,9 @@ def _drawn(what: str, cycle: Cycle) -> Figure:
     of = {"overview": "overview", "force": "force_stroke", "travel": "travel_stroke"}
     if what in of:
         return getattr(figures, of[what])(cycle)
-    raise InputError(f"ask.what = {what!r}: must be overview, mechanism, force, travel or samples.")
+    raise InputError(
+        f"ask.what = {what!r}: must be overview, mechanism, force, travel, samples or result."
+    )
 
 
 def answer_replay(design: PageDesign, ask: Ask) -> View:

@@ -9,9 +9,9 @@ import numpy as np
 
 from stepwell.base import InputError, StepwellError, display_unit
 from stepwell.design import margin, proved_margin
-from stepwell.files import WrittenProgram, columns_of, known_keys, new_cells
+from stepwell.files import columns_of, known_keys, new_cells
 from stepwell.mechanism import Chain, Element
-from stepwell.sequences import Program, ProgramMethod, to_dot
+from stepwell.sequences import Program, to_dot
 from stepwell.studio import motion
 from stepwell.studio.ask import Ask, PageDesign, View
 
@@ -154,7 +154,7 @@ def answer_program(design: PageDesign, ask: Ask) -> View:
         "units": motion.units_of(program.chain),
         **motion.program_header(program),
         "events": motion.events_of(program.path.events, path),
-        "written": _written(program),
+        "written": tomllib.loads(motion.written(program).text(program.chain))["program"],
     }
     return View(header, motion.arrays_of(path))
 
@@ -175,10 +175,3 @@ def _state(chain: Chain, ask: Ask, key: str, default: str | None = None) -> str:
     if len(state) == len(last) and all("0" <= a <= b for a, b in zip(state, last, strict=True)):
         return state
     raise InputError(f"ask.{key} = {state!r}: must be one digit a cell, up to {last}.")
-
-
-def _written(program: Program) -> dict[str, Any]:
-    """The table [program] of a design file; with rounded numbers for a planned program."""
-    given = WrittenProgram(program.start, program.turning_points, program.target)
-    kept = given if program.method is ProgramMethod.GIVEN else WrittenProgram.of(program)
-    return tomllib.loads(kept.text(program.chain))["program"]
