@@ -12,7 +12,7 @@ export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help venv demo paper test types style suite page test-lowest coverage bench docs release lock clean
+.PHONY: help venv demo paper test types style suite page motions test-lowest coverage bench docs release lock clean
 
 help:
 	@echo "make demo         show in a minute what springs can be told to do, on one page in out/demo"
@@ -22,6 +22,7 @@ help:
 	@echo "make coverage     run all tests and tell which lines they never reach"
 	@echo "make bench        print speed ratios against named peers"
 	@echo "make page         build the studio's page from studio/ (needs Node 20.19 or newer)"
+	@echo "make motions      compute the small motions of the studio's gallery again"
 	@echo "make docs         build the documentation into site/"
 	@echo "make release      rehearse a release: build it, install it on every Python here; uploads nothing"
 	@echo "make venv         only set up .venv/"
@@ -95,6 +96,10 @@ endef
 # What is built is committed, so that nobody who installs it needs Node; a test builds it anew.
 page:
 	cd studio && npm ci --no-audit --no-fund --ignore-scripts && npm run check && npm run build
+
+# The small motions of the gallery: again after a preset was changed or added.
+motions: .venv/.ready
+	.venv/bin/python -m stepwell.studio.gallery
 
 lock:
 	$(PYTHON) -m venv .venv-lock

@@ -13,9 +13,9 @@ from stepwell.files import loads_tables, preset_text, presets, tables_in
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 from stepwell.statics import EventKind
+from stepwell.studio import gallery
 from stepwell.studio.aside import answered
-from stepwell.studio.ask import Ask, PageDesign, View
-from stepwell.studio.message import Message, partial_answer, unpacked
+from stepwell.studio.message import Message, packed, unpacked
 from stepwell.studio.motion import arrays_of, cells_of, drawn
 from studio.pages import Answer
 
@@ -28,20 +28,10 @@ def listed() -> list[dict[str, Any]]:
 
 
 @cache
-def thumbnails() -> tuple[list[Answer], Answer]:
-    """Every motion as the page reads it, and the last answer."""
-    answers: list[Answer] = []
-
-    def show(view: View) -> None:
-        answers.append(Answer(*unpacked(partial_answer("thumbnails", 1, view))))
-
-    last = answered(Message("thumbnails", 1), Ask({}, lambda _done, _total: None, show))
-    return answers, Answer(*unpacked(last))
-
-
-@cache
 def motions() -> dict[str, Answer]:
-    return {one.header["name"]: one for one in thumbnails()[0]}
+    """Every motion computed now, as the page reads it."""
+    views = {name: gallery.moving(name, tables_in(preset_text(name))) for name in presets()}
+    return {name: Answer(*unpacked(packed("", 1, view))) for name, view in views.items()}
 
 
 def test_the_gallery_is_in_groups_by_what_designs_are():
@@ -56,17 +46,21 @@ def test_the_gallery_is_in_groups_by_what_designs_are():
             assert (one["group"] == "paper") == one["name"].startswith("paper-")
 
 
-@pytest.mark.slow
-def test_there_is_one_motion_a_design_in_the_order_of_the_gallery():
-    answers, last = thumbnails()
-    assert [one.header["name"] for one in answers] == [one["name"] for one in listed()]
-    assert all(one.header["part"] for one in answers)
-    assert last.header["count"] == len(presets())
+def test_the_list_has_one_motion_a_design_and_all_are_small():
+    header, blocks = unpacked(answered(Message("gallery", 1)))
+    assert all(one["motion"]["name"] == one["name"] for one in header["designs"])
+    assert {key.split("/")[0] for key in blocks} == set(presets())
+    assert sum(block.nbytes for block in blocks.values()) < 350e3
 
 
-@pytest.mark.slow
-def test_all_motions_together_are_small():
-    assert sum(block.nbytes for one in motions().values() for block in one.blocks.values()) < 350e3
+@pytest.mark.parametrize("name", CHAINS)
+def test_the_motions_of_the_package_are_those_computed_now(name: str):
+    stored = gallery.motions().get(name)
+    assert stored is not None, "the design was changed: run `make motions`"
+    header, blocks = motions()[name]
+    assert stored.header == {key: header[key] for key in stored.header}
+    for key, block in stored.blocks.items():
+        np.testing.assert_allclose(block, blocks[key], atol=1e-4, rtol=0)
 
 
 @pytest.mark.parametrize("name", CHAINS)
@@ -147,9 +141,9 @@ def test_a_robot_walks_as_its_simulation_does(name: str):
         assert str(leg.chain.cycle().sequence) in header["sequence"]
 
 
-def test_without_the_simulator_a_robot_shows_its_first_leg(monkeypatch: pytest.MonkeyPatch):
-    from stepwell.studio.panels import designs
-
+def test_without_the_simulator_a_robot_of_the_page_shows_its_first_leg(
+    monkeypatch: pytest.MonkeyPatch,
+):
     imported = builtins.__import__
 
     def none_of_it(name: str, *rest: Any, **more: Any) -> Any:
@@ -158,15 +152,14 @@ def test_without_the_simulator_a_robot_shows_its_first_leg(monkeypatch: pytest.M
         return imported(name, *rest, **more)
 
     monkeypatch.setattr(builtins, "__import__", none_of_it)
-    views: list[View] = []
-    monkeypatch.setattr(designs, "_designs", lambda: [{"name": "robot-forward"}])
-    designs.answer_thumbnails(PageDesign(None), Ask({}, lambda _done, _total: None, views.append))
+    view = gallery.moving("own", tables_in(preset_text("robot-forward")))
     robot = sw.preset("robot-forward")
     assert isinstance(robot, Robot)
-    assert views[0].header["cells"] == cells_of(robot.legs[0].chain)
-    assert views[0].blocks["travel"].shape[1] == len(robot.legs[0].chain)
+    assert view.header["cells"] == cells_of(robot.legs[0].chain)
+    assert view.blocks["travel"].shape[1] == len(robot.legs[0].chain)
 
 
 def test_thumbnails_take_no_question():
-    problem = unpacked(answered(Message("thumbnails", 1, None, {"name": "x"})))[0]["problems"][0]
+    ask = {"designs": [{"name": "x", "design": {}}], "name": "x"}
+    problem = unpacked(answered(Message("thumbnails", 1, None, ask)))[0]["problems"][0]
     assert "unknown key" in problem["text"]

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from contextlib import suppress
 from dataclasses import MISSING, fields, is_dataclass
-from functools import cache
 from pathlib import Path as Place
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -14,13 +12,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stepwell import accounts, files, statics
-from stepwell.base import ExtraError, InputError, Ints
+from stepwell.base import InputError
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 from stepwell.sequences import Program
+from stepwell.studio import gallery
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.message import LONGEST_MESSAGE
-from stepwell.studio.motion import arrays_of, cells_of, drawn, events_of, layout_of
 from stepwell.studio.panels.motion import program_of
 from stepwell.studio.panels.robots import asked_run
 
@@ -31,39 +29,23 @@ if TYPE_CHECKING:
     from stepwell.simulation import Maze, Walk
 
 
-# The groups in the order of the page.
-_GROUPS = ("paper", "further", "elements", "robots")
-
-
 def answer_gallery(_design: PageDesign, ask: Ask) -> View:
-    """Names, titles and groups, in the order of the page."""
+    """Names, titles, groups and motions, in the order of the page.
+
+    A design has the header of its `motion`, whose arrays have its name and a slash before theirs.
+    """
     ask.close()
-    return View({"designs": _designs()})
-
-
-@cache
-def _designs() -> list[dict[str, Any]]:
-    entries = [_preset(name, title) for name, title in files.presets().items()]
-    return sorted(entries, key=lambda one: _GROUPS.index(one["group"]))
-
-
-def _preset(name: str, title: str) -> dict[str, Any]:
-    tables = tomllib.loads(files.preset_text(name))
-    legs = tables.get("leg", [])
-    own = legs[0].get("chain", {}) if legs else {}
-    cells = own.get("cell") or tables["chain"]["cell"]
-    kind, group = ("robot", "robots") if legs else ("chain", "further")
-    # Cells of levers have bands, and bands have anchors.
-    if not legs and not all("p_mm" in cell or "bands" in cell for cell in cells):
-        group = "elements"
-    elif name.startswith("paper-"):
-        group = "paper"
-    return {"name": name, "title": title, "kind": kind, "group": group, "cells": len(cells)}
-
-
-# Samples of a motion in a small picture, in addition to the ends of its branches.
-_SAMPLES = 60
-_BLOCKS = ("drive", "travel", "angle", "tension", "pull", "segment", "direction")
+    motions = gallery.motions()
+    designs = [
+        {**one, "motion": motions[one["name"]].header if one["name"] in motions else None}
+        for one in gallery.listed()
+    ]
+    blocks = {
+        f"{name}/{block}": values
+        for name, motion in motions.items()
+        for block, values in motion.blocks.items()
+    }
+    return View({"designs": designs}, blocks)
 
 
 # Most designs that a browser keeps.
@@ -71,71 +53,18 @@ _MOST_KEPT = 10
 
 
 def answer_thumbnails(_design: PageDesign, ask: Ask) -> View:
-    """The motions of the page's own `designs`, then those of the gallery, and finally their number.
+    """The motions of the page's own `designs`, and finally their number.
 
-    A design of the page that cannot be computed has no motion. Without `presets` the gallery's are
-    left out.
+    A design that cannot be computed has no motion.
     """
-    own = ask.parts("designs", _MOST_KEPT) if ask.has("designs") else []
-    presets = ask.switch("presets", default=True)
+    own = ask.parts("designs", _MOST_KEPT)
     ask.close()
     for one in own:
         name, tables = one.text("name", 100), one.table("design")
         one.close()
         with suppress(InputError, statics.StaticsError):
-            ask.show(_moving(name, tables))
-    listed = _designs() if presets else []
-    for one in listed:
-        ask.show(_moving(one["name"], tomllib.loads(files.preset_text(one["name"]))))
-    return View({"count": len(own) + len(listed)})
-
-
-def _moving(name: str, tables: dict[str, Any]) -> View:
-    design, program = opened(tables)
-    if not isinstance(design, Robot):
-        return _chain(name, design, program)
-    try:
-        return _robot(name, design)
-    except ExtraError:
-        # A walk needs MuJoCo; the chain of a leg does not.
-        return _chain(name, design.legs[0].chain, None)
-
-
-def _chain(name: str, chain: Chain, written: files.WrittenProgram | None) -> View:
-    result = chain.cycle() if written is None else written.on(chain)
-    path = drawn(result.path)
-    rows, arrays = _few(path), arrays_of(path)
-    snaps = [
-        {"kind": event["kind"], "sample": int(np.searchsorted(rows, event["sample"]))}
-        for event in events_of(result.path.events, path)
-        if event["kind"] == "snap"
-    ]
-    header = {"name": name, "sequence": str(result.sequence), "cells": cells_of(chain)}
-    header |= {"layout": layout_of(result.path), "events": snaps}
-    return View(header, {block: arrays[block][rows] for block in _BLOCKS})
-
-
-def _few(path: statics.Path) -> Ints:
-    """Indices of samples for a small picture: ends of branches, and equal steps between them."""
-    step = np.abs(np.diff(path.travel, axis=0) / path.chain.full_travels).max(axis=1)
-    step[path.branch[1:] != path.branch[:-1]] = 0.0
-    along = np.concatenate([[0.0], np.cumsum(step)])
-    part = np.floor(_SAMPLES * along / max(along[-1], 1e-9))
-    keep = np.ones(len(part), bool)
-    keep[1:-1] = (part[1:-1] != part[:-2]) | (path.branch[1:-1] != path.branch[:-2])
-    keep[:-1] |= path.branch[1:] != path.branch[:-1]
-    return np.flatnonzero(keep)
-
-
-def _robot(name: str, robot: Robot) -> View:
-    from stepwell.studio.scene import walking
-
-    moving = walking(robot)
-    sequences = {leg.name: str(leg.chain.cycle().sequence) for leg in robot.legs}
-    sequence, *others = set(sequences.values())
-    if others:
-        sequence = ", ".join(f"{leg} {own}" for leg, own in sequences.items())
-    return View({"name": name, "sequence": sequence, **moving.header}, moving.blocks)
+            ask.show(gallery.moving(name, tables))
+    return View({"count": len(own)})
 
 
 def answer_open(_design: PageDesign, ask: Ask) -> View:
@@ -155,15 +84,8 @@ def answer_open(_design: PageDesign, ask: Ask) -> View:
     else:
         tables = files.tables_in(ask.text("toml", LONGEST_MESSAGE), "design")
     ask.close()
-    opened(tables)
+    gallery.opened(tables)
     return View({"design": tables, "title": tables.get("title", "")})
-
-
-def opened(tables: dict[str, Any]) -> tuple[Chain | Robot, files.WrittenProgram | None]:
-    """The chain or robot of a design that the page can show, and its program."""
-    design = PageDesign(tables)
-    _ = design.chain  # within the limit of the page
-    return design.read.subject, design.program
 
 
 _LONGEST = 88
