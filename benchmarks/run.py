@@ -16,6 +16,7 @@ import inverse
 import maps
 import peers
 import programs
+import recordings
 import robot
 import studies
 import studio
@@ -27,7 +28,7 @@ def main() -> None:
     """Print what was timed, what came out and what is wanted."""
     table = Table("what", "measured", "wanted", title="stepwell benchmarks")
     whole = maps, cycles, batches, graphs, programs, yields, inverse, peers, commands, robot, worlds
-    for module in (*whole, studies, studio):
+    for module in (*whole, studies, studio, recordings):
         for row in module.rows():
             table.add_row(*row)
     Console(width=120).print(table)

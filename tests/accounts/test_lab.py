@@ -187,9 +187,9 @@ def test_a_build_has_its_advice_its_yield_and_what_was_seen():
     built = of_recordings()["AsBuilt"]
     found = account(built)
     assert found.record["seed"] == built.seed and found.record["design_sha256"]
-    assert found.record["share"] == built.share
+    assert found.record["fraction"] == built.fraction
     for form in (_text(found), card(found), page(found)):
-        assert built.advice[1:15] in form and percent(built.share) in form
+        assert built.advice[1:15] in form and percent(built.fraction) in form
 
 
 @pytest.mark.slow

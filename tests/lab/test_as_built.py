@@ -105,10 +105,10 @@ def test_the_move_that_is_advised_mends_builds_that_were_reversed():
     mended, promised = [], []
     for truth, _, found in reversed_():
         assert str(truth.cycle().sequence) != WANTED
-        assert found.share == 0.0 and (found.wrong or found.wider > 1)
+        assert found.fraction == 0.0 and (found.wrong or found.wider > 1)
         move = found.moves[0]
         mended.append(str(move.of(truth).cycle().sequence) == WANTED)
-        promised.append(move.share)
+        promised.append(move.fraction)
     doubt = math.sqrt(sum(p * (1 - p) for p in promised)) + 1.0
     assert abs(sum(mended) - sum(promised)) < 3 * doubt
     assert any(mended)
@@ -159,7 +159,7 @@ def test_wrong_holes_are_as_likely_as_counting_says():
     holes = Holes(outer_anchors(near), 0.005, 0.2)
     found = population(Draws(near, OFTEN_OFF, 1), holes, Observed(REVERSED), 150, lambda: None)
     assert found is not None and not found.few
-    assert found.share == pytest.approx(share, abs=0.1)
+    assert found.fraction == pytest.approx(share, abs=0.1)
     assert np.mean(found.shifts[:, 0, 0] > 0) == pytest.approx(inner, abs=0.16)
     assert np.mean(found.shifts[:, 1, 0] < 0) == pytest.approx(outer, abs=0.16)
 
@@ -171,7 +171,7 @@ def test_an_anchor_in_the_wrong_hole_is_found_and_hooked_back():
     assert str(truth.cycle().sequence) == REVERSED
     found = as_built(CLOSE, seen(truth, np.random.default_rng(0)), OFTEN_OFF, samples=100)
     says(str(found.wrong[0]), "q of inner", "one", "outwards")
-    assert found.share == 0.0
+    assert found.fraction == 0.0
     assert str(found.moves[0].of(truth).cycle().sequence) == WANTED
     says(found.advice, "q of inner", "inwards", "(-5, 0) mm", "0 %")
 
@@ -184,15 +184,15 @@ def test_two_anchors_are_moved_where_one_mends_half_of_the_builds():
     # One hole makes a tie of the first and mends the second; one at each cell mends both.
     built = [with_d(0.025, 0.020), with_d(0.025, 0.0245)] * 10
     best, *others = best_moves(CLOSE, built, WANTED, 0.005, 0.0, lambda: None)
-    assert best.share == 1.0
+    assert best.fraction == 1.0
     says(str(best), "q of inner", "inwards", "(-5, 0) mm", "q of outer", "outwards", "(5, 0) mm")
-    assert all(len(move.steps) == 1 and move.share == 0.5 for move in others[1:])
+    assert all(len(move.steps) == 1 and move.fraction == 0.5 for move in others[1:])
 
 
 @pytest.mark.slow
 def test_a_build_that_does_what_it_should_is_left_alone():
     _, found = good()
-    assert found.share > 0.99 and not found.moves
+    assert found.fraction > 0.99 and not found.moves
     assert found.advice.startswith("leave its anchors")
     assert found.wider == 1.0
 
@@ -261,4 +261,4 @@ def test_an_observed_order_is_the_sequence_of_its_states():
         as_built(LEG, Observed(one), samples=100, target=WANTED) for one in ("1-2/1-2", WANTED)
     )
     assert orders.seen == states.seen
-    assert orders.share == states.share
+    assert orders.fraction == states.fraction

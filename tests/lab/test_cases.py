@@ -76,7 +76,7 @@ def test_commas_between_thousands_are_no_decimals(tmp_path):
 
 def test_a_spreadsheet_with_quoted_decimal_commas_of_four_rows_is_read():
     rows = [(0, 0), (5, 0.6), (10, -0.4), (20, 1.5)]
-    text = table(_HEAD, np.transpose(rows).astype(float), ",", quoted)
+    text = table(_HEAD, [*np.transpose(rows).astype(float)], ",", quoted)
     assert lab.read_bytes(text.encode(), "a.csv").force == pytest.approx([0, 0.6, -0.4, 1.5])
 
 

@@ -99,8 +99,8 @@ class ReadingOptions(Group):
             batch = read()
         warn_readings(batch.recordings)
         if self.save_reading and reading.given():
-            read = [Path(one.source).parent for one in batch.recordings]
-            for folder in dict.fromkeys(read):
+            folders = [Path(one.source).parent for one in batch.recordings]
+            for folder in dict.fromkeys(folders):
                 warn(f"{sw.lab.save_reading(reading, folder)}: written.")
         return batch
 

@@ -63,6 +63,17 @@ class SnapOptions(options.Group):
     damping: float | None = option("Damping of each cell [N s/m], for the panel snap.", "N_S/M")
 
 
+class PanelOptions(options.Group):
+    """The contents of a figure."""
+
+    panels: str | None = option(
+        "Panels, such as mechanism,force,landscape; / starts a new row; `help` lists all panels. "
+        "By default panels suited to the design.",
+        "NAMES",
+    )
+    partial: bool = options.flag("Skip missing designs of a study instead of failing.", "--partial")
+
+
 class FigureFile(options.Group):
     """The file of a figure."""
 
@@ -98,11 +109,7 @@ class FigureFile(options.Group):
 
 def figure(
     design: options.Design,
-    panels: str | None = option(
-        "Panels, such as mechanism,force,landscape; / starts a new row; `help` lists all panels. "
-        "By default panels suited to the design.",
-        "NAMES",
-    ),
+    shown: PanelOptions,
     measured: list[Path] | None = option(
         "Recording to plot behind the force, in a format of `stepwell lab read`. May be repeated "
         "up to four times.",
@@ -121,6 +128,7 @@ def figure(
 
     Example: stepwell figure preset:paper-forward --width 88mm --out leg.pdf
     """
+    panels = shown.panels
     if "help" in (panels, page.width):
         _list()
         return
@@ -133,7 +141,7 @@ def figure(
         with screen.usable("DESIGN"), screen.progress("figure"):
             drawn = sw.reports.figure_of(design.removeprefix(_PAPER))
     elif Path(design).is_dir():
-        drawn = _of_study(design, panels, layout)
+        drawn = _of_study(design, shown, layout)
     else:
         layout["measured"] = [sw.lab.read(one) for one in measured or ()]
         layout["mass"] = None if snap.mass is None else snap.mass * 1e-3
@@ -149,10 +157,11 @@ def figure(
         )
 
 
-def _of_study(folder: str, panels: str | None, layout: Mapping[str, Any]) -> Figure:
+def _of_study(folder: str, shown: PanelOptions, layout: Mapping[str, Any]) -> Figure:
     study = sw.studies.opened(folder)
-    study.require_whole()
-    columns = [name.strip() for name in (panels or "").split(",") if name.strip()]
+    if not shown.partial:
+        study.require_whole()
+    columns = [name.strip() for name in (shown.panels or "").split(",") if name.strip()]
     with screen.usable("--panels"), screen.progress("figure"):
         drawn = partial(sw.figures.outcomes, study, columns=columns)
         return sw.figures.compose([drawn], **layout)

@@ -66,19 +66,19 @@ class WrongHole(base.ByValue):
     Attributes:
         anchor: q of a cell; the opposite shift of p has the same effect.
         was, to: nominal and possible position for its first band [m].
-        share: fraction of the agreeing builds with this position.
+        fraction: fraction of the agreeing builds with this position.
     """
 
     anchor: Parameter
     was: base.Vec2
     to: base.Vec2
-    share: float
+    fraction: float
 
     def __str__(self):
         return f"{named(self.anchor)} is {move_in_words(self.was, self.to, 1)}"
 
     def __repr__(self):
-        return f"WrongHole({self}: {base.percent(self.share)})"
+        return f"WrongHole({self}: {base.percent(self.fraction)})"
 
 
 def outer_anchors(chain: Chain) -> tuple[Parameter, ...]:
@@ -233,7 +233,7 @@ class Population:
     Attributes:
         misfits, shifts: (n,) as `Observed.misfit`, and (n, cells, 2) of q to another hole [m].
         before, weights: builds before the observations, and their probabilities.
-        share: probability of the observed motion before the observations.
+        fraction: probability of the observed motion before the observations.
         few: whether too few builds had the observed motion.
     """
 
@@ -242,7 +242,7 @@ class Population:
     shifts: base.Floats
     before: list[Chain]
     weights: base.Floats
-    share: float
+    fraction: float
     few: bool
 
 
@@ -264,7 +264,7 @@ def population(
     likely = np.exp([-one.price for one in sampler.made])
     whole = np.array([one.chain is not None for one in sampler.made])
     before = [one.chain for one in sampler.made if one.chain is not None]
-    share, fit = float(np.sum(likely[fits]) / np.sum(likely)), np.flatnonzero(fits)
+    fraction, fit = float(np.sum(likely[fits]) / np.sum(likely)), np.flatnonzero(fits)
     sampler.take(fit[np.arange(n) % len(fit)])
     counts = 0.0
     steps = STEPS * (_MORE if len(fit) < _FAMILY * n else 1)
@@ -283,7 +283,7 @@ def population(
         np.array([holes.shifts(row[draws.columns :]) for row in sampler.even]),
         before,
         likely[whole] / np.sum(likely[whole]),
-        share,
+        fraction,
         len(fit) < _FEW * n,
     )
 

@@ -58,11 +58,11 @@ class AnchorMove(ByValue):
 class Move(ByValue):
     """One or two anchors moved to other holes: a step for each anchor and direction.
 
-    `share` is the fraction of the agreeing builds that reach the target after the move.
+    `fraction` of the agreeing builds reach the target after the move.
     """
 
     steps: tuple[AnchorMove, ...]
-    share: float
+    fraction: float
 
     @property
     def anchor(self) -> Parameter:
@@ -89,7 +89,7 @@ class Move(ByValue):
         return "move " + " and ".join(map(str, self.steps))
 
     def __repr__(self):
-        return f"Move({self}: {base.percent(self.share)})"
+        return f"Move({self}: {base.percent(self.fraction)})"
 
 
 def best_moves(
@@ -97,7 +97,7 @@ def best_moves(
     built: Sequence[Chain],
     target: str,
     hole: float,
-    share: float,
+    fraction: float,
     count_trial: Callable[[], None],
 ) -> tuple[Move, ...]:
     """Moves that reach the target significantly more often than the unmoved anchors, best first.
@@ -113,16 +113,16 @@ def best_moves(
         return one - other > 2.0 * math.sqrt(2.0 * both * (1.0 - both) / len(built))
 
     def better(moves: list[Move], than: float) -> list[Move]:
-        best = sorted(moves, key=lambda move: -move.share)[:_BEST]
-        again = [_with_share(move.steps, built, target) for move in best]
-        held = [move for move in again if beyond(move.share, than)]
-        return sorted(held, key=lambda move: -move.share)
+        best = sorted(moves, key=lambda move: -move.fraction)[:_BEST]
+        again = [_with_fraction(move.steps, built, target) for move in best]
+        held = [move for move in again if beyond(move.fraction, than)]
+        return sorted(held, key=lambda move: -move.fraction)
 
     def judged(steps: tuple[AnchorMove, ...]) -> Move:
         count_trial()
-        return _with_share(steps, built[:_FIRST], target)
+        return _with_fraction(steps, built[:_FIRST], target)
 
-    if share == 1.0:
+    if fraction == 1.0:
         return ()
     near: list[Move] = []
     chosen: list[Move] = []
@@ -135,11 +135,11 @@ def best_moves(
             for x, y in builds.WAYS
         ]
         near = near or moves
-        if chosen := better(moves, share):
+        if chosen := better(moves, fraction):
             break
-    most = chosen[0].share if chosen else share
+    most = chosen[0].fraction if chosen else fraction
     if most < _ENOUGH:
-        single = sorted(near, key=lambda move: -move.share)[:_PAIRED]
+        single = sorted(near, key=lambda move: -move.fraction)[:_PAIRED]
         pairs = [
             judged((*a.steps, *b.steps)) for a, b in combinations(single, 2) if not _reverses(a, b)
         ]
@@ -160,7 +160,7 @@ def _reverses(a: Move, b: Move) -> bool:
     return a.anchor == b.anchor and there == (0.0, 0.0)
 
 
-def _with_share(steps: tuple[AnchorMove, ...], built: Sequence[Chain], target: str) -> Move:
+def _with_fraction(steps: tuple[AnchorMove, ...], built: Sequence[Chain], target: str) -> Move:
     move, count = Move(steps, 0.0), 0
     for one in built:
         with suppress(StepwellError):  # With the anchor there it cannot be built.
@@ -200,7 +200,8 @@ class ParameterEstimate(ByValue):
 
     Attributes:
         drawn: nominal value.
-        value, doubt: mean and standard deviation, given the observations.
+        value, doubt: mean and standard deviation, given the observations; the latter is NaN if all
+            agreeing builds are one random build, whose scatter is not known.
         before: standard deviation before the observations.
     """
 
@@ -213,6 +214,8 @@ class ParameterEstimate(ByValue):
     @property
     def identified(self) -> bool:
         """Whether observations reduce its uncertainty, or move it far from the nominal value."""
+        if math.isnan(self.doubt):
+            return False
         return self.doubt < _IDENTIFIED * self.before or abs(self.value - self.drawn) > self.before
 
     def __repr__(self):
@@ -236,7 +239,7 @@ class AsBuilt(ByValue):
         known: estimates of all parameters of all cells.
         chain: the build with the mean parameters. If these together have another sequence, the
             random build that agrees best.
-        share: fraction of the agreeing builds that reach the target without a move.
+        fraction: fraction of the agreeing builds that reach the target without a move.
         moves: up to three moves that help significantly, best first; empty for none.
         hole: distance between holes [m].
         chance: assumed probability of an anchor one hole off.
@@ -254,19 +257,24 @@ class AsBuilt(ByValue):
     agreeing: float
     known: tuple[ParameterEstimate, ...] = field(repr=False)
     chain: Chain = field(repr=False)
-    share: float
+    fraction: float
     moves: tuple[Move, ...]
     hole: float
     chance: float = WRONG_HOLE
     wrong: tuple[builds.WrongHole, ...] = ()
 
     @property
+    def single(self) -> bool:
+        """Whether all agreeing builds are one random build: no standard deviation is known."""
+        return bool(self.known) and all(math.isnan(one.doubt) for one in self.known)
+
+    @property
     def advice(self) -> str:
         """Recommended change, with the fractions before and after it."""
-        now = f"{base.percent(self.share)} of the builds that agree reach the target"
+        now = f"{base.percent(self.fraction)} of the builds that agree reach the target"
         if self.moves:
             best = self.moves[0]
-            return f"{best}: {now} unchanged, {base.percent(best.share)} after the move"
+            return f"{best}: {now} unchanged, {base.percent(best.fraction)} after the move"
         if not moves_of(self.drawing):
             return f"{now}; it has no anchor to move"
         far = base.number(base.to_unit(MOST_HOLES * self.hole, "mm"))
@@ -354,8 +362,8 @@ def as_built(
     with suppress(StepwellError):  # The means may be no chain, or another sequence.
         means = reduce(lambda chain, one: one.parameter.changed(chain, one.value), known, drawing)
         likely = means if math.isfinite(seen.misfit(means.cycle())) else likely
-    share = sum(does(one, sequence) for one in matching.built) / samples
-    moves = best_moves(drawing, matching.built, sequence, hole, share, count)
+    fraction = sum(does(one, sequence) for one in matching.built) / samples
+    moves = best_moves(drawing, matching.built, sequence, hole, fraction, count)
     return AsBuilt(
         drawing,
         seen,
@@ -364,10 +372,10 @@ def as_built(
         wider,
         samples,
         seed,
-        matching.share,
+        matching.fraction,
         known,
         likely,
-        share,
+        fraction,
         moves,
         hole,
         wrong_hole,
@@ -396,7 +404,7 @@ def _wrong(
             if (dx or dy) and count >= _RARE * len(population.shifts):
                 to = was[0] + dx, was[1] + dy
                 wrong.append(builds.WrongHole(anchor, was, to, count / len(population.shifts)))
-    return tuple(sorted(wrong, key=lambda one: -one.share))
+    return tuple(sorted(wrong, key=lambda one: -one.fraction))
 
 
 def _known(drawing: Chain, population: builds.Population) -> tuple[ParameterEstimate, ...]:
@@ -410,7 +418,7 @@ def _known(drawing: Chain, population: builds.Population) -> tuple[ParameterEsti
         spread = math.sqrt(float(population.weights @ (before - middle) ** 2))
         if spread > 0.0:
             drawn = _value(one, drawing, drawing)
-            mean, doubt = float(np.mean(after)), float(np.std(after))
+            mean, doubt = float(np.mean(after)), float(np.std(after)) or math.nan
             estimates.append(ParameterEstimate(one, drawn, mean, doubt, spread))
     return tuple(estimates)
 

@@ -19,9 +19,9 @@ _MOVE: Schema = (
     Quantity("move", head="move", read=str),
     *_PLACED,
     Quantity("also", holds=[_PLACED], read=lambda move: move.steps[1:]),
-    Quantity("share", head="yield", form=base.percent, left=False, holds=float),
+    Quantity("fraction", head="yield", form=base.percent, left=False, holds=float),
 )
-_WRONG: Schema = (Quantity("wrong", read=str), *_PLACED, Quantity("share", holds=float))
+_WRONG: Schema = (Quantity("wrong", read=str), *_PLACED, Quantity("fraction", holds=float))
 _ROWS = 8  # parameters that a terminal shows
 _PULL = keys(direction=int, stroke="mm", force="N")
 
@@ -35,7 +35,7 @@ _KNOWN: Schema = (
     Quantity("parameter", head="parameter", read="parameter.name"),
     Quantity("drawn", head="nominal", read=_in_unit("drawn"), left=False, holds=float),
     Quantity("value", head="as built", read=_in_unit("value"), left=False, holds=float),
-    Quantity("doubt", head="±", read=_in_unit("doubt"), left=False, holds=float),
+    Quantity("doubt", head="±", read=_in_unit("doubt"), left=False, holds=float, missing=True),
     Quantity("doubt_before", head="± before", read=_in_unit("before"), left=False, holds=float),
     Quantity("unit", "", "unit", lambda of: Quantity("", display_unit(of.parameter.unit)[0]).sign),
     Quantity("identified", head="identified", form=("no", "yes").__getitem__, holds=bool),
@@ -53,7 +53,7 @@ def as_built_schema(shape: Shape) -> Schema:
         *base.in_measure(keys(scale="N"), shape.measure),
     )
     return (
-        *keys(title=(str, "drawing.title"), advice=str, target=str, share=float, moves=[_MOVE]),
+        *keys(title=(str, "drawing.title"), advice=str, target=str, fraction=float, moves=[_MOVE]),
         *keys(hole="mm", wrong_hole=(float, "chance"), wrong_holes=([_WRONG], "wrong")),
         *keys(seen=seen, known=[_KNOWN], drawn=(int, "samples"), agreeing=float, wider=float),
         *keys(anchor=("mm", "tolerances.anchor"), stiffness=("percent", "tolerances.stiffness")),
@@ -69,8 +69,8 @@ def as_built_account(build: AsBuilt, about: About) -> Account:
     agreeing = f"{base.percent(build.agreeing)} of random builds move as observed"
     facts = (
         Fact("Target", build.target),
-        Fact("Yield as built", base.percent(build.share)),
-        Fact("Yield after the move", base.percent(build.moves[0].share) if build.moves else ""),
+        Fact("Yield as built", base.percent(build.fraction)),
+        Fact("Yield after the move", base.percent(build.moves[0].fraction) if build.moves else ""),
         Fact("Observed", _observed(build), TERMINAL),
         Fact("Samples", f"{samples}; {agreeing}", TERMINAL),
         Fact("Holes", _holes(build)),
@@ -87,6 +87,8 @@ def as_built_account(build: AsBuilt, about: About) -> Account:
     )
     moves = "The best moves, and the yield after each."
     known = "Means and standard deviations, with those before the observation."
+    if build.single:
+        known = "A single random build agrees: its scatter, and what is identified, are not known."
     sections = {
         "Moves of anchors": RecordTable(_MOVE, "moves", moves),
         "As built, as far as observations identify it": RecordTable(
@@ -120,5 +122,5 @@ def _holes(build: AsBuilt) -> str:
         return "nominal; wrong holes were not searched"
     if not build.wrong:
         return "nominal, as far as observed"
-    each = ", ".join(f"{one} in {base.percent(one.share)}" for one in build.wrong)
+    each = ", ".join(f"{one} in {base.percent(one.fraction)}" for one in build.wrong)
     return f"{each} of the agreeing builds; moving p the opposite way has the same effect"
