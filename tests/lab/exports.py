@@ -110,6 +110,14 @@ READ: dict[str, str | bytes] = {
     "both negative": table(STANDARD, (TIME, -WAY, -FORCE)),
     "force negative": table(STANDARD, (TIME, WAY, -FORCE)),
     "zero far away": table(STANDARD, (TIME, WAY + 300, FORCE)),
+    "LabVIEW with a header of each channel": "LabVIEW Measurement\t\nSeparator\tTab\n"
+    "***End_of_Header***\t\n\t\nChannels\t2\t\nTime\t10:12:30.5\t10:12:30.5\t\n"
+    "Y_Unit_Label\tmm\tN\t\nX_Dimension\tTime\tTime\t\nX0\t0.0\t0.0\t\n"
+    "Delta_X\t0.1\t0.1\t\n***End_of_Header***\t\t\t\n"
+    + table("X_Value\tDisplacement\tForce\tComment", _BOTH, "\t"),
+    "signals of TA Instruments": "Instrument\tDMA Q800\nSize\t12.8100\t6.0200\t1.0300\tmm\n"
+    "Sig1\tTime (s)\nSig2\tTemperature (°C)\nSig3\tDisplacement (µm)\n"
+    + table("Sig4\tStatic Force (N)\nStartOfData", (TIME, 25 + 0 * TIME, _MICRO, FORCE), "\t"),
     "several header blocks": "Results\nSpecimen,Length\n1,80\n2,81\n\n" + PLAIN,
 }
 

@@ -77,6 +77,7 @@ _ENDS = (
     re.compile(r"^(.*[^\W_])\s+([^\s\d]+)$"),
 )
 _PREAMBLE = re.compile(r"^(.*?)\bunits?\b\s*[:=]?\s*(\S*)$", re.IGNORECASE)
+_SIGNAL = re.compile(r"Sig\d+")
 _COMMENT = "#%!*'/ \t"
 
 
@@ -187,11 +188,18 @@ def _headings(block: NumberBlock, delimiter: str | None) -> tuple[list[str], lis
     empty = [""] * block.width
     rows = list(filter(None, (_fitted(fields, block, delimiter) for fields in block.head)))
     if not rows:
-        return empty, empty
+        return _signals(block) or empty, empty
     units, below_names, are_names = _as_units(rows[-1])
     if below_names and len(rows) > 1:
         return [parted(field)[0] or field for field in rows[-2]], units
     return rows[-1], units if are_names else empty
+
+
+def _signals(block: NumberBlock) -> list[str]:
+    """Names of a file of TA Instruments, with a line such as "Sig1 Time (min)" for each column."""
+    lines = (fields for fields in (*block.preamble, *block.head) if len(fields) > 1)
+    named = {f: " ".join(rest).strip() for f, *rest in lines if _SIGNAL.fullmatch(f.strip())}
+    return [*named.values()] if len(named) == block.width else []
 
 
 def _as_units(fields: Sequence[str]) -> tuple[list[str], bool, bool]:

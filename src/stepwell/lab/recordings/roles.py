@@ -395,6 +395,8 @@ def _rank_by_name(column: TableColumn, kind: str, alone: bool) -> tuple[int, str
     if _has_word(column.name, _HOME.get(kind, "")):
         return _HOMEMADE, ""
     called = is_called(column.name, kind)
+    if not called and kind != "time" and is_called(column.name, "time"):
+        return _NEVER, "a time by its name"
     if column.unit in WEIGHTS and not called:
         return _NEVER, "a mass that is not called a weight"
     lower = column.name.lower().replace("_", " ").strip()
