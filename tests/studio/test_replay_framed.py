@@ -1,5 +1,6 @@
 """Replays inside another page: compact, apart from it, and still unless asked."""
 
+import time
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -94,9 +95,12 @@ def test_two_side_by_side_have_legible_curves_and_their_legend(
     (frame,) = frames_of(page)
     page.set_viewport_size({"width": width, "height": 800})
     page.locator("iframe").evaluate("frame => { frame.style.height = '48rem' }")
-    for name in ("Force: ", "Travel: "):
-        box = frame.get_by_role("application", name=name).bounding_box()
-        assert box is not None and box["height"] > 110
+    curves = [frame.get_by_role("application", name=name) for name in ("Force: ", "Travel: ")]
+    tall = "curve => new Promise((done) => requestAnimationFrame(() => done(curve.clientHeight)))"
+    # A frame of another height is laid out some frames later.
+    until = time.monotonic() + 20
+    while min(curve.evaluate(tall) for curve in curves) <= 110:
+        assert time.monotonic() < until
     expect(frame.get_by_text("a snap leads from ○ to ●")).to_be_visible()
     expect(frame.get_by_text("anchor of outer")).to_be_visible()
 
