@@ -12,7 +12,7 @@ import pytest
 import stepwell as sw
 from lab.machine import export, pair, unit
 from stepwell import lab
-from stepwell.files import loads_tables
+from stepwell.files import dumps, loads_tables, tables_in
 from stepwell.mechanism import Band, Cell, Chain
 from studio.test_panels import ask, tables
 
@@ -147,10 +147,8 @@ def test_no_line_is_drawn_across_a_gap():
 def test_what_is_no_recording_gets_a_line_and_stops_no_other(content: bytes, words: str, runs):
     files = [packed("../../bad.csv", content), packed(runs[0].name, runs[0].read_bytes())]
     header = ask("measured", tables("paper-forward"), files=files).header
-    line, *columns = header["refused"]
-    assert line.startswith("bad.csv: ")
-    assert words in line
-    assert all(one.lstrip()[0].isdigit() for one in columns)
+    assert words in " ".join([*header["refused"], header["tables"][0]["problem"]])
+    assert not header["refused"] or header["refused"][0].startswith("bad.csv: ")
     assert [one["name"] for one in header["files"]] == ["mine_1.txt"]
     assert header["series"][0]["verdict"]
 
@@ -200,8 +198,8 @@ def test_what_does_not_arrive_whole_is_reported(data: str):
 def test_chains_of_volumes_and_of_forces_are_refused_in_words():
     for name in ("balloon", "force-control"):
         files = [packed("a.csv", HEADER + b"0,0,0\n1,1,1\n")]
-        problem = ask("measured", tables(name), files=files).header["problems"][0]
-        assert "stroke in mm" in problem["text"]
+        header = ask("measured", tables(name), files=files).header
+        assert "stroke in mm" in header["notes"][0] and not header["series"]
 
 
 def test_a_recording_is_read_from_its_bytes(runs: list[Path]):
@@ -216,7 +214,7 @@ def test_a_recording_toml_among_the_files_says_how_they_are_read_as_in_the_lab(t
     design = tables("paper-forward")
     header = ask("measured", design, files=[packed("log.csv", table.read_bytes())]).header
     assert header["files"] == []
-    assert [line.split()[:2] for line in header["refused"][1:]] == [["1", "a"], ["2", "b"]]
+    assert [row[:2] for row in header["tables"][0]["columns"]] == [["1", "a"], ["2", "b"]]
     files = [packed(one.name, one.read_bytes()) for one in (table, how)]
     (found,) = ask("measured", design, files=files).header["files"]
     assert found["reading"] == "; ".join(lab.read(table).reading)
@@ -224,6 +222,39 @@ def test_a_recording_toml_among_the_files_says_how_they_are_read_as_in_the_lab(t
     files = [packed(one.name, one.read_bytes()) for one in (table, how)]
     refused = ask("measured", design, files=files).header["refused"]
     assert refused[0].startswith("recording.toml: force = 0")
+
+
+def test_a_reading_of_the_page_is_that_of_the_lab(tmp_path: Path):
+    rows = b"".join(b"%f,%f,%f\n" % (k / 50, k / 80, k / 100) for k in range(200))
+    table = tmp_path / "log.csv"
+    table.write_bytes(b"A (mm),B (mm),C (N)\n" + rows)
+    keys = {"stroke": 2, "force": 3, "unit": "mm,N", "flip": "none", "half": "loading", "skip": 0}
+    design, files = tables("paper-forward"), [packed("log.csv", table.read_bytes())]
+    unclear = ask("measured", design, files=files).header["tables"][0]
+    with pytest.raises(lab.LabError) as refused:
+        lab.read(table)
+    assert refused.value.problem.startswith(f"{unclear['problem']}; or give --stroke")
+    assert [tuple(row) for row in unclear["columns"]] == list(refused.value.columns)
+    header = ask("measured", design, files=files, reading=keys).header
+    reading = lab.Reading.of(keys)
+    assert header["files"][0]["reading"] == "; ".join(lab.read(table, reading).reading)
+    assert header["toml"] == lab.save_reading(reading, tmp_path).read_text("utf-8")
+    assert [row[4] for row in header["tables"][0]["columns"]] == ["", "the stroke", "the force"]
+    wrong = ask("measured", design, files=files, reading={"force": 0}).header
+    assert "force = 0" in wrong["refused"][0] and wrong["tables"][0]["columns"]
+
+
+def test_an_element_of_the_page_is_that_of_the_lab():
+    x = np.linspace(0, 20, 300)
+    rows = zip(x, 0.5 * np.sin(x / 20 * 2 * np.pi) + 0.05 * x, strict=True)
+    text = b"Displacement (mm),Force (N)\n" + b"".join(b"%f,%f\n" % row for row in rows)
+    header = ask("element", None, **packed("clip.csv", text)).header
+    measured = lab.measure_element(lab.read_bytes(text, "clip.csv"))
+    assert (
+        loads_tables(header["design"]).subject
+        == loads_tables(tables_in(dumps(measured.chain))).subject
+    )
+    assert header["text"] == str(measured)
 
 
 def test_every_specimen_of_a_file_is_a_recording_of_its_own():

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from lab.machine import export, pair
@@ -117,6 +118,45 @@ def test_recordings_are_dropped_stay_while_another_tab_is_open_and_can_be_left_o
     expect(output(page, "verdict on back, unloading")).to_be_visible(timeout=60_000)
     page.get_by_role("button", name="Leave back_1.txt out").click()
     expect(page.get_by_role("table", name="Snaps")).to_have_count(0)
+
+
+DROPPED = """([name, text]) => {
+  const dataTransfer = new DataTransfer();
+  dataTransfer.items.add(new File([text], name));
+  document.body.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true }));
+}"""
+
+
+def test_a_file_dropped_anywhere_is_read_as_the_lab_reads_it_and_becomes_an_element(
+    page: Page, tmp_path: Path
+):
+    x = np.linspace(0, 20, 300)
+    force = 0.5 * np.sin(x / 20 * 2 * np.pi) + 0.05 * x
+    rows = (
+        f"{a:.4f},{0.9 * a + 0.3 * np.sin(a):.4f},{b:.5f}" for a, b in zip(x, force, strict=True)
+    )
+    file = tmp_path / "clip.csv"
+    file.write_text("\n".join(["A (mm),B (mm),Load (N)", *rows]))
+    page.evaluate(DROPPED, [file.name, file.read_text()])
+    table = page.get_by_role("table", name="Columns of clip.csv")
+    expect(table).to_be_visible(timeout=60_000)
+    # What the file leaves open is asked with a field for it.
+    expect(page.get_by_role("alert")).to_contain_text("could both be the stroke")
+    page.get_by_label("Column of the stroke").select_option("1")
+    expect(page.get_by_role("alert")).to_have_count(0, timeout=60_000)
+    reading = lab.Reading(stroke=1)
+    page.get_by_text("Columns of clip.csv").click()
+    with page.expect_download() as saved:
+        page.get_by_role("button", name="Save reading").click()
+    assert saved.value.suggested_filename == lab.READING_FILE
+    folder = lab.save_reading(reading, tmp_path)
+    assert saved.value.path().read_text("utf-8") == folder.read_text("utf-8")
+    page.get_by_role("button", name="Make an element from clip.csv").click()
+    measured = lab.measure_element(lab.read(file, reading))
+    expect(page.get_by_text(str(measured))).to_be_visible(timeout=60_000)
+    expect(page.get_by_role("heading", level=1)).to_have_text("clip")
+    page.get_by_role("button", name="Undo").click()
+    expect(page.get_by_role("heading", level=1)).to_contain_text("Forward leg")
 
 
 def test_what_is_no_recording_is_reported_and_stops_no_other(

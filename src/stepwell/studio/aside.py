@@ -24,7 +24,7 @@ FILES = {
     "designs": ("export", "gallery", "open", "replay", "text", "thumbnails"),
     "maps": ("border", "jump", "map", "map_followed", "parameters"),
     "motion": ("cells", "evaluate", "graph", "margin", "program"),
-    "recordings": ("measured",),
+    "recordings": ("element", "measured"),
     "robots": ("arena", "arenas", "maze", "predict", "robot", "robot_numbers", "walk"),
     "studies": (
         *("studies", "study", "study_begin", "study_csv"),
@@ -36,8 +36,8 @@ _PANELS = {kind: file for file, kinds in FILES.items() for kind in kinds}
 # Panels that each have a process of their own, which the page can cancel; `ask.report` reports
 # progress. All others take milliseconds.
 LONG = {
-    *("atlas", "border", "export", "graph", "jump", "map", "map_followed", "margin", "maze"),
-    *("measured", "predict", "program", "replay", "study", "study_csv", "study_design"),
+    *("atlas", "border", "element", "export", "graph", "jump", "map", "map_followed", "margin"),
+    *("maze", "measured", "predict", "program", "replay", "study", "study_csv", "study_design"),
     *("study_estimate", "thumbnails", "walk", "wish", "yield"),
 }
 # Panels whose processes belong to the server.

@@ -9,7 +9,7 @@ export default {
   follows: {
     type: "measured",
     long: true,
-    ask: () => (recordings.files.length ? { files: recordings.files } : null),
+    ask: () => recordings.asked,
   },
   asks: ["measured"],
   view: Measured,

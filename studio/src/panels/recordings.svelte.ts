@@ -15,8 +15,18 @@ const MOST = 32;
 
 const ADVICE = "Leave some out, export fewer samples a second, or use `stepwell lab compare`.";
 
+/** How files are read: the keys of a recording.toml, which are options of `stepwell lab` too. */
+export type Reading = Record<string, string | number>;
+
+// What a name of a file ends with, if it is a recording.
+const ENDINGS = /\.(csv|tsv|txt|raw|dat|asc|lvm|log|tra|xlsx|xls|ods)$|^recording\.toml$/i;
+
+/** Whether a file is a recording, or says how recordings are read. */
+export const isRecording = ({ name }: File): boolean => ENDINGS.test(name);
+
 class Recordings {
   files = $state.raw<Packed[]>([]);
+  reading = $state.raw<Reading>({});
   /** A line for each file that was not taken. */
   refused = $state.raw<string[]>([]);
 
@@ -42,6 +52,26 @@ class Recordings {
   remove(name: string): void {
     this.files = this.files.filter((one) => one.name !== name);
     this.changed();
+  }
+
+  /** Sets one key of the reading; an empty value leaves the choice to the reader. */
+  read(key: string, value: string | number): void {
+    const { [key]: _, ...others } = this.reading;
+    this.reading = value === "" ? others : { ...others, [key]: value };
+    this.changed();
+  }
+
+  /** Leaves everything to the reader again. */
+  reread(): void {
+    this.reading = {};
+    this.changed();
+  }
+
+  /** What the server is asked, beside the design. */
+  get asked(): object | null {
+    const { files, reading } = this;
+    if (!files.length) return null;
+    return Object.keys(reading).length ? { files, reading } : { files };
   }
 
   private refuse(line: string): void {

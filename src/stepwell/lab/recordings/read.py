@@ -17,7 +17,7 @@ from stepwell.lab.recordings.reading import Reading, of_folder
 from stepwell.lab.recordings.recording import LabError, Recording
 from stepwell.lab.recordings.recording_warnings import batch_warnings, recording_warnings
 from stepwell.lab.recordings.roles import Unclear
-from stepwell.lab.recordings.samples import Specimen, samples
+from stepwell.lab.recordings.samples import Specimen, listed, samples
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -156,6 +156,23 @@ def read_every(
         LabError: as `read`.
     """
     return _recordings(name, content, reading, measures)
+
+
+def list_columns(
+    content: bytes, name: str, reading: Reading | None = None
+) -> list[tuple[str, ...]]:
+    """The columns in the content of a file; `name` is not opened.
+
+    Returns:
+        number, name, unit and range of each column, and its role or why it has none.
+
+    Raises:
+        LabError: the file is broken, binary or empty.
+    """
+    try:
+        return listed(content, reading, (Measure.TRAVEL,))
+    except ValueError as error:
+        raise LabError(name, str(error)) from None
 
 
 def samples_of(file: str | os.PathLike[str], reading: Reading | None = None) -> list[Specimen]:

@@ -111,6 +111,16 @@ class Reading(ByValue):
         """The same as options of a command."""
         return " ".join(f"--{key} {_quoted(str(value))}" for key, value in self.given().items())
 
+    @property
+    def toml(self) -> str:
+        """The text of a recording.toml with this reading."""
+        import tomli_w
+
+        about = (
+            "# How the recordings in this folder are read; the keys are options of `stepwell lab`."
+        )
+        return f"{about}\n{tomli_w.dumps(self.given())}"
+
 
 WORDS = tuple(one.name for one in fields(Reading))
 
@@ -148,9 +158,6 @@ def of_folder(file: str | os.PathLike[str]) -> Reading:
 
 def save(reading: Reading, folder: str | os.PathLike[str]) -> Path:
     """Write recording.toml, which is used for all recordings in the folder."""
-    import tomli_w
-
     place = Path(folder) / FILE
-    text = "# How the recordings in this folder are read; the keys are options of `stepwell lab`.\n"
-    write_atomic(place, (text + tomli_w.dumps(reading.given())).encode())
+    write_atomic(place, reading.toml.encode())
     return place

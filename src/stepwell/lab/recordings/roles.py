@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -105,6 +106,19 @@ def choose(
         raise Unclear(whole, table.listed()) from None
 
 
+def listed(
+    columns: Sequence[TableColumn],
+    given: dict[str, str],
+    reading: Reading,
+    measures: Iterable[Measure],
+) -> list[tuple[str, ...]]:
+    """Rows of a table of all columns as of `Unclear`, with the role of each that is taken."""
+    table = _Table([_with_unit(one, given) for one in columns], reading)
+    with suppress(InputError):
+        table.name_roles(table.taken(list(measures)))
+    return table.listed()
+
+
 def _with_unit(column: TableColumn, given: dict[str, str]) -> TableColumn:
     """The column with the unit that the file gives elsewhere for what its name says."""
     for kind in () if column.unit else _WORDS:
@@ -158,6 +172,14 @@ class _Table:
             (f"{c.number}", c.name[:40], c.unit[:20], c.range, self._why.get(c.number, ""))
             for c in self._columns
         ]
+
+    def name_roles(self, taken: Iterable[Taken]) -> None:
+        """Name the roles of the columns that are taken."""
+        for one in taken:
+            roles = {one.measure.stroke: one.travel, one.measure.force: one.force, "time": one.time}
+            for role, column in roles.items():
+                if column is not None:
+                    self._why[column.number] = f"the {role}"
 
     def taken(self, measures: list[Measure]) -> list[Taken]:
         """The recordings; raises ValueError."""

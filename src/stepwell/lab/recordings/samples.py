@@ -96,6 +96,21 @@ def samples(
     return [one._replace(remarks=(*one.remarks, *notes)) for one in found]
 
 
+def listed(
+    content: bytes, reading: Reading | None = None, measures: Iterable[Measure] = Measure
+) -> list[tuple[str, ...]]:
+    """Rows of the columns of the longest table of a file: number, name, unit, range, role.
+
+    Raises:
+        ValueError: the file is broken, binary or empty.
+    """
+    reading = reading or Reading()
+    tables = [(block, delimiter) for _, block, delimiter in _tables(content, reading)]
+    block, delimiter = max(tables, key=lambda one: len(one[0]))
+    columns = headings.columns(block, delimiter)
+    return roles.listed(columns, headings.preamble_units(block), reading, measures)
+
+
 def _labelled(found: Sequence[Specimen]) -> list[Specimen]:
     """Samples whose labels differ, or none has one."""
     labels = [one.label for one in found]

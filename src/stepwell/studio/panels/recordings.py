@@ -2,7 +2,7 @@
 
 import base64
 import zlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from copy import deepcopy
 from itertools import product
 from pathlib import PurePosixPath
@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stepwell import lab, mechanism, statics
+from stepwell import files, lab, mechanism, statics
 from stepwell.accounts import account
 from stepwell.base import InputError, Ints, Measure, display_unit, plain, to_unit
 from stepwell.studio.ask import Ask, PageDesign, View
@@ -29,22 +29,25 @@ _GAP = 3.0, 20.0
 def answer_measured(design: PageDesign, ask: Ask) -> View:
     """Contents of the recordings, their comparison with the model, and bands fitted to them.
 
-    A file that cannot be read is listed with the reason and its columns; a recording.toml among the
-    files says how they are read. The design is the one that was tested; parameters in file names
-    are ignored.
+    `reading` has the keys of `lab.Reading`; a recording.toml among the files completes it. The
+    columns of each file are listed, with the problem of one that cannot be read. The design is the
+    one that was tested; parameters in file names are ignored.
     """
-    recordings, refused = _read(ask.parts("files", _MOST_FILES))
+    keys = ask.table("reading") if ask.has("reading") else {}
+    given = _Files(ask.parts("files", _MOST_FILES), keys)
     ask.close()
-    chain = design.chain
-    if chain.measure is not Measure.TRAVEL or chain.drive_unit != Measure.TRAVEL.travel_unit:
-        why = "recordings of a test machine are of stroke and force"
-        raise InputError(f"chain: is not driven by a stroke in mm: {why}.")
+    recordings = given.recordings
     held = account(lab.Batch(tuple(recordings), ())).record["recordings"]
     shown = [_file(one, run) for one, run in zip(held, recordings, strict=True)]
-    header: dict[str, Any] = {"files": shown, "refused": refused}
+    header: dict[str, Any] = {"files": shown, "refused": given.refused, "tables": given.tables}
+    header |= {"toml": given.reading.toml, "options": given.reading.options, "units": _UNITS}
     header |= {"series": [], "notes": [], "fit": None, "why_no_fit": ""}
+    chain = design.chain
     blocks: dict[str, np.ndarray[Any, Any]] = {}
-    if recordings:
+    if chain.measure is not Measure.TRAVEL or chain.drive_unit != Measure.TRAVEL.travel_unit:
+        why = "the design is not driven by a stroke in mm, and recordings are of stroke and force"
+        header["notes"] = [f"No comparison: {why}."]
+    elif recordings:
         series, notes = _series(recordings, chain)
         comparison, why = _compared(recordings, chain, series)
         header["notes"] = [*notes, why] if why else notes
@@ -60,33 +63,71 @@ def answer_measured(design: PageDesign, ask: Ask) -> View:
     return View(header, blocks)
 
 
-def _read(files: Iterable[Ask]) -> tuple[list[lab.Recording], list[str]]:
-    recordings: list[lab.Recording] = []
-    refused: list[str] = []
-    contents: dict[str, bytes] = {}
+def answer_element(_design: PageDesign, ask: Ask) -> View:
+    """A design of the one element in a recording, and its phases in a line.
+
+    Raises:
+        LabError: the file cannot be read, or its curve is no element.
+    """
+    reading = lab.Reading.of(ask.table("reading")) if ask.has("reading") else None
+    ((name, content),) = _contents([ask], [])
+    measured = lab.measure_element(lab.read_bytes(content, name, reading))
+    tables = files.tables_in(files.dumps(measured.chain), name)
+    return View({"design": tables, "text": str(measured), "notes": list(measured.notes)})
+
+
+# Units of stroke and of force, in the order in which they are offered.
+_UNITS = [["mm", "cm", "m", "um", "in"], ["N", "mN", "cN", "kN", "g", "kg", "lbf"]]
+
+
+class _Files:
+    """The files of the page, read: recordings, columns of each file, and problems."""
+
+    def __init__(self, given: Iterable[Ask], keys: dict[str, Any]):
+        self.refused: list[str] = []
+        contents = dict(_contents(given, self.refused))
+        self.reading = lab.Reading()
+        kept = contents.pop(lab.READING_FILE, b"").decode("utf-8", "replace")
+        for read in (lambda: lab.Reading.of_toml(kept), lambda: lab.Reading.of(keys)):
+            try:
+                self.reading = read().over(self.reading)
+            except ValueError as error:
+                self.refused.append(str(error))
+        self.recordings: list[lab.Recording] = []
+        self.tables: list[dict[str, Any]] = []
+        for name, content in contents.items():
+            self._read(name, content)
+
+    def _read(self, name: str, content: bytes) -> None:
+        problem, columns = "", ()
+        try:
+            self.recordings += lab.read_every(content, name, self.reading)
+        except lab.LabError as error:
+            # The page has fields in place of the options of the command.
+            problem, columns = error.problem.split("; or give --")[0], error.columns
+            if not columns:
+                self.refused.append(str(error))
+        # Files of one machine have the same columns: those of the first are enough.
+        if not problem and not any(one["columns"] for one in self.tables):
+            columns = lab.list_columns(content, name, self.reading)
+        self.tables.append({"name": name, "problem": problem, "columns": list(columns)})
+
+
+def _contents(given: Iterable[Ask], refused: list[str]) -> Iterator[tuple[str, bytes]]:
+    """Names and unpacked contents of files of the page."""
     left = _MOST_BYTES
-    for file in files:
+    for file in given:
         # Only a name for messages, never opened.
         name = PurePosixPath(file.text("name", 200).replace("\\", "/")).name or "recording"
         packed = file.text("gzip_base64", LONGEST_MESSAGE)
         file.close()
         try:
-            contents[name] = _unpacked(packed, left)
-            left -= len(contents[name])
+            content = _unpacked(packed, left)
         except ValueError as error:
             refused.append(f"{name}: {error}")
-    reading: lab.Reading | None = None
-    if (text := contents.pop(lab.READING_FILE, None)) is not None:
-        try:
-            reading = lab.Reading.of_toml(text.decode("utf-8", "replace"))
-        except ValueError as error:
-            refused.append(str(error))
-    for name, content in contents.items():
-        try:
-            recordings += lab.read_every(content, name, reading)
-        except lab.LabError as error:
-            refused += [str(error), *getattr(error, "__notes__", ())]
-    return recordings, refused
+            continue
+        left -= len(content)
+        yield name, content
 
 
 def _unpacked(packed: str, most: int) -> bytes:
