@@ -24,6 +24,7 @@ from stepwell.build.exports.solids import mesh_of, step_bytes, stl_bytes, threem
 from stepwell.build.exports.svg import svg_text
 
 PARTS = [block(), lever()]
+PLACES = [(0.0, 0.0, 0.0), (0.050, 0.0, math.pi / 2)]
 MICROMETRE = 1e-3  # [mm]
 every_part = pytest.mark.parametrize("part", PARTS, ids=lambda part: part.name)
 every_version = pytest.mark.parametrize("version", ["R2010", "R12"])
@@ -123,7 +124,7 @@ def test_a_kerf_that_no_opening_survives_names_the_part():
 
 def test_equal_parts_have_equal_files():
     assert dxf_text(cutting(block())) == dxf_text(cutting(block()))
-    assert threemf_bytes(PARTS, "pair") == threemf_bytes(PARTS, "pair")
+    assert threemf_bytes(PARTS, PLACES, "pair") == threemf_bytes(PARTS, PLACES, "pair")
 
 
 def test_layers_of_a_sheet_are_in_cutting_order():
@@ -169,13 +170,16 @@ def test_meshes_are_watertight_with_the_volume_of_the_drawing(part):
 
 
 def test_a_3mf_file_has_all_parts_by_name_side_by_side():
-    content = threemf_bytes(PARTS, "a <pair>")
+    content = threemf_bytes(PARTS, PLACES, "a <pair>")
     with zipfile.ZipFile(io.BytesIO(content)) as file:
         model = ET.fromstring(file.read("3D/3dmodel.model"))
     assert model.get("unit") == "millimeter"
     core = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
     boxes = []
-    places = [one.get("transform", "").split()[9:] for one in model.iter(f"{core}item")]
+    places = [
+        np.array([float(one) for one in item.get("transform", "").split()]).reshape(4, 3).T
+        for item in model.iter(f"{core}item")
+    ]
     objects = [*model.iter(f"{core}object")]
     for part, found, place in zip(PARTS, objects, places, strict=True):
         assert found.get("name") == part.name
@@ -186,7 +190,11 @@ def test_a_3mf_file_has_all_parts_by_name_side_by_side():
         solid = trimesh.Trimesh(corners, triangles.astype(int))
         assert solid.is_watertight
         assert solid.volume == pytest.approx(1e9 * part.area * part.thickness, rel=3e-4)
-        solid.apply_translation([float(one) for one in place])
+        solid.apply_transform(np.vstack([place, (0, 0, 0, 1)]))
+        x0, y0, x1, y1 = part.outline.moved(*PLACES[len(boxes)]).bounds
+        assert solid.bounds[:, :2].ravel() == pytest.approx(
+            1e3 * np.array([x0, y0, x1, y1]), abs=5e-3
+        )
         assert solid.bounds[0, 2] == 0.0
         boxes.append(shapely.box(*solid.bounds[:, :2].ravel()))
     assert not boxes[0].intersects(boxes[1])

@@ -4,7 +4,7 @@ import io
 import math
 import tempfile
 import zipfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 from xml.sax.saxutils import quoteattr
@@ -17,8 +17,6 @@ from stepwell.build.part import Part
 
 # Largest distance of a mesh from an arc [m], far below what printers resolve.
 SAGITTA = 2e-6
-# Gap between printed parts [m].
-_GAP = 0.005
 
 
 class Mesh(NamedTuple):
@@ -80,16 +78,18 @@ _RELATIONS = (
 )
 
 
-def threemf_bytes(parts: Sequence[Part], title: str, width: float = 0.25) -> bytes:
-    """A 3MF file with all parts as objects of their names, side by side, flat on z = 0.
+def threemf_bytes(
+    parts: Sequence[Part], places: Sequence[tuple[float, float, float]], title: str
+) -> bytes:
+    """A 3MF file with parts as objects of their names, flat on z = 0.
 
     Args:
         parts: to be printed.
+        places: of each part: x, y [m], and the angle [rad] by which it is turned before.
         title: of the model.
-        width: of a printer's bed [m]; parts are set in rows of this width.
     """
     objects, items = [], []
-    for number, (part, (x, y)) in enumerate(zip(parts, _rows(parts, width), strict=True), 1):
+    for number, (part, place) in enumerate(zip(parts, places, strict=True), 1):
         mesh = mesh_of(part)
         corners = "".join(
             f'<vertex x="{a:.6f}" y="{b:.6f}" z="{c:.6f}"/>' for a, b, c in 1e3 * mesh.corners
@@ -99,8 +99,12 @@ def threemf_bytes(parts: Sequence[Part], title: str, width: float = 0.25) -> byt
             f'<object id="{number}" type="model" name={quoteattr(part.name)}><mesh>'
             f"<vertices>{corners}</vertices><triangles>{triangles}</triangles></mesh></object>"
         )
-        place = f"1 0 0 0 1 0 0 0 1 {1e3 * x:.4f} {1e3 * y:.4f} 0"
-        items.append(f'<item objectid="{number}" transform="{place}"/>')
+        x, y, angle = place
+        # Rows of the matrix are the images of x, y and z.
+        c, s = math.cos(angle), math.sin(angle)
+        numbers = (c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0, 1e3 * x, 1e3 * y, 0.0)
+        matrix = " ".join(f"{one:.7g}" for one in numbers)
+        items.append(f'<item objectid="{number}" transform="{matrix}"/>')
     model = (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
         '<model unit="millimeter" xml:lang="en-US" '
@@ -120,18 +124,6 @@ def threemf_bytes(parts: Sequence[Part], title: str, width: float = 0.25) -> byt
             info.compress_type = zipfile.ZIP_DEFLATED
             file.writestr(info, text)
     return content.getvalue()
-
-
-def _rows(parts: Iterable[Part], width: float) -> list[tuple[float, float]]:
-    """Shifts that set parts in rows, left to right and bottom up."""
-    shifts, x, y, tall = [], 0.0, 0.0, 0.0
-    for part in parts:
-        x0, y0, x1, y1 = part.outline.bounds
-        if x > 0.0 and x + x1 - x0 > width:
-            x, y, tall = 0.0, y + tall + _GAP, 0.0
-        shifts.append((x - x0, y - y0))
-        x, tall = x + x1 - x0 + _GAP, max(tall, y1 - y0)
-    return shifts
 
 
 def step_bytes(part: Part) -> bytes:
