@@ -1,7 +1,11 @@
 """SVG drawings of cutting paths, for hobby cutters: 1:1, arcs as arcs."""
 
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
+from stepwell.base import Floats, Vec2
 from stepwell.build.contour import Contour, arc
 from stepwell.build.exports.cutting import Cutting
 from stepwell.build.exports.marks import Line
@@ -14,6 +18,9 @@ COLOURS = {
     "GUIDE": "#808080",
 }
 _HAIRLINE = 0.1  # [mm]
+# Steps of a path [mm]: "M" and "L" with a point; "A" with end, centre, radius, first angle and
+# signed angle of turning [rad]; "Z".
+Step = tuple[Any, ...]
 
 
 def svg_text(paths: Cutting, title: str, *, margin: float = 0.0) -> str:
@@ -28,13 +35,21 @@ def svg_text(paths: Cutting, title: str, *, margin: float = 0.0) -> str:
     """
     x0, y0, x1, y1 = (1e3 * one for one in paths.bounds)
     edge = 1e3 * margin
-    left, top = x0 - edge, y1 + edge
+    at, top = (edge - x0, 0.0), y1 + edge
     width, height = x1 - x0 + 2.0 * edge, y1 - y0 + 2.0 * edge
+
+    def closed(contours: Iterable[Contour]) -> list[str]:
+        return [path_data(contour_steps(one, at), top) for one in contours]
+
+    def opened(lines: Iterable[Line]) -> list[str]:
+        moved = ([(1e3 * x + at[0], 1e3 * y) for x, y in line] for line in lines)
+        return [path_data(line_steps(one), top) for one in moved]
+
     groups = {
-        "ENGRAVE": [line_path(line, left, top) for line in paths.engraved],
-        "CUT_INSIDE": [contour_path(one, left, top) for one in paths.inside],
-        "CUT_OUTSIDE": [contour_path(one, left, top) for one in paths.outside],
-        "GUIDE": [line_path(line, left, top) for line in paths.guides],
+        "ENGRAVE": opened(paths.engraved),
+        "CUT_INSIDE": closed(paths.inside),
+        "CUT_OUTSIDE": closed(paths.outside),
+        "GUIDE": opened(paths.guides),
     }
     rows = [
         svg_head(width, height),
@@ -60,29 +75,48 @@ def svg_head(width: float, height: float) -> str:
     )
 
 
-def contour_path(contour: Contour, left: float = 0.0, top: float = 0.0) -> str:
-    """Path data of a contour [mm] seen from the point (`left`, `top`) [mm], y down."""
+def contour_steps(contour: Contour, at: Vec2 = (0.0, 0.0), scale: float = 1.0) -> list[Step]:
+    """The path of a contour [m] on a page [mm], its origin at `at` [mm]."""
+    factor = 1e3 * scale
 
-    def at(point: tuple[float, float]) -> str:
-        return f"{plain(1e3 * point[0] - left)} {plain(top - 1e3 * point[1])}"
+    def on(point: Vec2) -> Vec2:
+        return at[0] + factor * point[0], at[1] + factor * point[1]
 
-    parts = [f"M{at(contour.points[0])}"]
+    steps: list[Step] = [("M", on(contour.points[0]))]
     edges = contour.edges()
     for i, (start, end, bulge) in enumerate(edges):
-        if bulge == 0.0:
-            if i < len(edges) - 1:  # Z draws the last straight edge
-                parts.append(f"L{at(end)}")
+        if bulge != 0.0:
+            centre, radius, first, span = arc(start, end, bulge)
+            steps.append(("A", on(end), on(centre), factor * radius, first, span))
+        elif i < len(edges) - 1:  # the last straight edge is drawn by closing
+            steps.append(("L", on(end)))
+    return [*steps, ("Z",)]
+
+
+def line_steps(points: Sequence[Vec2] | Floats, *, closed: bool = False) -> list[Step]:
+    """The path through points [mm]."""
+    steps: list[Step] = [
+        ("L" if i else "M", (float(x), float(y))) for i, (x, y) in enumerate(points)
+    ]
+    return [*steps, ("Z",)] if closed else steps
+
+
+def path_data(steps: Iterable[Step], top: float) -> str:
+    """Path data of SVG, y down from `top` [mm]."""
+    words = []
+    for step in steps:
+        if step[0] == "Z":
+            words.append("Z")
             continue
-        _, radius, _, span = arc(start, end, bulge)
-        r = plain(1e3 * radius)
-        # y points down, so an arc that turns left has the sweep flag 0.
-        parts.append(f"A{r} {r} 0 {int(abs(span) > 3.14159265)} {int(bulge < 0.0)} {at(end)}")
-    return "".join(parts) + "Z"
-
-
-def line_path(line: Line, left: float = 0.0, top: float = 0.0) -> str:
-    """Path data of an open line [mm] seen from the point (`left`, `top`) [mm], y down."""
-    return "M" + "L".join(f"{plain(1e3 * x - left)} {plain(top - 1e3 * y)}" for x, y in line)
+        at = f"{plain(step[1][0])} {plain(top - step[1][1])}"
+        if step[0] == "A":
+            _, _, _, radius, _, span = step
+            r = plain(radius)
+            # y points down, so an arc that turns left has the sweep flag 0.
+            words.append(f"A{r} {r} 0 {int(abs(span) > math.pi + 1e-9)} {int(span < 0.0)} {at}")
+        else:
+            words.append(f"{step[0]}{at}")
+    return "".join(words)
 
 
 def plain(value: float) -> str:
