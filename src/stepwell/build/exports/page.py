@@ -90,6 +90,17 @@ class Page:
         self.order.append(("text", len(self.texts)))
         self.texts.append((at[0], at[1], text, size, look))
 
+    def insert(self, other: "Page", at: Vec2) -> None:
+        """Add all content of another page, its lower left corner at `at` [mm]."""
+        dx, dy = at
+        for kind, i in other.order:
+            if kind == "text":
+                x, y, text, size, look = other.texts[i]
+                self.text((x + dx, y + dy), text, size, **look)
+                continue
+            steps, pen = other.shapes[i]
+            self.path([_shifted(one, dx, dy) for one in steps], pen)
+
     def paragraph(self, at: Vec2, text: str, width: float, size: float = 3.2, **look: Any) -> float:
         """Add a text that is broken to a width [mm]; returns the y of the line below it."""
         x, y = at
@@ -124,6 +135,11 @@ class Page:
             f'font-size="{plain(size)}" text-anchor="{look["anchor"]}" '
             f'fill="{look["colour"]}"{bold}{turned}>{escape(text)}</text>'
         )
+
+
+def _shifted(step: Step, dx: float, dy: float) -> Step:
+    """A step of a path, moved; its points are the pairs in it."""
+    return tuple((one[0] + dx, one[1] + dy) if isinstance(one, tuple) else one for one in step)
 
 
 def pdf_bytes(pages: Sequence[Page], title: str) -> bytes:
