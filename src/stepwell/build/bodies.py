@@ -11,7 +11,7 @@ import numpy as np
 from stepwell.base import Floats
 from stepwell.build import drive, seats
 from stepwell.build.contour import Contour
-from stepwell.build.layout import BandPath, Layout
+from stepwell.build.layouts import BandPath, Layout
 
 if TYPE_CHECKING:
     import shapely

@@ -178,7 +178,8 @@ class BuildFile(ByValue):
                 known = [f"{t}__{f}" for t, f in _every_field()]
                 near = nearest_word(name, known) or "lever__width"
                 raise InputError(f"{name}: no number of a build file. Did you mean {near}?")
-            changed = replace(changed, **{table: replace(held, **{field: value})})  # type: ignore[arg-type]
+            own: Any = {table: replace(held, **{field: value})}
+            changed = replace(changed, **own)
         return changed
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from stepwell.base import ByValue, Floats
 from stepwell.build.bodies import Body, Freedom, Piece, Poses, area, bodies_of, freedom, layers
-from stepwell.build.layout import Layout
+from stepwell.build.layouts import Layout
 
 if TYPE_CHECKING:
     import shapely
