@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import GRAVITY
-from stepwell.build.layout import Layout
+from stepwell.build.layouts import Layout
 from stepwell.build.seats import CellPlan
 from stepwell.build.tolerances import stop_error
 from stepwell.mechanism import Band, Cell
@@ -60,7 +60,7 @@ def _of_cell(plan: CellPlan, layout: Layout) -> Iterator[Expected]:
     yield Expected(
         f"Travel of {name} from stop to stop, along the stroke, bands off",
         _mm(cell.full_travel),
-        f"± {_mm(travel)}",
+        f"±\u00a0{_mm(travel)}",
         "Longer: faces were cut away; enter the kerf and cut again. Shorter: burrs on the faces.",
     )
     for number, band in enumerate(cell.bands):
@@ -68,7 +68,7 @@ def _of_cell(plan: CellPlan, layout: Layout) -> Iterator[Expected]:
         yield Expected(
             f"Length of {label} when it is just not slack",
             _mm(band.rest_length),
-            f"± {_mm(errors.rest_length * band.rest_length)}",
+            f"±\u00a0{_mm(errors.rest_length * band.rest_length)}",
             "Choose another band of the pack, or design with the measured length.",
         )
         for state, theta in (("0", -cell.limit), ("1", cell.limit)):
@@ -76,9 +76,7 @@ def _of_cell(plan: CellPlan, layout: Layout) -> Iterator[Expected]:
     yield from _forces(plan, layout)
 
 
-def _of_hooks(
-    cell: Cell, band: Band, about: tuple[str, str, float], layout: Layout
-) -> Expected:
+def _of_hooks(cell: Cell, band: Band, about: tuple[str, str, float], layout: Layout) -> Expected:
     label, state, theta = about
     errors = layout.build_file.tolerance
     length = float(band.length(np.array([theta]), cell.lever)[0])
@@ -86,11 +84,11 @@ def _of_hooks(
     # Two holes, and the stop across the band at most.
     apart = math.hypot(math.sqrt(2.0) * errors.hole, errors.stop)
     grams = 1e3 * force / GRAVITY
-    pull = f"; pull {force:.2f} N = {grams:.0f} g" if force > 0.0 else "; slack"
+    pull = f"{force:.2f}\u00a0N =\u00a0{grams:.0f}\u00a0g" if force > 0.0 else "slack"
     return Expected(
         f"Hook centre to hook centre of {label} in state {state}; pull of the band there",
-        f"{_mm(length)}{pull}",
-        f"± {_mm(apart)}; ± {100.0 * errors.stiffness:.0f} %",
+        f"{_mm(length)}; {pull}",
+        f"±\u00a0{_mm(apart)}; ±\u00a0{100.0 * errors.stiffness:.0f}\u00a0%",
         "Length off by a whole pitch: a hook is in the wrong hole. Pull off: another band.",
     )
 
@@ -98,19 +96,19 @@ def _of_hooks(
 def _forces(plan: CellPlan, layout: Layout) -> Iterator[Expected]:
     """The forces at which a cell leaves its states, at the drive, all other cells held."""
     cell = plan.cell
-    ends: tuple[tuple[str, Callable[[Cell], float], str], ...] = (
-        ("0", lambda one: one.force_0, "pull"),
-        ("1", lambda one: one.force_1, "pull"),
+    ends: tuple[tuple[str, Callable[[Cell], float]], ...] = (
+        ("0", lambda one: one.force_0),
+        ("1", lambda one: one.force_1),
     )
-    for state, of, _ in ends:
+    for state, of in ends:
         value = of(cell)
         spread = _spread(cell, of, layout)
         way = "pull" if value >= 0.0 else "push"
         yield Expected(
             f"Force at which cell {plan.number + 1} leaves state {state}, the other cells held",
-            f"{way} {abs(value):.2f} N = {1e3 * abs(value) / GRAVITY:.0f} g",
-            f"± {spread:.2f} N",
-            "Too large: a joint rubs, or the band is too stiff. Too small: wrong hole or weak band.",
+            f"{way}\u00a0{abs(value):.2f}\u00a0N =\u00a0{1e3 * abs(value) / GRAVITY:.0f}\u00a0g",
+            f"±\u00a0{spread:.2f}\u00a0N",
+            "Too large: a joint rubs or the band is stiff. Too small: wrong hole or weak band.",
         )
 
 
@@ -119,10 +117,10 @@ def _spread(cell: Cell, of: Callable[[Cell], float], layout: Layout) -> float:
     errors, total = layout.build_file.tolerance, 0.0
     here = of(cell)
     for number, band in enumerate(cell.bands):
-        (px, py), step = band.p, _LENGTH
+        (px, py), step, more = band.p, _LENGTH, 1.0 + _STEP
         changed = (
-            (replace(band, stiffness=band.stiffness * (1.0 + _STEP)), errors.stiffness / _STEP),
-            (replace(band, rest_length=band.rest_length * (1.0 + _STEP)), errors.rest_length / _STEP),
+            (replace(band, stiffness=band.stiffness * more), errors.stiffness / _STEP),
+            (replace(band, rest_length=band.rest_length * more), errors.rest_length / _STEP),
             (replace(band, p=(px + step, py)), math.sqrt(2.0) * errors.hole / step),
             (replace(band, p=(px, py + step)), math.sqrt(2.0) * errors.hole / step),
         )
@@ -133,4 +131,4 @@ def _spread(cell: Cell, of: Callable[[Cell], float], layout: Layout) -> float:
 
 
 def _mm(value: float) -> str:
-    return f"{1e3 * value:.2f} mm"
+    return f"{1e3 * value:.2f}\u00a0mm"

@@ -8,15 +8,15 @@ from stepwell.base import Vec2
 from stepwell.build.exports.before import Expected, expected
 from stepwell.build.exports.page import PAPERS, Page, Pen, broken, pdf_bytes
 from stepwell.build.exports.picture import LIFT, NEW_METAL, NEW_PLATE, PLATE, View
-from stepwell.build.exports.sheets import CutSheet
+from stepwell.build.exports.sheets import MARGIN, CutSheet
 from stepwell.build.exports.steps import Step, steps_of
-from stepwell.build.layout import Layout
+from stepwell.build.layouts import Layout
 from stepwell.build.part import Part
 from stepwell.build.plates import Fastener
 
 # Edge of a page; size of a step's picture and of a sheet's map at most [mm].
 _EDGE = 12.0
-_PICTURE, _MAP = (186.0, 128.0), (88.0, 58.0)
+_PICTURE, _MAP = (186.0, 128.0), (186.0, 70.0)
 _GREY, _RED = "#606060", "#c00000"
 _BEFORE = "Before you pull"
 _INTRO = (
@@ -99,7 +99,7 @@ def _maps(step: Step, sheets: Sequence[CutSheet]) -> list[tuple[Page, str]]:
     """Where the new parts are on their sheets, or the new fasteners at full size."""
     names = {one.name for one in step.new if isinstance(one, Part)}
     maps = [
-        (_map(sheet, names), f"Sheet {sheet.name}")
+        (_map(sheet, names), f"Lower left corner of sheet {sheet.name}")
         for sheet in sheets
         if names & {part.name for part in sheet.parts}
     ]
@@ -108,15 +108,20 @@ def _maps(step: Step, sheets: Sequence[CutSheet]) -> list[tuple[Page, str]]:
 
 
 def _map(sheet: CutSheet, names: set[str]) -> Page:
-    """A small drawing of a sheet, the parts of these names in colour."""
-    width, height = (1e3 * side for side in sheet.bed)
-    scale = min(_MAP[0] / width, _MAP[1] / height)
+    """The used corner of a sheet, the parts of these names in colour."""
+    placed = [
+        (part, [one.moved(*place) for one in (part.outline, *part.openings)])
+        for part, place in zip(sheet.parts, sheet.places, strict=True)
+    ]
+    boxes = [contours[0].bounds for _, contours in placed]
+    used = [max(box[2] for box in boxes), max(box[3] for box in boxes)]
+    width, height = (1e3 * min(a + MARGIN, b) for a, b in zip(used, sheet.bed, strict=True))
+    scale = min(_MAP[0] / width, _MAP[1] / height, 1.0)
     page = Page(scale * width, scale * height)
-    edge = [(0.0, 0.0), (page.width, 0.0), (page.width, page.height), (0.0, page.height)]
-    page.line(edge, Pen("#808080", "#ffffff", 0.2), closed=True)
-    for part, place in zip(sheet.parts, sheet.places, strict=True):
+    edge = [(0.0, page.height), (0.0, 0.0), (page.width, 0.0)]
+    page.line(edge, Pen("#808080", None, 0.4))
+    for part, contours in placed:
         paint = NEW_PLATE if part.name in names else PLATE
-        contours = [one.moved(*place) for one in (part.outline, *part.openings)]
         page.contours(contours, (0.0, 0.0), Pen(paint.line, paint.top, 0.1), scale)
         if part.name in names and part.mark:
             x0, y0, x1, y1 = contours[0].bounds

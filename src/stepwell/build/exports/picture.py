@@ -1,9 +1,10 @@
 """Pictures of an assembly in oblique projection: plates as solids, new ones lifted and coloured."""
 
 import math
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,8 @@ from stepwell.base import Floats, Vec2
 from stepwell.build.contour import Contour, placed
 from stepwell.build.exports.marks import mark_lines
 from stepwell.build.exports.page import Page, Pen
-from stepwell.build.layout import BandPath, Layout
+from stepwell.build.exports.svg import Step, image_steps, line_steps
+from stepwell.build.layouts import BandPath, Layout
 from stepwell.build.part import Part
 from stepwell.build.plates import Fastener
 
@@ -61,10 +63,9 @@ class Solid:
     marks: tuple[tuple[Vec2, ...], ...] = ()
     level: int = 0
 
-    def nearness(self) -> float:
-        """Sorting key in a layer: solids behind others are drawn first."""
-        _, y0, _, y1 = self.contour.moved(*self.at).bounds
-        return -(y0 + y1)
+    def order(self) -> tuple[int, float, float]:
+        """Sorting key: layer by layer from below, solids behind others first."""
+        return self.level, self.low, -self.at[1]
 
 
 class View:
@@ -87,6 +88,11 @@ class View:
         self.origin = -1e3 * self.scale * low
         width, height = 1e3 * self.scale * (high - low)
         self.size = float(width), float(height)
+        # The same for all pictures: shapes of solids, outlines in plan, parts around fasteners.
+        self._drawn: dict[Any, list[tuple[list[Step], Pen]]] = {}
+        self._outlines: dict[str, Any] = {}
+        self._owners: dict[Vec2, set[str]] = {}
+        self._tops = sorted({part.top for part in layout.parts})
 
     def on(self, points: Floats, z: float) -> Floats:
         """(n, 2) places on the picture [mm] of points in plan [m] at a height [m]."""
@@ -109,16 +115,14 @@ class View:
         for one in placed_items:
             if isinstance(one, Fastener):
                 solids += self._rod(one, METAL, parts)
-        for solid in sorted(solids, key=lambda one: (one.level, one.low, one.nearness())):
-            self._draw(page, solid)
+        self._draw(page, solids)
         for one in placed_items:
             if isinstance(one, BandPath):
                 self._band(page, one, BAND, 0.0)
         self._drop_lines(page, new, lift)
         lifted = [self._plate(one, NEW_PLATE, lift) for one in new if isinstance(one, Part)]
         lifted += [s for one in new if isinstance(one, Fastener) for s in self._lifted(one, lift)]
-        for solid in sorted(lifted, key=lambda one: (one.level, one.low, one.nearness())):
-            self._draw(page, solid)
+        self._draw(page, lifted)
         for one in new:
             if isinstance(one, BandPath):
                 self._band(page, one, NEW_BAND, lift / 2.0)
@@ -135,17 +139,30 @@ class View:
         x, y = self.blocks[one.block]
         return float(x) + one.centre[0], float(y) + one.centre[1]
 
+    def _around(self, point: Vec2) -> set[str]:
+        """Names of the parts whose outlines contain a point in plan [m]."""
+        import shapely
+
+        if not self._outlines:
+            for part in self.layout.parts:
+                ring = part.outline.moved(*self.frames[part.name]).ring(_SAGITTA)
+                self._outlines[part.name] = shapely.Polygon(ring)
+        if point not in self._owners:
+            inside = shapely.contains_xy(list(self._outlines.values()), *point)
+            names = zip(self._outlines, inside, strict=True)
+            self._owners[point] = {name for name, within in names if within}
+        return self._owners[point]
+
     def _circle(self, one: Fastener, low: float, high: float, paint: Paint) -> Solid:
         # Above the plate whose hole it fills, and below the next one.
-        tops = [part.top for part in self.layout.parts]
-        level = 2 * sum(top <= low + _THINNEST for top in sorted(set(tops)))
+        level = 2 * sum(top <= low + _THINNEST for top in self._tops)
         ring = Contour.circle((0.0, 0.0), one.diameter / 2.0)
         return Solid(ring, (), (*self.centre(one), 0.0), low, high, paint, (), level)
 
     def _rod(self, one: Fastener, paint: Paint, parts: Iterable[Part]) -> list[Solid]:
         """What is visible of a fastener: nothing below the upper face of the plates around it."""
         centre = self.centre(one)
-        around = [part for part in parts if _covers(part, self.frames[part.name], centre)]
+        around = [part for part in parts if part.name in self._around(centre)]
         top = max((part.top for part in around), default=-math.inf)
         if one.high < top - _THINNEST or (one.high <= top + _THINNEST and one.use != "pin"):
             return []
@@ -176,19 +193,50 @@ class View:
                 ends = self.on(np.array([place]), z), self.on(np.array([place]), z + lift)
                 page.line(np.concatenate(ends), pen)
 
-    def _draw(self, page: Page, solid: Solid) -> None:
-        ring = _ring(solid.contour, solid.at)
+    def _draw(self, page: Page, solids: Iterable[Solid]) -> None:
+        for solid in sorted(solids, key=Solid.order):
+            key = solid.contour, solid.at, solid.low, solid.high, solid.paint
+            if key not in self._drawn:
+                self._drawn[key] = self._shapes(solid)
+            for shape in self._drawn[key]:
+                page.path(*shape)
+
+    def _shapes(self, solid: Solid) -> list[tuple[list[Step], Pen]]:
+        """Sides, upper face and marks of a solid."""
+        x, y, angle = solid.at
+        height = round(solid.high - solid.low, 9)
+        place = (x, y)
         side = [
-            self.on(one, solid.low)
-            for one in _swept(solid.contour, solid.at, round(solid.high - solid.low, 9))
+            step
+            for ring in _swept(solid.contour, angle, height)
+            for step in line_steps(self.on(ring + place, solid.low), closed=True)
         ]
-        page.lines(side, Pen(solid.paint.line, solid.paint.side, 0.15))
-        openings = [_ring(one, solid.at) for one in solid.openings]
-        faces = [self.on(one, solid.high) for one in (ring, *openings)]
-        page.lines(faces, Pen(solid.paint.line, solid.paint.top, 0.15))
-        for line in solid.marks:
-            points = np.array(placed(line, *solid.at))
-            page.line(self.on(points, solid.high), Pen(solid.paint.line, None, 0.25))
+        image = self._image(solid.at, solid.high)
+        face = [
+            step for one in (solid.contour, *solid.openings) for step in image_steps(one, image)
+        ]
+        paint = solid.paint
+        marks = [
+            (line_steps([image(point) for point in line]), Pen(paint.line, None, 0.25))
+            for line in solid.marks
+        ]
+        faces = [
+            (side, Pen(paint.line, paint.side, 0.15)),
+            (face, Pen(paint.line, paint.top, 0.15)),
+        ]
+        return faces + marks
+
+    def _image(self, at: tuple[float, float, float], z: float) -> Callable[[Vec2], Vec2]:
+        """The map from the plan of a frame [m] at a height [m] to the picture [mm]."""
+        c, s, scale = math.cos(at[2]), math.sin(at[2]), 1e3 * self.scale
+        left, low = float(self.origin[0]), float(self.origin[1])
+
+        def image(point: Vec2) -> Vec2:
+            x = at[0] + c * point[0] - s * point[1]
+            y = at[1] + s * point[0] + c * point[1]
+            return left + scale * (x + _Y[0] * y), low + scale * (_Y[1] * y + _Z[1] * z)
+
+        return image
 
     def _band(self, page: Page, one: BandPath, colour: str, lift: float) -> None:
         """A band as the loop around its hooks."""
@@ -202,30 +250,21 @@ def _flat(x: float, y: float, z: float) -> Vec2:
     return x + _Y[0] * y, _Y[1] * y + _Z[1] * z
 
 
-@lru_cache(maxsize=4096)
-def _ring(contour: Contour, at: tuple[float, float, float]) -> Floats:
-    return contour.moved(*at).ring(_SAGITTA)
-
-
-@lru_cache(maxsize=4096)
-def _swept(contour: Contour, at: tuple[float, float, float], height: float) -> tuple[Floats, ...]:
+@lru_cache(maxsize=1024)
+def _swept(contour: Contour, angle: float, height: float) -> tuple[Floats, ...]:
     """Rings in plan whose image at the lower face is the outline of the whole solid."""
     import shapely
 
-    ring = _ring(contour, at)
+    ring = contour.moved(angle=angle).ring(_SAGITTA)
     # In plan, a height is a shift that has the same image.
     up = np.array([-_Y[0], 1.0]) * (_Z[1] * height / _Y[1])
-    ahead = np.roll(ring, -1, axis=0)
-    quads = shapely.polygons(np.stack([ring, ahead, ahead + up, ring + up], axis=1))
-    faces = [shapely.Polygon(ring), shapely.Polygon(ring + up)]
-    area = shapely.union_all([*faces, *quads[shapely.is_valid(quads)]], grid_size=1e-8)
-    return tuple(shapely.get_coordinates(shapely.get_exterior_ring(one))[:-1]
-        for one in shapely.get_parts(area))
-
-
-@lru_cache(maxsize=8192)
-def _covers(part: Part, at: tuple[float, float, float], point: Vec2) -> bool:
-    """Whether a point in plan [m] is within the outline of a part."""
-    import shapely
-
-    return bool(shapely.contains_xy(shapely.Polygon(_ring(part.outline, at)), *point))
+    both = shapely.MultiPoint(np.concatenate([ring, ring + up])).convex_hull
+    if shapely.MultiPoint(ring).convex_hull.area > shapely.Polygon(ring).area * (1.0 + 1e-9):
+        ahead = np.roll(ring, -1, axis=0)
+        quads = shapely.polygons(np.stack([ring, ahead, ahead + up, ring + up], axis=1))
+        faces = [shapely.Polygon(ring), shapely.Polygon(ring + up)]
+        both = shapely.union_all(
+            [*faces, *np.compress(shapely.is_valid(quads), quads)], grid_size=1e-8
+        )
+    rings = shapely.get_exterior_ring(shapely.get_parts(both))
+    return tuple(shapely.get_coordinates(one)[:-1] for one in rings)

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from stepwell.base import counted, grouped
-from stepwell.build.layout import BandPath, Layout
+from stepwell.build.layouts import BandPath, Layout
 from stepwell.build.part import Part
 from stepwell.build.plates import Fastener
 
