@@ -231,8 +231,16 @@ class Contour:
     @property
     def area(self) -> float:
         """Enclosed area [m²], exact."""
-        # About a corner, so that a distant contour loses no digits.
-        return float(self.moments(*self.points[0])[0])
+        (x, y), total = self.points[0], 0.0
+        for (x0, y0), (x1, y1), bulge in self.edges():
+            # The triangle with corner 0, so that a distant contour loses no digits.
+            total += ((x0 - x) * (y1 - y) - (x1 - x) * (y0 - y)) / 2.0
+            if bulge != 0.0:
+                # The segment between arc and chord, r²/2 (φ - sin φ).
+                angle = 4.0 * math.atan(bulge)
+                radius = math.dist((x0, y0), (x1, y1)) * (1.0 + bulge * bulge) / (4.0 * bulge)
+                total += radius * radius * (angle - math.sin(angle)) / 2.0
+        return total
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -46,7 +47,11 @@ class Hole:
     @property
     def contour(self) -> Contour:
         """The circle of the hole."""
-        return Contour.circle(self.centre, self.diameter / 2.0)
+        return _circle(self.centre, self.diameter / 2.0)
+
+
+# Files and pictures of a part ask for its circles many times.
+_circle = lru_cache(maxsize=8192)(Contour.circle)
 
 
 @dataclass(frozen=True, slots=True)

@@ -60,7 +60,7 @@ _UNKNOWN = "0006464000"
 _HIGH, _ADVANCE, _GAP = 6.0, 5.6, 1.6
 # Heights that are tried [m], distance from edges and openings [m], and step of the places [m].
 _HEIGHTS = 0.004, 0.003, 0.0025, 0.002, 0.0015
-_CLEAR, _STEP = 0.0006, 0.0005
+_CLEAR, _STEP, _CHUNK = 0.0006, 0.001, 256
 
 
 def stroked(text: str, height: float) -> list[Line]:
@@ -111,10 +111,14 @@ def place_of(part: Part) -> Place | None:
         for angle in (0.0, math.pi / 2):
             half = width_of(part.mark, height) / 2.0, height / 2.0
             across, up = half if angle == 0.0 else half[::-1]
-            fits = shapely.contains(room, shapely.box(x - across, y - up, x + across, y + up))
-            if fits.any():
-                first = int(np.argmax(fits))
-                return Place((float(x[first]), float(y[first])), height, angle)
+            # The middle is usually free, so few places are tried at first.
+            for at in range(0, len(x), _CHUNK):
+                a, b = x[at : at + _CHUNK], y[at : at + _CHUNK]
+                boxes = shapely.box(a - across, b - up, a + across, b + up)
+                fits = shapely.contains(room, boxes)
+                if fits.any():
+                    first = int(np.argmax(fits))
+                    return Place((float(a[first]), float(b[first])), height, angle)
     return None
 
 

@@ -1,7 +1,6 @@
 """Pages of drawings and text in millimetres, written as SVG and as PDF from the same content."""
 
 import io
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -11,7 +10,15 @@ from xml.sax.saxutils import escape
 
 from stepwell.base import Floats, Vec2, need
 from stepwell.build.contour import Contour
-from stepwell.build.exports.svg import Step, contour_steps, line_steps, path_data, plain, svg_head
+from stepwell.build.exports.svg import (
+    Step,
+    contour_steps,
+    curves,
+    line_steps,
+    path_data,
+    plain,
+    svg_head,
+)
 
 if TYPE_CHECKING:
     from reportlab.pdfgen.canvas import Canvas
@@ -19,8 +26,6 @@ if TYPE_CHECKING:
 # Paper sizes, width and height [mm].
 PAPERS = {"A4": (210.0, 297.0), "letter": (215.9, 279.4)}
 _POINT = 72.0 / 25.4  # PDF points in a millimetre
-# Largest angle of one Bézier curve of an arc: its deviation is below 3e-4 of the radius [rad].
-_QUARTER = math.pi / 4.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +95,17 @@ class Page:
         self.order.append(("text", len(self.texts)))
         self.texts.append((at[0], at[1], text, size, look))
 
+    def insert(self, other: "Page", at: Vec2) -> None:
+        """Add all content of another page, its lower left corner at `at` [mm]."""
+        dx, dy = at
+        for kind, i in other.order:
+            if kind == "text":
+                x, y, text, size, look = other.texts[i]
+                self.text((x + dx, y + dy), text, size, **look)
+                continue
+            steps, pen = other.shapes[i]
+            self.path([_shifted(one, dx, dy) for one in steps], pen)
+
     def paragraph(self, at: Vec2, text: str, width: float, size: float = 3.2, **look: Any) -> float:
         """Add a text that is broken to a width [mm]; returns the y of the line below it."""
         x, y = at
@@ -124,6 +140,11 @@ class Page:
             f'font-size="{plain(size)}" text-anchor="{look["anchor"]}" '
             f'fill="{look["colour"]}"{bold}{turned}>{escape(text)}</text>'
         )
+
+
+def _shifted(step: Step, dx: float, dy: float) -> Step:
+    """A step of a path, moved; its points are the pairs in it."""
+    return tuple((one[0] + dx, one[1] + dy) if isinstance(one, tuple) else one for one in step)
 
 
 def pdf_bytes(pages: Sequence[Page], title: str) -> bytes:
@@ -162,21 +183,9 @@ def _draw(canvas: "Canvas", steps: list[Step], pen: Pen) -> None:
         elif step[0] == "Z":
             path.close()
         else:
-            _, _, (x, y), radius, first, span = step
-            count = math.ceil(abs(span) / _QUARTER - 1e-9)
-            part = span / count
-            reach = 4.0 / 3.0 * math.tan(part / 4.0) * radius
-            for k in range(count):
-                a, b = first + k * part, first + (k + 1) * part
-                (ca, sa), (cb, sb) = (math.cos(a), math.sin(a)), (math.cos(b), math.sin(b))
-                path.curveTo(
-                    x + radius * ca - reach * sa,
-                    y + radius * sa + reach * ca,
-                    x + radius * cb + reach * sb,
-                    y + radius * sb - reach * cb,
-                    x + radius * cb,
-                    y + radius * sb,
-                )
+            pieces = [step] if step[0] == "C" else curves(*step[2:])
+            for _, end, one, two in pieces:
+                path.curveTo(*one, *two, *end)
     if pen.line:
         canvas.setStrokeColor(pen.line)
         canvas.setLineWidth(pen.width)
@@ -225,10 +234,10 @@ def width_of(text: str, size: float, *, bold: bool = False) -> float:
 
 
 def broken(text: str, width: float, size: float, *, bold: bool = False) -> list[str]:
-    """The lines of a text that is at most `width` [mm] wide, broken between words."""
+    """The lines of a text that is at most `width` [mm] wide, broken at plain spaces."""
     lines: list[str] = []
     line = ""
-    for word in text.split():
+    for word in text.split(" "):
         longer = f"{line} {word}".strip()
         if line and width_of(longer, size, bold=bold) > width:
             lines.append(line)

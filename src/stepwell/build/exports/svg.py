@@ -1,7 +1,7 @@
 """SVG drawings of cutting paths, for hobby cutters: 1:1, arcs as arcs."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
@@ -19,8 +19,10 @@ COLOURS = {
 }
 _HAIRLINE = 0.1  # [mm]
 # Steps of a path [mm]: "M" and "L" with a point; "A" with end, centre, radius, first angle and
-# signed angle of turning [rad]; "Z".
+# signed angle of turning [rad]; "C" with end and both control points; "Z".
 Step = tuple[Any, ...]
+# Largest angle of one Bézier curve of an arc: its deviation is below 3e-4 of the radius [rad].
+_QUARTER = math.pi / 2.0
 
 
 def svg_text(paths: Cutting, title: str, *, margin: float = 0.0) -> str:
@@ -93,6 +95,31 @@ def contour_steps(contour: Contour, at: Vec2 = (0.0, 0.0), scale: float = 1.0) -
     return [*steps, ("Z",)]
 
 
+def curves(centre: Vec2, radius: float, first: float, span: float) -> Iterator[Step]:
+    """An arc as Bézier curves of a quarter of a turn at most."""
+    x, y = centre
+    count = math.ceil(abs(span) / _QUARTER - 1e-9)
+    part = span / count
+    reach = 4.0 / 3.0 * math.tan(part / 4.0) * radius
+    for k in range(count):
+        a, b = first + k * part, first + (k + 1) * part
+        (ca, sa), (cb, sb) = (math.cos(a), math.sin(a)), (math.cos(b), math.sin(b))
+        x0, y0, x1, y1 = x + radius * ca, y + radius * sa, x + radius * cb, y + radius * sb
+        yield "C", (x1, y1), (x0 - reach * sa, y0 + reach * ca), (x1 + reach * sb, y1 - reach * cb)
+
+
+def image_steps(contour: Contour, image: Callable[[Vec2], Vec2]) -> list[Step]:
+    """The path of the image [mm] of a contour [m] under an affine map; arcs become curves."""
+    steps: list[Step] = [("M", image(contour.points[0]))]
+    for start, end, bulge in contour.edges():
+        if bulge == 0.0:
+            steps.append(("L", image(end)))
+            continue
+        for _, *points in curves(*arc(start, end, bulge)):
+            steps.append(("C", *map(image, points)))
+    return [*steps, ("Z",)]
+
+
 def line_steps(points: Sequence[Vec2] | Floats, *, closed: bool = False) -> list[Step]:
     """The path through points [mm]."""
     steps: list[Step] = [
@@ -109,7 +136,10 @@ def path_data(steps: Iterable[Step], top: float) -> str:
             words.append("Z")
             continue
         at = f"{plain(step[1][0])} {plain(top - step[1][1])}"
-        if step[0] == "A":
+        if step[0] == "C":
+            controls = [f"{plain(x)} {plain(top - y)}" for x, y in step[2:]]
+            words.append(f"C{controls[0]} {controls[1]} {at}")
+        elif step[0] == "A":
             _, _, _, radius, _, span = step
             r = plain(radius)
             # y points down, so an arc that turns left has the sweep flag 0.
