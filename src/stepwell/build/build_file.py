@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, fields as fields_of, is_dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files as packaged
 from typing import Annotated, Any, NamedTuple
@@ -173,13 +173,14 @@ class BuildFile(ByValue):
         changed = self
         for name, value in lengths.items():
             table, _, field = name.partition("__")
-            held = getattr(changed, table, None)
-            if not is_dataclass(held) or field not in {one.name for one in fields_of(held)}:
+            held: Any = getattr(changed, table, None)
+            if (table, field) not in _every_field():
                 known = [f"{t}__{f}" for t, f in _every_field()]
                 near = nearest_word(name, known) or "lever__width"
                 raise InputError(f"{name}: no number of a build file. Did you mean {near}?")
-            own: Any = {table: replace(held, **{field: value})}
-            changed = replace(changed, **own)
+            own: Any = {field: value}
+            whole: Any = {table: replace(held, **own)}
+            changed = replace(changed, **whole)
         return changed
 
 
