@@ -150,11 +150,14 @@ class Page:
 def pdf_bytes(pages: Sequence[Page], title: str) -> bytes:
     """Pages as a PDF file, 1:1, with its fonts; equal pages have equal files."""
     need("build")
+    from reportlab import rl_config
     from reportlab.pdfgen.canvas import Canvas
 
     _fonts()
     content = io.BytesIO()
     canvas = Canvas(content, invariant=1, pageCompression=1)
+    # Printable streams cost as much time as all the rest.
+    before, rl_config.useA85 = rl_config.useA85, 0
     canvas.setTitle(title)
     canvas.setCreator("Stepwell")
     # Viewers that scale a drawing to the page's margins would make it useless.
@@ -167,7 +170,10 @@ def pdf_bytes(pages: Sequence[Page], title: str) -> bytes:
         canvas.setLineJoin(1)
         _print(canvas, page, paths)
         canvas.showPage()
-    canvas.save()
+    try:
+        canvas.save()
+    finally:
+        rl_config.useA85 = before
     return content.getvalue()
 
 
@@ -206,11 +212,11 @@ def _path(canvas: "Canvas", steps: list[Step]) -> Any:
 
 def _draw(canvas: "Canvas", path: Any, pen: Pen) -> None:
     if pen.line:
-        canvas.setStrokeColor(pen.line)
+        canvas.setStrokeColor(_colour(pen.line))
         canvas.setLineWidth(pen.width)
         canvas.setDash(list(pen.dashes))
     if pen.fill:
-        canvas.setFillColor(pen.fill)
+        canvas.setFillColor(_colour(pen.fill))
     canvas.drawPath(path, stroke=int(bool(pen.line)), fill=int(bool(pen.fill)), fillMode=0)
 
 
@@ -223,7 +229,7 @@ def _write(
     canvas.translate(x, y)
     canvas.rotate(look["angle"])
     canvas.setFont(font, size)
-    canvas.setFillColor(look["colour"])
+    canvas.setFillColor(_colour(look["colour"]))
     canvas.drawString(-shift * width_of(text, size, bold=look["bold"]), 0.0, text)
     canvas.restoreState()
 
@@ -238,6 +244,13 @@ def _fonts() -> None:
     folder = Path(reportlab.__file__).parent / "fonts"
     for name in ("Vera", "VeraBd"):
         pdfmetrics.registerFont(TTFont(name, str(folder / f"{name}.ttf")))
+
+
+@cache
+def _colour(text: str) -> Any:
+    from reportlab.lib.colors import HexColor
+
+    return HexColor(text)
 
 
 def _font(*, bold: bool) -> str:
