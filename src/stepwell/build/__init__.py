@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     )
     from stepwell.build.builds import BandUse, Build, build
     from stepwell.build.contour import Contour
+    from stepwell.build.exports.write import FileOptions, build_files, write_build
     from stepwell.build.layouts import BandPath, Layout, layout
     from stepwell.build.limits import Finding
     from stepwell.build.part import Hole, Part
@@ -32,12 +33,14 @@ __all__ = [
     "Collision",
     "Contour",
     "Fastener",
+    "FileOptions",
     "Finding",
     "Hole",
     "Layout",
     "Part",
     "Sweep",
     "build",
+    "build_files",
     "build_presets",
     "build_yield",
     "layout",
@@ -46,6 +49,7 @@ __all__ = [
     "preset_text",
     "sweep",
     "tolerances_of",
+    "write_build",
 ]
 
 
@@ -68,6 +72,7 @@ _LATE = {
     ),
     "builds": ("BandUse", "Build", "build"),
     "contour": ("Contour",),
+    "exports.write": ("FileOptions", "build_files", "write_build"),
     "layouts": ("BandPath", "Layout", "layout"),
     "limits": ("Finding",),
     "part": ("Hole", "Part"),

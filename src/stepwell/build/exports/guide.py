@@ -6,7 +6,7 @@ from xml.sax.saxutils import escape
 
 from stepwell.base import Vec2
 from stepwell.build.exports.before import Expected, expected
-from stepwell.build.exports.page import PAPERS, Page, Pen, broken, pdf_bytes
+from stepwell.build.exports.page import PAPERS, Page, Pen, broken, pdf_bytes, width_of
 from stepwell.build.exports.picture import LIFT, NEW_METAL, NEW_PLATE, PLATE, View
 from stepwell.build.exports.sheets import MARGIN, CutSheet
 from stepwell.build.exports.steps import Step, steps_of
@@ -126,6 +126,11 @@ def _map(sheet: CutSheet, names: set[str]) -> Page:
         if part.name in names and part.mark:
             x0, y0, x1, y1 = contours[0].bounds
             middle = 500.0 * scale * (x0 + x1), 500.0 * scale * (y0 + y1) - 1.0
+            half = width_of(part.mark, 2.8, bold=True) / 2.0 + 0.6
+            x, y = middle
+            behind = [(x - half, y - 0.7), (x + half, y - 0.7)]
+            behind += [(x + half, y + 2.7), (x - half, y + 2.7)]
+            page.line(behind, Pen(None, NEW_PLATE.top), closed=True)
             page.text(middle, part.mark, 2.8, anchor="middle", bold=True, colour=NEW_PLATE.line)
     return page
 

@@ -1,7 +1,7 @@
 """Pages of drawings and text in millimetres, written as SVG and as PDF from the same content."""
 
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -46,7 +46,8 @@ class Page:
     height: float
     shapes: list[tuple[list[Step], Pen]] = field(default_factory=list)
     texts: list[tuple[float, float, str, float, dict[str, Any]]] = field(default_factory=list)
-    # Shapes and texts in the order in which they were added.
+    inserted: list[tuple["Page", Vec2]] = field(default_factory=list)
+    # Shapes, texts and pages in the order in which they were added.
     order: list[tuple[str, int]] = field(default_factory=list)
 
     def path(self, steps: list[Step], pen: Pen) -> None:
@@ -97,14 +98,8 @@ class Page:
 
     def insert(self, other: "Page", at: Vec2) -> None:
         """Add all content of another page, its lower left corner at `at` [mm]."""
-        dx, dy = at
-        for kind, i in other.order:
-            if kind == "text":
-                x, y, text, size, look = other.texts[i]
-                self.text((x + dx, y + dy), text, size, **look)
-                continue
-            steps, pen = other.shapes[i]
-            self.path([_shifted(one, dx, dy) for one in steps], pen)
+        self.order.append(("page", len(self.inserted)))
+        self.inserted.append((other, at))
 
     def paragraph(self, at: Vec2, text: str, width: float, size: float = 3.2, **look: Any) -> float:
         """Add a text that is broken to a width [mm]; returns the y of the line below it."""
@@ -116,10 +111,20 @@ class Page:
 
     def svg(self, title: str) -> str:
         """The page as an SVG file, 1:1."""
-        rows = [svg_head(self.width, self.height), f"<title>{escape(title)}</title>"]
+        title = f"<title>{escape(title)}</title>"
+        rows = [svg_head(self.width, self.height), title, *self._svg_rows(), "</svg>"]
+        return "\n".join(rows) + "\n"
+
+    def _svg_rows(self) -> Iterator[str]:
         for kind, i in self.order:
-            rows.append(self._svg_shape(i) if kind == "shape" else self._svg_text(i))
-        return "\n".join([*rows, "</svg>"]) + "\n"
+            if kind == "page":
+                page, (x, y) = self.inserted[i]
+                down = self.height - y - page.height
+                yield f'<g transform="translate({plain(x)} {plain(down)})">'
+                yield from page._svg_rows()
+                yield "</g>"
+            else:
+                yield self._svg_shape(i) if kind == "shape" else self._svg_text(i)
 
     def _svg_shape(self, i: int) -> str:
         steps, pen = self.shapes[i]
@@ -142,38 +147,54 @@ class Page:
         )
 
 
-def _shifted(step: Step, dx: float, dy: float) -> Step:
-    """A step of a path, moved; its points are the pairs in it."""
-    return tuple((one[0] + dx, one[1] + dy) if isinstance(one, tuple) else one for one in step)
-
-
 def pdf_bytes(pages: Sequence[Page], title: str) -> bytes:
     """Pages as a PDF file, 1:1, with its fonts; equal pages have equal files."""
     need("build")
+    from reportlab import rl_config
     from reportlab.pdfgen.canvas import Canvas
 
     _fonts()
     content = io.BytesIO()
     canvas = Canvas(content, invariant=1, pageCompression=1)
+    # Printable streams cost as much time as all the rest.
+    before, rl_config.useA85 = rl_config.useA85, 0
     canvas.setTitle(title)
     canvas.setCreator("Stepwell")
     # Viewers that scale a drawing to the page's margins would make it useless.
     canvas.setViewerPreference("PrintScaling", "None")
+    # Paths that several pages share are made once.
+    paths: dict[int, Any] = {}
     for page in pages:
         canvas.setPageSize((page.width * _POINT, page.height * _POINT))
         canvas.scale(_POINT, _POINT)
         canvas.setLineJoin(1)
-        for kind, i in page.order:
-            if kind == "shape":
-                _draw(canvas, *page.shapes[i])
-            else:
-                _write(canvas, *page.texts[i])
+        _print(canvas, page, paths)
         canvas.showPage()
-    canvas.save()
+    try:
+        canvas.save()
+    finally:
+        rl_config.useA85 = before
     return content.getvalue()
 
 
-def _draw(canvas: "Canvas", steps: list[Step], pen: Pen) -> None:
+def _print(canvas: "Canvas", page: Page, paths: dict[int, Any]) -> None:
+    for kind, i in page.order:
+        if kind == "page":
+            inner, at = page.inserted[i]
+            canvas.saveState()
+            canvas.translate(*at)
+            _print(canvas, inner, paths)
+            canvas.restoreState()
+        elif kind == "text":
+            _write(canvas, *page.texts[i])
+        else:
+            steps, pen = page.shapes[i]
+            if id(steps) not in paths:
+                paths[id(steps)] = _path(canvas, steps)
+            _draw(canvas, paths[id(steps)], pen)
+
+
+def _path(canvas: "Canvas", steps: list[Step]) -> Any:
     path = canvas.beginPath()
     for step in steps:
         if step[0] == "M":
@@ -186,12 +207,16 @@ def _draw(canvas: "Canvas", steps: list[Step], pen: Pen) -> None:
             pieces = [step] if step[0] == "C" else curves(*step[2:])
             for _, end, one, two in pieces:
                 path.curveTo(*one, *two, *end)
+    return path
+
+
+def _draw(canvas: "Canvas", path: Any, pen: Pen) -> None:
     if pen.line:
-        canvas.setStrokeColor(pen.line)
+        canvas.setStrokeColor(_colour(pen.line))
         canvas.setLineWidth(pen.width)
         canvas.setDash(list(pen.dashes))
     if pen.fill:
-        canvas.setFillColor(pen.fill)
+        canvas.setFillColor(_colour(pen.fill))
     canvas.drawPath(path, stroke=int(bool(pen.line)), fill=int(bool(pen.fill)), fillMode=0)
 
 
@@ -204,7 +229,7 @@ def _write(
     canvas.translate(x, y)
     canvas.rotate(look["angle"])
     canvas.setFont(font, size)
-    canvas.setFillColor(look["colour"])
+    canvas.setFillColor(_colour(look["colour"]))
     canvas.drawString(-shift * width_of(text, size, bold=look["bold"]), 0.0, text)
     canvas.restoreState()
 
@@ -219,6 +244,13 @@ def _fonts() -> None:
     folder = Path(reportlab.__file__).parent / "fonts"
     for name in ("Vera", "VeraBd"):
         pdfmetrics.registerFont(TTFont(name, str(folder / f"{name}.ttf")))
+
+
+@cache
+def _colour(text: str) -> Any:
+    from reportlab.lib.colors import HexColor
+
+    return HexColor(text)
 
 
 def _font(*, bold: bool) -> str:

@@ -261,10 +261,9 @@ def _swept(contour: Contour, angle: float, height: float) -> tuple[Floats, ...]:
     both = shapely.MultiPoint(np.concatenate([ring, ring + up])).convex_hull
     if shapely.MultiPoint(ring).convex_hull.area > shapely.Polygon(ring).area * (1.0 + 1e-9):
         ahead = np.roll(ring, -1, axis=0)
-        quads = shapely.polygons(np.stack([ring, ahead, ahead + up, ring + up], axis=1))
+        quads: Any = shapely.polygons(np.stack([ring, ahead, ahead + up, ring + up], axis=1))
         faces = [shapely.Polygon(ring), shapely.Polygon(ring + up)]
-        both = shapely.union_all(
-            [*faces, *np.compress(shapely.is_valid(quads), quads)], grid_size=1e-8
-        )
+        sides = [quad for quad in quads if quad.is_valid]
+        both = shapely.union_all([*faces, *sides], grid_size=1e-8)
     rings = shapely.get_exterior_ring(shapely.get_parts(both))
     return tuple(shapely.get_coordinates(one)[:-1] for one in rings)

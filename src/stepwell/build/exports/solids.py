@@ -126,8 +126,10 @@ def threemf_bytes(
     return content.getvalue()
 
 
-def step_bytes(part: Part) -> bytes:
+def step_bytes(part: Part, title: str = "") -> bytes:
     """The part as an exact solid in a STEP file: arcs are arcs, its lower face at z = 0.
+
+    The name of the solid is `title`, by default that of the part.
 
     Raises:
         ModuleNotFoundError: the extra `step` is not installed; the text has the command for it.
@@ -142,6 +144,7 @@ def step_bytes(part: Part) -> bytes:
     for opening in part.openings:
         plate = plate - face(opening)
     solid = build123d.extrude(plate, 1e3 * part.thickness, dir=(0, 0, 1))
+    solid.label = title or part.name
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "part.step"
         build123d.export_step(solid, str(file))
