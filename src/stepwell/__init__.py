@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from stepwell import (
         accounts,
         base,
+        build,
         concave,
         figures,
         files,
@@ -88,10 +89,10 @@ _DOORS = {
     "studies": ("sweep",),
 }
 
-# `sw.figures.overview(cycle)` needs no import of its own; `sw.design` can be called too. Kernels
-# and commands are private.
+# `sw.figures.overview(cycle)` needs no import of its own; `sw.design` and `sw.build` can be called
+# too. Kernels and commands are private.
 _ROOMS = (
-    *("accounts", "base", "concave", "design", "figures", "files", "lab"),
+    *("accounts", "base", "build", "concave", "design", "figures", "files", "lab"),
     *("mechanism", "paper", "reports", "robot", "sequences", "simulation", "statics"),
     *("studies", "studio"),
 )

@@ -16,6 +16,7 @@ from stepwell.base import InputError, of_kind
 # the class, and the kinds of records, with the version of their names.
 FILES = {
     "atlas": ("Atlas", "atlas/2"),
+    "build": ("Build", "build/1"),
     "chain": ("Cell Chain Element", ""),
     "changes": ("Margin", ""),
     "check": ("Check", "check/2"),

@@ -80,6 +80,22 @@ EXTRAS: MappingProxyType[str, Extra] = MappingProxyType(
             "the page of `stepwell studio`",
             "The studio needs Starlette, uvicorn and websockets",
         ),
+        "build": Extra(
+            {
+                "ezdxf": "ezdxf",
+                "manifold3d": "manifold3d",
+                "reportlab": "reportlab",
+                "shapely": "shapely",
+                "spyrrow": "spyrrow",
+            },
+            "parts, drawings, sheets and guide of `stepwell build`",
+            "Parts and their files need ezdxf, manifold3d, ReportLab, shapely and spyrrow",
+        ),
+        "step": Extra(
+            {"build123d": "build123d"},
+            "parts as STEP files, `stepwell build --step`",
+            "STEP files need build123d",
+        ),
     }
 )
 

@@ -64,6 +64,7 @@ _TABLE: dict[str, dict[tuple[str, ...], int | float]] = {
         ("GPa",): 9,
         ("psi",): 6894.757293168,
     },
+    "kg/m³": {("kg/m³", "kg/m3"): 0},
     "Pa/m³": {("Pa/m³",): 0, ("kPa/mL", "kPa_per_mL"): 9},
     "rad": {("rad",): 0, ("mrad",): -3, ("deg", "°"): math.pi / 180.0},
     "N m": {
@@ -138,7 +139,7 @@ def from_unit(value: Number, unit: str) -> Number:
 
 def in_names(unit: str) -> str:
     """A unit as part of a key: N m/rad is N_m_per_rad, 1/mm² is per_mm2."""
-    spelled = unit.replace("/", "_per_").replace(" ", "_").replace("²", "2")
+    spelled = unit.replace("/", "_per_").replace(" ", "_").replace("²", "2").replace("³", "3")
     return spelled.removeprefix("1_")
 
 

@@ -14,6 +14,7 @@ from stepwell.figures.cells.cell_curves import (
 from stepwell.figures.cells.force_plane import force_plane
 from stepwell.figures.cells.holes import holes
 from stepwell.figures.cells.labelled import labelled_cell, labelled_chain
+from stepwell.figures.cells.layers import layers
 from stepwell.figures.cells.mechanism import mechanism
 from stepwell.figures.common.write import PRINT_DPI, save, svg
 from stepwell.figures.composing import WIDTHS as JOURNAL_WIDTHS, JournalWidth, compose, length
@@ -62,6 +63,7 @@ __all__ = [
     "labelled_cell",
     "labelled_chain",
     "landscape",
+    "layers",
     "length",
     "graph_classes",
     "margins",

@@ -11,6 +11,7 @@ from stepwell.design import Design
 from stepwell.figures import graphs, maps, measured, robustness
 from stepwell.figures.cells.cell_curves import element_curve, unit_cell_force
 from stepwell.figures.cells.force_plane import force_plane
+from stepwell.figures.cells.layers import layers
 from stepwell.figures.cells.mechanism import mechanism
 from stepwell.figures.motion.overview import overview
 from stepwell.figures.motion.stroke_program import stroke_program
@@ -36,6 +37,7 @@ def plot(value: Any, **options: Any) -> Figure:
     | a transition graph, a reading of its memory | `transition_graph` |
     | a margin, a yield, a result of `design` | `margins`, `yield_bars`, `force_plane` |
     | a map | `transition_map` |
+    | a build | `layers` |
     | a robot, a prediction | `robot_drawing`, `prediction` |
     | a walk, a path through an arena, a sweep | `trajectory`, `maze`, `sweep` |
     | a recording, a test of bands | `recording`, `band_laws` |
@@ -93,6 +95,7 @@ def _chain(chain: Chain, **options: Any) -> Figure:
 
 _USUAL: dict[str, Callable[..., Figure]] = {
     "Atlas": graphs.graph_classes,
+    "Build": layers,
     "BandFit": lambda fit, **options: measured.band_laws(fit.test, fit.choice, **options),
     "BandTest": lambda test, **options: measured.band_laws(
         test, **{"choice": choose_law(test)} | options

@@ -27,8 +27,10 @@ from stepwell.files.folder import (
 )
 from stepwell.files.outputs import OUTPUTS, extras_of, pictures
 from stepwell.files.program import WrittenProgram
+from stepwell.files.schema import keys
 from stepwell.files.schema.keys import slips_text
-from stepwell.files.text import DesignError
+from stepwell.files.schema.wording import checked
+from stepwell.files.text import DesignError, did_you_mean, parsed
 
 if TYPE_CHECKING:
     from stepwell.files.arena import (
@@ -63,10 +65,13 @@ __all__ = [
     "arena_text",
     "arenas",
     "check_folder",
+    "checked",
+    "did_you_mean",
     "digest",
     "dumps",
     "extras_of",
     "key_unit",
+    "keys",
     "load",
     "load_arena",
     "load_element",
@@ -77,6 +82,7 @@ __all__ = [
     "loads_tables",
     "manifest",
     "parameters",
+    "parsed",
     "pictures",
     "preset",
     "preset_text",

@@ -77,6 +77,11 @@ def bounded(least: str, most: str, allowed: str = "") -> PlainValidator:
     return PlainValidator(Within(Decimal(least), Decimal(most), allowed))
 
 
+def bounded_number(least: str, most: str) -> Any:
+    """The annotation of a key with one number between two bounds."""
+    return Annotated[Decimal, bounded(least, most)]
+
+
 def above_zero(least: str, most: str) -> PlainValidator:
     """Check of one positive number between two bounds."""
     return bounded(least, most, f"> 0 ({least} to {most})")
@@ -156,7 +161,7 @@ ENDS = {
     f"_{in_names(unit)}": UNITS[unit].sign
     for unit in (
         *("kPa/mL", "N m/rad", "N m s/rad", "N s/m", "N/m", "m/s²", "mm/N", "1/mm²", "1/mm"),
-        *("mm", "deg", "mL", "kPa", "GPa", "mNm", "g", "N", "s"),
+        *("kg/m³", "percent", "mm", "deg", "mL", "kPa", "MPa", "GPa", "mNm", "g", "N", "s"),
     )
 }
 # Units of files for quantities that are not in SI there.

@@ -1,0 +1,85 @@
+"""Solid parts of a mechanism, and the files for cutting and assembling them."""
+
+import sys
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from stepwell.base import late
+
+if TYPE_CHECKING:
+    from stepwell.build.build_file import (
+        BuildFile,
+        build_presets,
+        load_build_file,
+        loads_build_file,
+        preset_text,
+    )
+    from stepwell.build.builds import BandUse, Build, build
+    from stepwell.build.contour import Contour
+    from stepwell.build.exports.write import FileOptions, build_files, write_build
+    from stepwell.build.layouts import BandPath, Layout, layout
+    from stepwell.build.limits import Finding
+    from stepwell.build.part import Hole, Part
+    from stepwell.build.plates import Fastener
+    from stepwell.build.sweeps import Clearance, Collision, Sweep, sweep
+    from stepwell.build.tolerances import build_yield, tolerances_of
+
+__all__ = [
+    "BandPath",
+    "BandUse",
+    "Build",
+    "BuildFile",
+    "Clearance",
+    "Collision",
+    "Contour",
+    "Fastener",
+    "FileOptions",
+    "Finding",
+    "Hole",
+    "Layout",
+    "Part",
+    "Sweep",
+    "build",
+    "build_files",
+    "build_presets",
+    "build_yield",
+    "layout",
+    "load_build_file",
+    "loads_build_file",
+    "preset_text",
+    "sweep",
+    "tolerances_of",
+    "write_build",
+]
+
+
+class _CallablePackage(ModuleType):
+    """A module that can be called, since the package and its function share a name."""
+
+    def __call__(self, *args: Any, **kwargs: Any) -> "Build":
+        return self.build(*args, **kwargs)
+
+
+sys.modules[__name__].__class__ = _CallablePackage
+
+_LATE = {
+    "build_file": (
+        "BuildFile",
+        "build_presets",
+        "load_build_file",
+        "loads_build_file",
+        "preset_text",
+    ),
+    "builds": ("BandUse", "Build", "build"),
+    "contour": ("Contour",),
+    "exports.write": ("FileOptions", "build_files", "write_build"),
+    "layouts": ("BandPath", "Layout", "layout"),
+    "limits": ("Finding",),
+    "part": ("Hole", "Part"),
+    "plates": ("Fastener",),
+    "sweeps": ("Clearance", "Collision", "Sweep", "sweep"),
+    "tolerances": ("build_yield", "tolerances_of"),
+}
+
+
+__getattr__, __dir__ = late(__name__, _LATE, __all__)

@@ -1,0 +1,423 @@
+"""Build files: sizes of sheet, pins, levers, hooks and bands, and the presets of materials."""
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from importlib.resources import files as packaged
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import PlainValidator, create_model
+
+from stepwell.base import ByValue, InputError, Vec2, nearest_word, to_unit
+from stepwell.files import DesignError, checked, did_you_mean, keys, parsed, text_of
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sheet(ByValue):
+    """The material of all flat parts and the machine that cuts or prints them.
+
+    Attributes:
+        material: its name in file names and lists.
+        thickness, density, strength: [m], [kg/m³], allowed stress [Pa].
+        bed: width and height of the machine's bed [m].
+        kerf_x, kerf_y: width of the cut along x and y [m]; 0 until a coupon was measured.
+        bridge: least web between two openings, or an opening and the edge [m].
+        corner: radius of outer corners [m].
+    """
+
+    material: str
+    thickness: float
+    density: float
+    strength: float
+    bed: Vec2
+    kerf_x: float
+    kerf_y: float
+    bridge: float
+    corner: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pin(ByValue):
+    """Pins of the joints: diameter, clearance in plates and in levers [m], allowed stress [Pa]."""
+
+    diameter: float
+    plate_fit: float
+    lever_fit: float
+    strength: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lever(ByValue):
+    """Width, spacing of a block's two joints, clearance to spacers, shim thickness [m]."""
+
+    width: float
+    spacing: float
+    clearance: float
+    shim: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Block(ByValue):
+    """Distance of holes from the edge, and clearance of the blocks of one row [m]."""
+
+    edge: float
+    clearance: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stop(ByValue):
+    """Angles θc [rad] at which faces stop a cell, and the gap of faces that do not stop [m]."""
+
+    faces_from: float
+    faces_to: float
+    gap: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Grid(ByValue):
+    """Grid of holes for anchors: pitch, reach along and across the stroke [m]."""
+
+    pitch: float
+    side: float
+    depth: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hook(ByValue):
+    """Hooks: diameter, clearance of bands above nuts, height and width of their caps [m]."""
+
+    diameter: float
+    clearance: float
+    cap: float
+    cap_width: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BandSize(ByValue):
+    """Rubber bands: width along the hook, thickness, gap of two levels, free lengths [m].
+
+    `largest_stretch` is the largest length over the free length [1].
+    """
+
+    width: float
+    thickness: float
+    gap: float
+    largest_stretch: float
+    free_lengths: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Screw(ByValue):
+    """Clamp screws: diameter, hole, height and width of head and nut [m]."""
+
+    diameter: float
+    hole: float
+    head: float
+    head_width: float
+    nut: float
+    nut_width: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Actuator(ByValue):
+    """Travel [m] and force [N] that the actuator can give."""
+
+    travel: float
+    force: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BuildErrors(ByValue):
+    """Errors of a build: holes (radius), joints (slop), stops, kerf [m]; bands, relative [1]."""
+
+    hole: float
+    joint: float
+    stop: float
+    kerf: float
+    stiffness: float
+    rest_length: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BuildFile(ByValue):
+    """All sizes with which the parts of a mechanism are made; one field for each table."""
+
+    title: str
+    sheet: Sheet
+    pin: Pin
+    lever: Lever
+    block: Block
+    stop: Stop
+    grid: Grid
+    hook: Hook
+    band: BandSize
+    screw: Screw
+    actuator: Actuator
+    tolerance: BuildErrors
+
+    def __repr__(self):
+        return f"BuildFile({self.title!r})"
+
+    @property
+    def foot_radius(self) -> float:
+        """Radius of the feet under screw heads in the layer of arc slots [m]."""
+        return max(self.screw.head_width / 2.0, self.screw.hole / 2.0 + self.sheet.bridge)
+
+    def with_lengths(self, **lengths: float) -> "BuildFile":
+        """A copy with other numbers [SI], each named "table__field", such as lever__width.
+
+        Raises:
+            ValueError: no such number.
+        """
+        changed = self
+        for name, value in lengths.items():
+            table, _, field = name.partition("__")
+            held: Any = getattr(changed, table, None)
+            if (table, field) not in _every_field():
+                known = [f"{t}__{f}" for t, f in _every_field()]
+                near = nearest_word(name, known) or "lever__width"
+                raise InputError(f"{name}: no number of a build file. Did you mean {near}?")
+            own: Any = {field: value}
+            whole: Any = {table: replace(held, **own)}
+            changed = replace(changed, **whole)
+        return changed
+
+
+class _Range(NamedTuple):
+    """Allowed numbers of a key, as in the file."""
+
+    least: str
+    most: str
+
+
+_SIZE = _Range("0.05", "1000")
+_FIT = _Range("0", "5")
+_STRESS = _Range("0.1", "5000")
+_ANGLE = _Range("0", "90")
+_PERCENT = _Range("0", "24")
+
+
+def _list(value: Any) -> Any:
+    return keys.lengths(value, None, "must be a list of numbers in mm, as in [10, 15, 20].")
+
+
+# Keys and allowed numbers of all tables; the value that each table becomes.
+_TABLES: dict[str, tuple[type, dict[str, Any]]] = {
+    "sheet": (
+        Sheet,
+        {
+            "material": keys.Line,
+            "thickness_mm": _Range("0.5", "30"),
+            "density_kg_per_m3": _Range("10", "20000"),
+            "strength_MPa": _STRESS,
+            "bed_mm": keys.Point,
+            "kerf_x_mm": _Range("-1", "2"),
+            "kerf_y_mm": _Range("-1", "2"),
+            "bridge_mm": _FIT,
+            "corner_mm": _FIT,
+        },
+    ),
+    "pin": (
+        Pin,
+        {
+            "diameter_mm": _SIZE,
+            "plate_fit_mm": _Range("-0.5", "2"),
+            "lever_fit_mm": _Range("0", "2"),
+            "strength_MPa": _STRESS,
+        },
+    ),
+    "lever": (
+        Lever,
+        {"width_mm": _SIZE, "spacing_mm": _SIZE, "clearance_mm": _FIT, "shim_mm": _FIT},
+    ),
+    "block": (Block, {"edge_mm": _SIZE, "clearance_mm": _SIZE}),
+    "stop": (Stop, {"faces_from_deg": _ANGLE, "faces_to_deg": _ANGLE, "gap_mm": _FIT}),
+    "grid": (Grid, {"pitch_mm": _SIZE, "side_mm": _FIT._replace(most="1000"), "depth_mm": _SIZE}),
+    "hook": (
+        Hook,
+        {"diameter_mm": _SIZE, "clearance_mm": _FIT, "cap_mm": _SIZE, "cap_width_mm": _SIZE},
+    ),
+    "band": (
+        BandSize,
+        {
+            "width_mm": _SIZE,
+            "thickness_mm": _SIZE,
+            "gap_mm": _FIT,
+            "largest_stretch": _Range("1", "20"),
+            "free_lengths_mm": Annotated[tuple[Any, ...], PlainValidator(_list)],
+        },
+    ),
+    "screw": (
+        Screw,
+        {
+            "diameter_mm": _SIZE,
+            "hole_mm": _SIZE,
+            "head_mm": _SIZE,
+            "head_width_mm": _SIZE,
+            "nut_mm": _SIZE,
+            "nut_width_mm": _SIZE,
+        },
+    ),
+    "actuator": (Actuator, {"travel_mm": _SIZE, "force_N": _Range("0.001", "1e6")}),
+    "tolerance": (
+        BuildErrors,
+        {
+            **dict.fromkeys(("hole_mm", "joint_mm", "stop_mm", "kerf_mm"), _FIT),
+            **dict.fromkeys(("stiffness_percent", "rest_length_percent"), _PERCENT),
+        },
+    ),
+}
+
+
+def _every_field() -> list[tuple[str, str]]:
+    return [(table, keys.field_of(key)) for table, (_, own) in _TABLES.items() for key in own]
+
+
+def key_of(table: str, field: str) -> str:
+    """The key of a field in a build file: "lever", "width" is lever.width_mm."""
+    return next(f"{table}.{key}" for key in _TABLES[table][1] if keys.field_of(key) == field)
+
+
+@cache
+def _schema() -> type[keys.Keys]:
+    """The keys of a whole build file, for checks and messages."""
+    make: Any = create_model
+    models: dict[str, Any] = {"title": (keys.Line, "")}
+    for name, (value, own) in _TABLES.items():
+        checks = {
+            key: (keys.bounded_number(*allowed) if isinstance(allowed, _Range) else allowed, ...)
+            for key, allowed in own.items()
+        }
+        models[name] = make(value.__name__, __base__=keys.Keys, **checks), ...
+    return make("BuildFile", __base__=keys.Keys, **models)
+
+
+_FOLDER = "presets"
+
+
+@cache
+def _texts() -> Mapping[str, str]:
+    folder = packaged("stepwell.build") / _FOLDER
+    return {
+        one.name.removesuffix(".toml"): one.read_text("utf-8")
+        for one in sorted(folder.iterdir(), key=lambda one: one.name)
+        if one.name.endswith(".toml")
+    }
+
+
+def build_presets() -> list[str]:
+    """Names of the build files in the package."""
+    return list(_texts())
+
+
+def preset_text(name: str) -> str:
+    """Text of a build file of the package, with the sources of its numbers.
+
+    Raises:
+        DesignError: there is none of that name; the message has the nearest name.
+    """
+    if name not in _texts():
+        advice = did_you_mean(name, _texts())
+        raise DesignError(f"build file {name}", [f"no such preset. {advice}"])
+    return _texts()[name]
+
+
+def load_build_file(material: str | os.PathLike[str]) -> BuildFile:
+    """The build file with this name or path, in SI.
+
+    Args:
+        material: a name that `build_presets` lists, such as "acrylic-3mm"; or a file that ends in
+            .toml. Its key `base` names the preset whose numbers it keeps, "acrylic-3mm" if absent.
+
+    Raises:
+        DesignError: there is none, or it is invalid; a line for every problem.
+    """
+    name = os.fspath(material)
+    bare = name.removeprefix("preset:")
+    if bare in _texts():
+        return loads_build_file(_texts()[bare], bare)
+    if not name.endswith(".toml"):
+        advice = did_you_mean(bare, _texts())
+        raise DesignError(
+            f"build file {name}", [f"no such preset, and no file that ends in .toml. {advice}"]
+        )
+    return loads_build_file(text_of(name), name)
+
+
+def loads_build_file(text: str, name: str = "build file") -> BuildFile:
+    """The build file in a TOML text, in SI; `name` is its name in messages.
+
+    Raises:
+        DesignError: the text is invalid; a line for every problem.
+    """
+    tables = parsed(text, name, "is empty: a build file has one key or more, as in [sheet].")
+    whole = _on_base(tables, name)
+    read: Any = checked(_schema(), whole, name)
+    values: dict[str, Any] = {
+        table: kind(**keys.fields(getattr(read, table))) for table, (kind, _) in _TABLES.items()
+    }
+    made = BuildFile(title=read.title, **values)
+    if problems := _problems(made):
+        raise DesignError(name, problems)
+    return made
+
+
+def _on_base(tables: dict[str, Any], name: str) -> dict[str, Any]:
+    """The tables of the file on those of the preset that it names."""
+    if name in _texts():
+        return tables
+    own = dict(tables)
+    base = own.pop("base", "acrylic-3mm")
+    if base not in _texts():
+        raise DesignError(
+            name, [f"base = {base!r}: no such preset. {did_you_mean(str(base), _texts())}"]
+        )
+    whole: dict[str, Any] = parsed(_texts()[base], base, "is empty.")
+    whole["title"] = f"{whole['title']}, changed"
+    for key, value in own.items():
+        both = isinstance(value, dict) and isinstance(whole.get(key), dict)
+        whole[key] = {**whole[key], **value} if both else value
+    return whole
+
+
+def _problems(build_file: BuildFile) -> list[str]:
+    """Numbers that contradict each other, one line each."""
+    sheet, pin, lever, screw = build_file.sheet, build_file.pin, build_file.lever, build_file.screw
+
+    def mm(value: float) -> str:
+        return f"{to_unit(value, 'mm'):.6g}"
+
+    problems: list[str] = []
+    hole = pin.diameter + pin.lever_fit
+    least = hole + 2.0 * sheet.bridge
+    if lever.width < least - 1e-12:
+        problems.append(
+            f"lever.width_mm = {mm(lever.width)}: must be >= {mm(least)}, the hole of "
+            f"{mm(hole)} mm and a web of {mm(sheet.bridge)} mm on both sides."
+        )
+    if lever.spacing < lever.width:
+        problems.append(
+            f"lever.spacing_mm = {mm(lever.spacing)}: must be >= lever.width_mm = "
+            f"{mm(lever.width)}, or the two levers of a cell overlap."
+        )
+    if hole < sheet.thickness / 2:
+        problems.append(
+            f"pin.diameter_mm = {mm(pin.diameter)}: must be >= {mm(sheet.thickness / 2)}, half of "
+            f"sheet.thickness_mm: smaller holes cannot be cut."
+        )
+    if screw.hole < screw.diameter:
+        problems.append(
+            f"screw.hole_mm = {mm(screw.hole)}: must be >= screw.diameter_mm = "
+            f"{mm(screw.diameter)}."
+        )
+    if build_file.block.edge < screw.hole / 2 + sheet.bridge:
+        problems.append(
+            f"block.edge_mm = {mm(build_file.block.edge)}: must be >= "
+            f"{mm(screw.hole / 2 + sheet.bridge)}, half a screw hole and a web."
+        )
+    if build_file.stop.faces_from > build_file.stop.faces_to:
+        problems.append("stop.faces_from_deg: must be <= stop.faces_to_deg.")
+    if min(sheet.bed) <= 0.0:
+        problems.append("sheet.bed_mm: both numbers must be > 0.")
+    return problems

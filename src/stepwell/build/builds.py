@@ -1,0 +1,211 @@
+"""A build: layout, sweep, limits, mass and yield of a chain made of one material."""
+
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from stepwell import base, sequences
+from stepwell.build.build_file import BuildFile, load_build_file
+from stepwell.build.freeing import collision_findings
+from stepwell.build.layouts import Layout, layout as lay
+from stepwell.build.limits import Finding, findings
+from stepwell.build.loads import band_range
+from stepwell.build.sweeps import Sweep, sweep
+from stepwell.build.tolerances import build_yield
+from stepwell.design import Yield
+from stepwell.mechanism import Chain
+from stepwell.sequences import Cycle
+from stepwell.statics import StaticsError
+
+# Samples of the yield of a build: each is followed by the engine if end forces do not decide.
+SAMPLES = 2000
+# Density of fasteners [kg/m³], steel.
+STEEL = 7850.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BandUse(base.ByValue):
+    """A band of a build, for a parts list.
+
+    Attributes:
+        cell, number: of the cell and of the band in it, from 0.
+        holes: names of the holes of its hooks, inner block first.
+        rest_length, shortest, longest: free length, least and largest length in motion [m].
+        lengths: length in state 0 and in state 1 of its cell [m].
+        tensions: tension in state 0 and in state 1 [N].
+        stretch: largest length over free length [1].
+        shift: vector added to both anchors in the frame of the cell [m]; the motion is the same.
+        fits: free lengths of the pack within the tolerance of its rest length [m].
+    """
+
+    cell: int
+    number: int
+    holes: tuple[str, str]
+    rest_length: float
+    shortest: float
+    longest: float
+    lengths: tuple[float, float]
+    tensions: tuple[float, float]
+    stretch: float
+    shift: base.Vec2
+    fits: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Build(base.ByValue, base.Drawn):
+    """The solid parts of a chain, whether they move free of each other, and what limits them.
+
+    Attributes:
+        chain, build_file: the design, and the sizes and material.
+        layout: parts, fasteners and bands with their places.
+        sweep: collisions and clearances over all angles of all cells.
+        findings: exceeded limits, collisions first; empty if it can be built.
+        cycle: a full cycle of the design; None if it cannot be followed.
+        yield_: the fraction of builds with the errors of the build file that keep the sequence;
+            None without a cycle or a sweep free of collisions.
+    """
+
+    chain: Chain
+    build_file: BuildFile
+    layout: Layout
+    sweep: Sweep
+    findings: tuple[Finding, ...]
+    cycle: Cycle | None
+    yield_: Yield | None
+
+    def __repr__(self):
+        verdict = "can be built" if self.can_be_built else f"{len(self.findings)} findings"
+        return f"Build({self.layout!r}, {self.build_file.sheet.material}, {verdict})"
+
+    @property
+    def can_be_built(self) -> bool:
+        """Whether its parts move free of each other and no limit is exceeded."""
+        return self.sweep.free and not self.findings
+
+    @cached_property
+    def mass(self) -> float:
+        """Mass of all cut parts [kg], without fasteners."""
+        return sum(part.mass(self.build_file.sheet.density) for part in self.layout.parts)
+
+    @cached_property
+    def fastener_mass(self) -> float:
+        """Mass of pins, hooks, screws, nuts and shims as steel cylinders [kg]."""
+        volume = sum(
+            np.pi / 4.0 * one.diameter**2 * (one.high - one.low)
+            for one in self.layout.fasteners
+            if one.use != "cap"
+        )
+        return float(volume) * STEEL
+
+    @cached_property
+    def block_masses(self) -> tuple[float, ...]:
+        """Mass of the cut parts of each block [kg], the fixed one first; levers are not in it."""
+        masses = [0.0] * len(self.layout.blocks)
+        for part in self.layout.parts:
+            kind, *number = self.layout.body[part.name]
+            if kind == "block":
+                masses[int(number[0])] += part.mass(self.build_file.sheet.density)
+        return tuple(masses)
+
+    @cached_property
+    def bands(self) -> tuple[BandUse, ...]:
+        """The bands with their hooks, lengths and tensions."""
+        return tuple(self._band(index) for index in range(len(self.layout.bands)))
+
+    def _band(self, index: int) -> BandUse:
+        path = self.layout.bands[index]
+        cell = self.layout.cells[path.cell].cell
+        band, reach = cell.bands[path.number], band_range(cell, path.number)
+        ends = band.length(np.array([-cell.limit, cell.limit]), cell.lever)
+        rest = band.rest_length
+        first, last = (float(one) for one in band.tension(ends))
+        within = max(self.build_file.tolerance.rest_length * rest, 1e-5)
+        return BandUse(
+            cell=path.cell,
+            number=path.number,
+            holes=path.holes,
+            rest_length=rest,
+            shortest=reach.shortest,
+            longest=reach.longest,
+            lengths=(float(ends[0]), float(ends[1])),
+            tensions=(first, last),
+            stretch=reach.longest / rest if rest > 0.0 else np.inf,
+            shift=path.shift,
+            fits=tuple(
+                one for one in self.build_file.band.free_lengths if abs(one - rest) <= within
+            ),
+        )
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader has to know of this build, a sentence each."""
+        notes: list[str] = []
+        for one in self.bands:
+            name = f"Band {one.number + 1} of cell {one.cell + 1}"
+            if one.shift != (0.0, 0.0):
+                dx, dy = (f"{base.to_unit(part, 'mm'):.4g}" for part in one.shift)
+                notes.append(
+                    f"{name}: both anchors are shifted by ({dx}, {dy}) mm to clear pins and edges; "
+                    f"q - p and the motion stay the same."
+                )
+            if not one.fits:
+                packs = ", ".join(
+                    f"{base.to_unit(length, 'mm'):.4g}"
+                    for length in self.build_file.band.free_lengths
+                )
+                notes.append(
+                    f"{name}: no band of the pack ({packs} mm) has its rest length of "
+                    f"{base.to_unit(one.rest_length, 'mm'):.4g} mm."
+                )
+        loaded = [
+            n
+            for n, one in zip(self.chain.names, self.layout.cells, strict=True)
+            if one.cell.load is not None
+        ]
+        if loaded:
+            notes.append(f"The load of {', '.join(loaded)} is no part of the build: attach it.")
+        return tuple(notes)
+
+
+def build(
+    chain: Chain,
+    material: str | os.PathLike[str] | BuildFile = "acrylic-3mm",
+    *,
+    samples: int = SAMPLES,
+    target: str | Iterable[str] | None = None,
+    progress: base.Progress = None,
+) -> Build:
+    """The solid parts of a chain of lever cells in layers, swept over its whole motion.
+
+    Args:
+        chain: 1 to 8 lever cells.
+        material: a preset such as "acrylic-3mm", a build file, or its value.
+        samples: number of samples of the yield.
+        target: sequence or states that count as success; by default the sequence of the design.
+        progress: called with (done, total) pairs of parts of the sweep.
+
+    Returns:
+        The build; its `findings` contain collisions and exceeded limits, each with a way out.
+
+    Raises:
+        ValueError: an element, more than 8 cells, or levers too short for any plate.
+        DesignError: an invalid build file.
+        ExtraError: the packages of the extra `build` are missing.
+    """
+    base.need("build")
+    build_file = material if isinstance(material, BuildFile) else load_build_file(material)
+    layout = lay(chain, build_file)
+    swept = sweep(layout, progress)
+    try:
+        cycle: Cycle | None = sequences.cycle(chain)
+        path = cycle.path
+    except StaticsError:
+        cycle = path = None
+    found = (*collision_findings(layout, swept), *findings(layout, path))
+    sampled = None
+    if swept.free and (cycle is not None or target is not None):
+        sampled = build_yield(layout, samples=samples, target=target)
+    return Build(chain, build_file, layout, swept, found, cycle, sampled)

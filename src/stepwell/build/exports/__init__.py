@@ -1,0 +1,1 @@
+"""Files of a build: drawings, meshes, sheets, template, parts list, guide."""

@@ -1,0 +1,83 @@
+"""Parts lists of a build as CSV: cut parts and fasteners, and the rubber bands."""
+
+from collections.abc import Iterator, Sequence
+
+from stepwell.base import GRAVITY, csv_text, grouped
+from stepwell.build.builds import BandUse, Build
+from stepwell.build.exports.sheets import CutSheet
+
+PARTS_HEAD = ("what", "name", "mark", "quantity", "size", "material", "mass_g", "sheet")
+BANDS_HEAD = (
+    "cell",
+    "band",
+    "from_hole",
+    "to_hole",
+    "free_length_mm",
+    "stiffness_N_per_m",
+    "length_state_0_mm",
+    "force_state_0_N",
+    "pull_state_0_g",
+    "length_state_1_mm",
+    "force_state_1_N",
+    "pull_state_1_g",
+    "longest_mm",
+    "stretch",
+    "largest_stretch",
+    "of_the_pack_mm",
+)
+
+
+def parts_csv(build: Build, sheets: Sequence[CutSheet] = ()) -> str:
+    """Cut parts, one a row with its sheet; fasteners of one size a row; quantities to buy."""
+    return csv_text(PARTS_HEAD, [*_part_rows(build, sheets), *_fastener_rows(build)])
+
+
+def _part_rows(build: Build, sheets: Sequence[CutSheet]) -> Iterator[tuple[str, ...]]:
+    density = build.build_file.sheet.density
+    on = {part.name: sheet.name for sheet in sheets for part in sheet.parts}
+    for part in build.layout.parts:
+        x0, y0, x1, y1 = (1e3 * one for one in part.outline.bounds)
+        yield (
+            "cut part",
+            part.name,
+            part.mark,
+            "1",
+            f"{x1 - x0:.2f} x {y1 - y0:.2f} x {1e3 * part.thickness:g} mm",
+            part.material,
+            f"{1e3 * part.mass(density):.2f}",
+            on.get(part.name, ""),
+        )
+
+
+def _fastener_rows(build: Build) -> Iterator[tuple[str, ...]]:
+    """Fasteners by use and size; heads belong to their screws."""
+    bought = [one for one in build.layout.fasteners if one.use != "head"]
+    for (use, size), same in grouped(((one.use, one.size), one) for one in bought).items():
+        yield use, size, "", str(len(same)), size, "", "", ""
+
+
+def bands_csv(build: Build) -> str:
+    """Rubber bands: lengths, and forces as on a kitchen scale, in both states of their cells."""
+    return csv_text(BANDS_HEAD, [_band_row(build, one) for one in build.bands])
+
+
+def _band_row(build: Build, one: BandUse) -> tuple[str, ...]:
+    band = build.layout.cells[one.cell].cell.bands[one.number]
+    states = (
+        value
+        for length, force in zip(one.lengths, one.tensions, strict=True)
+        for value in (f"{1e3 * length:.2f}", f"{force:.3f}", f"{1e3 * force / GRAVITY:.1f}")
+    )
+    return (
+        str(one.cell + 1),
+        str(one.number + 1),
+        f"{one.holes[0]} of block {one.cell}",
+        f"{one.holes[1]} of block {one.cell + 1}",
+        f"{1e3 * one.rest_length:.2f}",
+        f"{band.stiffness:.4g}",
+        *states,
+        f"{1e3 * one.longest:.2f}",
+        f"{one.stretch:.3f}",
+        f"{build.build_file.band.largest_stretch:.3f}",
+        " or ".join(f"{1e3 * length:g}" for length in one.fits),
+    )
