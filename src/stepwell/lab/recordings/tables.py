@@ -122,8 +122,12 @@ class _Blocks:
         if may_begin and _begins(rows, self.style):
             if len(fields) > _WIDEST:
                 raise InputError(f"has {len(fields)} columns: at most {_WIDEST} are read.")
-            self._begin(rows)
-            return 0
+            head = self.head
+            if self._begin(rows).fits(fields):
+                return 0
+            # Numbers of a header: most of the rows below have them in other columns.
+            self.found.pop()
+            self.head = head
         self.head.append((number, fields))
         if current is None:
             self.first += [tuple(fields)] * (len(self.first) < _HEAD)
@@ -168,10 +172,15 @@ def _names(head: Sequence[_Row], width: int, style: Style) -> bool:
         if (
             len(words) >= 2
             and not any(map(style.plain, words))
-            and (not width or len(fields) == width)
+            and (not width or width in (len(fields), _without_comment(fields)))
         ):
             return True
     return False
+
+
+def _without_comment(fields: Sequence[str]) -> int:
+    """Number of fields of a header of LabVIEW, which ends with a comment that rows leave out."""
+    return len(fields) - (fields[-1].strip().lower() == "comment")
 
 
 def _label(head: Sequence[_Row]) -> str:
