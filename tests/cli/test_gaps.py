@@ -66,6 +66,13 @@ def test_it_is_refused_unless_it_is_asked_for(damaged, arguments):
         assert len(Path("all.csv").read_text("utf-8").splitlines()) == 1 + 6
 
 
+def test_a_figure_of_a_study_with_gaps_needs_to_be_asked_for(damaged):
+    words = ("figure", "study.zarr", "--out", "f.svg")
+    refused = damaged(*words)
+    assert refused.exit_code == 1 and "--partial" in refused.stderr
+    assert damaged(*words, "--partial").exit_code == 0
+
+
 def test_a_study_has_a_figure_of_its_strip_as_one_file(stepwell, whole):
     words = ("figure", str(whole), "--panels", "sequence", "--width", "nature-single")
     result = stepwell(*words, "--out", "strip.svg")

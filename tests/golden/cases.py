@@ -578,6 +578,7 @@ STUDIES = [
             "sweep report study.zarr --out again --json --partial --force",
             "sweep resume study.zarr --workers 0",
             "sweep export study.zarr --out table.csv --partial",
+            "figure study.zarr --panels snaps --partial --out study.svg",
             "sweep export study.zarr --best 3 --rank-by snaps --rank-by -peak_force --out best.csv",
             "sweep cycle preset:paper-forward --table best.csv --workers 0 --out best.zarr --json",
         ),
