@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 import stepwell as sw
+from accounts.schemas import violations
 from facts import refuses, says
 from lab.machine import pair
 from sizes import examples
+from stepwell.accounts import account, page
 from stepwell.base import StepwellError
 from stepwell.design import Draws, Parameter, Tolerances, parameter
 from stepwell.lab import AsBuilt, LabError, Observed, Pull, as_built, builds, pulls_of
@@ -262,3 +264,18 @@ def test_an_observed_order_is_the_sequence_of_its_states():
     )
     assert orders.seen == states.seen
     assert orders.fraction == states.fraction
+
+
+def test_one_build_that_agrees_shows_no_scatter_and_identifies_nothing(monkeypatch):
+    drawn = Draws(LEG, OFTEN_OFF, 1)
+    tried = [drawn.sample(k) for k in range(5)]
+    one = builds.Population(
+        [tried[0]] * 100, np.zeros(100), np.zeros((100, 2, 2)), tried, np.full(5, 0.2), 0.001, False
+    )
+    monkeypatch.setattr(builds, "population", lambda *_: one)
+    found = as_built(LEG, Observed(WANTED), samples=100)
+    assert found.single and not any(known.identified for known in found.known)
+    record = account(found).record
+    assert {known["doubt"] for known in record["known"]} == {None}
+    assert violations(record) == []
+    says(page(account(found)), "single random build", "not known")

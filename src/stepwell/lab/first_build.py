@@ -418,7 +418,8 @@ def _known(drawing: Chain, population: builds.Population) -> tuple[ParameterEsti
         spread = math.sqrt(float(population.weights @ (before - middle) ** 2))
         if spread > 0.0:
             drawn = _value(one, drawing, drawing)
-            mean, doubt = float(np.mean(after)), float(np.std(after)) or math.nan
+            mean = float(np.mean(after))
+            doubt = float(np.std(after)) if np.ptp(after) else math.nan
             estimates.append(ParameterEstimate(one, drawn, mean, doubt, spread))
     return tuple(estimates)
 
