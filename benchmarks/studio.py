@@ -1,7 +1,9 @@
 """Time from a move of the pointer to the painted answer, frames a second, first paint, memory."""
 
 import argparse
+import base64
 import json
+import os
 import re
 import shutil
 import statistics
@@ -9,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from inspect import unwrap
@@ -22,6 +24,10 @@ if TYPE_CHECKING:
 MOVES = 200
 # Of a drag after which memory is looked at; 100000 take half an hour: `--moves 100000`.
 LONG_DRAG = 2000
+# Of a drag with each panel open.
+FEW_MOVES = 40
+SIZES = 2, 8, 32
+TABS = "Graph", "Program", "Map", "Target", "Measured", "Study", "Atlas"
 SERVE = """
 import sys
 from stepwell.files import preset_text, tables_in
@@ -29,7 +35,8 @@ from stepwell.studio.server import serve
 
 if __name__ == "__main__":
     name = sys.argv[1]
-    serve(tables_in(preset_text(name), name), opened=lambda address: print(address, flush=True))
+    design = tables_in(preset_text(name), name) if name else None
+    serve(design, port=0, opened=lambda address: print(address, flush=True))
 """
 # Painted: the frame after the answer has been drawn and handed on.
 WATCH = """
@@ -96,6 +103,32 @@ async ([x, y, moves]) => {
   }
 }
 """
+# When the first number is on the page, counted from when the page was asked for.
+FIRST = """
+window.first = 0;
+const look = () => {
+  if (document.querySelector("output[aria-label=sequence]")) window.first = performance.now();
+  else requestAnimationFrame(look);
+};
+look();
+"""
+# From a key to all answered and kept.
+KEYS = """
+async (times) => {
+  const dot = document.querySelector(".handle");
+  const taken = [];
+  for (let k = 0; k < times; k += 1) {
+    const began = performance.now();
+    const key = k % 2 ? "ArrowLeft" : "ArrowRight";
+    dot.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+    do await new Promise((done) => setTimeout(done, 5));
+    while (document.querySelector("main").getAttribute("aria-busy") !== "false");
+    taken.push(performance.now() - began);
+    await new Promise((done) => setTimeout(done, 300));
+  }
+  return taken;
+}
+"""
 PAINT = "performance.getEntriesByName('first-contentful-paint')[0]?.startTime ?? NaN"
 
 
@@ -112,6 +145,8 @@ def rows(moves: int = LONG_DRAG) -> list[tuple[str, str, str]]:
     paint, server, page = grown(chromium, moves)
     return [
         *answers,
+        *firsts(chromium),
+        *sized(chromium),
         ("studio: pointer move to painted frame, a pair", told(pair), "p50 28 ms, p95 45 ms"),
         ("studio: the same, five cells", told(five), "p95 60 ms"),
         ("studio: the same, six cells", told(six), ""),
@@ -164,16 +199,68 @@ def measured(chromium: str, preset: str, cell: str | None) -> tuple[list[float],
     """Times of moves one after another [ms], and frames a second of play."""
     with opened(chromium, preset, WATCH) as (page, _):
         page.wait_for_timeout(1500)
-        x, y = held(page, f"q of {cell}" if cell else "q of ")
-        for k in range(MOVES):
-            page.mouse.move(x + (k % 40) * 1.3 - 26, y + (k % 23) - 11)
-            page.evaluate(ANSWERED, [k, "taken"])
-            page.wait_for_timeout(7 + k % 13)
-        page.mouse.up()
-        taken = page.evaluate("window.taken")
+        taken = moved(page, f"q of {cell}" if cell else "q of ", MOVES)
         page.get_by_role("button", name="Play").click()
         frames = page.evaluate(FRAMES)
     return taken[20:], frames
+
+
+def chain_of(cells: int) -> dict[str, object]:
+    """The tables of a chain of lever cells that switch one after another."""
+    band = {"stiffness_N_per_m": 28.5, "rest_length_mm": 10}
+    listed = [{"p_mm": [-10, 0], "q_mm": [10 + 10 * k / cells, 0]} for k in range(cells)]
+    return {"chain": {"lever_mm": 16, "limit_deg": 45, "band": band, "cell": listed}}
+
+
+def firsts(chromium: str) -> Iterator[tuple[str, str, str]]:
+    """Time to the first number, with compiled kernels on disk and without any."""
+    for kind, wanted in (("warm cache", "1500 ms"), ("fresh install", "4000 ms")):
+        taken: list[float] = []
+        for _ in range(3):
+            with tempfile.TemporaryDirectory() as empty:
+                fresh = {"NUMBA_CACHE_DIR": empty} if kind == "fresh install" else {}
+                with opened(chromium, "paper-forward", FIRST, environment=fresh) as (page, _):
+                    taken.append(page.evaluate("window.first"))
+        text = f"median {statistics.median(taken):.0f} ms, longest {max(taken):.0f} ms, {load()}"
+        yield f"studio: first number, {kind}", text, wanted
+
+
+def sized(chromium: str, sizes: Iterable[int] = SIZES) -> Iterator[tuple[str, str, str]]:
+    """Moves with each panel open, keys with two of them, and frames of play, by cells."""
+    for cells in sizes:
+        with opened(chromium, "", WATCH, design=chain_of(cells)) as (page, _):
+            page.wait_for_timeout(4000)
+            for tab in TABS:
+                page.get_by_role("tab", name=tab).click()
+                page.wait_for_timeout(1500)
+                text = f"{told(moved(page, 'q of cell 1', FEW_MOVES)[5:])}, {load()}"
+                what = f"studio: pointer move to painted frame, {cells} cells, panel {tab}"
+                yield what, text, "p95 40 ms"
+            for tab in ("Graph", "Measured"):
+                page.get_by_role("tab", name=tab).click()
+                page.wait_for_timeout(1500)
+                text = told(page.evaluate(KEYS, 12)[2:])
+                yield f"studio: key to all kept, {cells} cells, panel {tab}", text, "-"
+            page.get_by_role("button", name="Play", exact=True).click()
+            text = f"{page.evaluate(FRAMES):.0f}, {load()}"
+            yield f"studio: frames a second of play, {cells} cells", text, "60"
+
+
+def load() -> str:
+    """How many processes want a core, for those who compare times."""
+    return f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores"
+
+
+def moved(page: "Page", name: str, moves: int) -> list[float]:
+    """Times of moves of an anchor one after another [ms]."""
+    page.evaluate("window.taken = []")
+    x, y = held(page, name)
+    for k in range(moves):
+        page.mouse.move(x + (k % 40) * 1.3 - 26, y + (k % 23) - 11)
+        page.evaluate(ANSWERED, [k, "taken"])
+        page.wait_for_timeout(7 + k % 13)
+    page.mouse.up()
+    return page.evaluate("window.taken")
 
 
 def repainted(chromium: str) -> list[float]:
@@ -244,7 +331,14 @@ def held(page: "Page", name: str) -> tuple[float, float]:
 
 
 @contextmanager
-def opened(chromium: str, preset: str, script: str = "") -> Iterator[tuple["Page", int]]:
+def opened(
+    chromium: str,
+    preset: str,
+    script: str = "",
+    *,
+    design: dict[str, object] | None = None,
+    environment: dict[str, str] | None = None,
+) -> Iterator[tuple["Page", int]]:
     """A page on a studio of its own, with a script that runs before it; the server's process."""
     from playwright.sync_api import sync_playwright
 
@@ -252,10 +346,14 @@ def opened(chromium: str, preset: str, script: str = "") -> Iterator[tuple["Page
         serve = Path(folder) / "serve.py"
         serve.write_text(SERVE)
         command = [sys.executable, str(serve), preset]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+        around = os.environ | (environment or {})
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=around) as server:
             try:
                 assert server.stdout is not None
                 address = server.stdout.readline().strip()
+                if design is not None:
+                    text = base64.urlsafe_b64encode(json.dumps(design).encode()).decode()
+                    address += f"#design={text.rstrip('=')}"
                 browser = playwright.chromium.launch(
                     executable_path=chromium, args=["--no-sandbox", "--disable-gpu"]
                 )
@@ -270,8 +368,20 @@ def opened(chromium: str, preset: str, script: str = "") -> Iterator[tuple["Page
                 server.terminate()
 
 
+def main() -> None:
+    """Print all rows, or those of some sizes."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--moves", type=int, default=LONG_DRAG, help="of the long drag")
+    parser.add_argument("--first", action="store_true", help="only the time to the first number")
+    parser.add_argument("--cells", type=int, nargs="*", help="only each panel at these sizes")
+    given = parser.parse_args()
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or ""
+    shown: Iterable[tuple[str, str, str]] = sized(chromium, given.cells) if given.cells else ()
+    if given.first:
+        shown = firsts(chromium)
+    for what, found, wanted in shown or rows(given.moves):
+        print(f"{what}: {found} (wanted: {wanted})", flush=True)
+
+
 if __name__ == "__main__":
-    asked = argparse.ArgumentParser(description=__doc__)
-    asked.add_argument("--moves", type=int, default=LONG_DRAG, help="of the long drag")
-    for what, found, wanted in rows(asked.parse_args().moves):
-        print(f"{what}: {found} (wanted: {wanted})")
+    main()
