@@ -309,3 +309,35 @@ def test_a_refused_number_of_a_request_is_named_in_words(opened: Opened, address
     own.press("Enter")
     expect(page.get_by_text("Stiffness [%] = 80: must be from 0 to 24.9")).to_be_visible()
     expect(page.get_by_text("ask.")).to_have_count(0)
+
+
+def test_a_long_chain_is_named_below_the_pointer_and_zoomed_to_a_cell(
+    page: Page, empty_address: str
+):
+    cell = [{"name": f"c{k}", "p_mm": [-10, 0], "q_mm": [10 + k / 8, 0]} for k in range(32)]
+    band = {"stiffness_N_per_m": 28.5, "rest_length_mm": 10}
+    page.goto(
+        link(
+            empty_address,
+            {"chain": {"lever_mm": 14.14, "limit_deg": 45, "band": band, "cell": cell}},
+        )
+    )
+    output(page, "sequence").wait_for()
+    settled(page)
+    drawing = page.get_by_role("group", name="Drawing: plus and minus")
+    close = zoom(page)
+    page.get_by_role("button", name="Fit the whole mechanism").click()
+    whole = zoom(page)
+    assert whole < close / 3
+    # A cell of the overview fills the drawing, and its name stands where the pointer is.
+    box = page.locator(".overview svg").bounding_box()
+    mark = page.locator(".overview rect").nth(20).bounding_box()
+    assert box is not None and mark is not None
+    page.mouse.click(mark["x"] + mark["width"] / 2, box["y"] + box["height"] / 2)
+    assert zoom(page) == pytest.approx(close)
+    seen = drawing.bounding_box()
+    assert seen is not None
+    page.mouse.move(seen["x"] + seen["width"] / 2, seen["y"] + seen["height"] - 4)
+    expect(drawing.get_by_text("c20: travel 0 mm")).to_be_visible()
+    drawing.press("Escape")
+    assert zoom(page) == pytest.approx(whole)
