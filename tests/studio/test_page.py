@@ -135,7 +135,7 @@ def test_the_design_is_kept_while_the_server_is_gone(beside: Opened, address: st
     page.goto(address)
     expect(output(page, "sequence")).to_be_visible()
     sockets[0].close()
-    gone = page.get_by_text("The server is gone; your design is kept here.")
+    gone = page.get_by_text("No connection to the server.")
     expect(gone).to_be_visible()
     field(page, "q", "outer", "x").fill("15")
     field(page, "q", "outer", "x").press("Enter")

@@ -33,7 +33,7 @@ def test_a_design_stays_beside_the_one_that_comes_after_it(page: Page):
     assert difference == float(f"{change:.3g}")
     was, now, _ = cells_of(page, "Margin")
     assert float(now) == number(page, "margin") != float(was)
-    assert page.get_by_text("dashed: the design beside this one").is_visible()
+    assert page.get_by_text("dashed: the comparison").is_visible()
 
 
 def test_both_are_drawn_at_the_same_stroke_and_on_the_same_way(page: Page):
@@ -41,10 +41,7 @@ def test_both_are_drawn_at_the_same_stroke_and_on_the_same_way(page: Page):
     page.get_by_role("slider", name="Stroke").fill("60")
     drawings = [
         page.get_by_role("group", name=name)
-        for name in (
-            "The mechanism at the present stroke",
-            "The design beside it at the same stroke",
-        )
+        for name in ("The mechanism at the present stroke", "The comparison at the same stroke")
     ]
     blocks = [
         [rect.get_attribute("y") for rect in one.locator("rect.block").all()] for one in drawings

@@ -190,7 +190,7 @@ def test_what_a_lost_server_leaves_is_saved_and_goes_on_in_the_next_at_its_port(
         field(page, "q", "outer", "x").fill("17")
         field(page, "q", "outer", "x").press("Enter")
         settled(page)
-    expect(page.get_by_text("The server is gone; your design is kept here.")).to_be_visible()
+    expect(page.get_by_text("No connection to the server.")).to_be_visible()
     port = re.search(r":(\d+)/", address)
     assert port is not None
     expect(page.get_by_text(f"stepwell studio --port {port[1]}")).to_be_visible()
@@ -236,7 +236,7 @@ def test_a_page_goes_on_by_itself_with_the_next_server_at_its_port(
         page.goto(address)
         expect(output(page, "sequence")).to_be_visible()
         settled(page)
-    gone = page.get_by_text("The server is gone; your design is kept here.")
+    gone = page.get_by_text("No connection to the server.")
     expect(gone).to_be_visible()
     field(page, "q", "outer", "x").fill("15")
     field(page, "q", "outer", "x").press("Enter")

@@ -233,7 +233,7 @@ def test_a_file_that_cannot_be_opened_leaves_the_design(page: Page, tmp_path: Pa
         expect(said).to_contain_text("1.2 MB")
     settled(page)
     assert anchors(page, "outer") == before
-    expect(page.get_by_text("The server is gone")).to_have_count(0)
+    expect(page.get_by_text("No connection to the server")).to_have_count(0)
     page.get_by_role("button", name="Dismiss").click()
     expect(said).to_have_count(0)
 
