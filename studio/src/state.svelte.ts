@@ -19,7 +19,7 @@ import { store, stored } from "./storage";
 import { type Problem, type View, Wire } from "./wire";
 
 const THEME = "stepwell.theme";
-// Quick questions follow a short rest of the hand; what takes long waits for a longer one.
+// Quick questions follow a short rest of the hand; what takes long, and a hand that drags, waits for a longer one.
 const FOLLOW_MS = 120;
 const REST_MS = 400;
 
@@ -490,7 +490,8 @@ class Studio {
     this.at = this.way ? this.at : carried(this.views.evaluate, view, this.at);
     this.views = { ...this.views, evaluate: view };
     window.clearTimeout(this.following);
-    this.following = window.setTimeout(() => this.follow(false), FOLLOW_MS);
+    const rest = this.dragging ? REST_MS : FOLLOW_MS;
+    this.following = window.setTimeout(() => this.follow(false), rest);
     window.clearTimeout(this.resting);
     this.resting = window.setTimeout(() => this.follow(true), REST_MS);
   }
