@@ -6,6 +6,5 @@ export default {
   title: "Graph",
   place: "tab" as const,
   follows: { type: "graph" },
-  asks: ["graph"],
   view: Graph,
 };

@@ -24,8 +24,8 @@ export interface Panel {
   place: "top" | "robot" | "middle" | "tab";
   /** What it asks whenever the design has changed, beside the cycle that is always asked. */
   follows?: Follower;
-  /** The types of requests by which it is filled: while one waits, the panel is marked as busy. */
-  asks: string[];
+  /** Further types of requests by which it is filled: while one waits, the panel is marked as busy. */
+  asks?: string[];
   view: Component;
 }
 

@@ -11,6 +11,5 @@ export default {
     long: true,
     ask: () => recordings.asked,
   },
-  asks: ["measured"],
   view: Measured,
 };

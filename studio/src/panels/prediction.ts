@@ -6,6 +6,5 @@ export default {
   title: "Prediction",
   place: "robot" as const,
   follows: { type: "predict", long: true },
-  asks: ["predict"],
   view: Prediction,
 };

@@ -15,6 +15,5 @@ export default {
       return plan && askOf(plan);
     },
   },
-  asks: ["program"],
   view: Program,
 };

@@ -12,6 +12,6 @@ export default {
     long: true,
     ask: () => (studio.views.evaluate.method === "search" ? {} : null),
   },
-  asks: ["evaluate", "margin"],
+  asks: ["evaluate"],
   view: Summary,
 };

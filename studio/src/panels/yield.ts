@@ -7,6 +7,5 @@ export default {
   title: "Yield",
   place: "top" as const,
   follows: { type: "yield", long: true, ask: () => tolerances.asked },
-  asks: ["yield"],
   view: Yield,
 };
