@@ -17,12 +17,12 @@ export interface Line {
   ghost?: boolean;
 }
 
-/** A marked point: hollow where a snap begins, full where it ends, the cursor, or an event without a mark. */
+/** A marked point: hollow where a snap begins, full where it ends, or an event without a mark. */
 export interface Dot {
   x: number;
   y: number;
   colour: string;
-  kind: "from" | "to" | "cursor" | "event";
+  kind: "from" | "to" | "event";
   /** The event in words, and its sample. */
   text?: string;
   index?: number;
@@ -39,7 +39,12 @@ export interface Curves {
   y: Quantity;
   lines: Line[];
   dots: Dot[];
-  cursor?: number;
+}
+
+/** The present sample: a line at its x, if it has one, and a ball on each curve. */
+export interface Cursor {
+  x?: number;
+  balls: { x: number; y: number; colour: string }[];
 }
 
 // From an event so near the pointer the reading is of the event [px].
@@ -54,16 +59,7 @@ export const rangesOf = ({ lines }: Curves): [Point, Point] => [
 const joined = ({ segment, direction }: Line, k: number): boolean =>
   k > 0 && (!segment || segment[k] === segment[k - 1]) && (!direction || direction[k] === direction[k - 1]);
 
-export function paintCurves(pen: Pen, { lines, dots, cursor }: Curves, frame: Frame, look: Look): void {
-  if (cursor !== undefined) {
-    const [, top, , tall] = frame.inner;
-    pen.strokeStyle = look.quiet;
-    pen.lineWidth = 1;
-    pen.beginPath();
-    pen.moveTo(frame.across(cursor), top);
-    pen.lineTo(frame.across(cursor), top + tall);
-    pen.stroke();
-  }
+export function paintCurves(pen: Pen, { lines, dots }: Curves, frame: Frame, look: Look): void {
   pen.lineJoin = "round";
   // All of unloading lies under all of loading, so that no thin line cuts a thick one.
   for (const way of [-1, 1]) {
@@ -87,10 +83,30 @@ export function paintCurves(pen: Pen, { lines, dots, cursor }: Curves, frame: Fr
   for (const { x, y, colour, kind } of dots) {
     if (kind === "event") continue;
     pen.beginPath();
-    pen.arc(frame.across(x), frame.up(y), kind === "cursor" ? 5.5 : 3.2, 0, 2 * Math.PI);
+    pen.arc(frame.across(x), frame.up(y), 3.2, 0, 2 * Math.PI);
     pen.fillStyle = kind === "from" ? look.paper : colour;
-    pen.strokeStyle = kind === "cursor" ? look.paper : colour;
-    pen.lineWidth = kind === "cursor" ? 2 : 1.5;
+    pen.strokeStyle = colour;
+    pen.lineWidth = 1.5;
+    pen.fill();
+    pen.stroke();
+  }
+}
+
+/** Paints the cursor, which on the page is drawn over the curves: they stay while it moves. */
+export function paintCursor(pen: Pen, { x, balls }: Cursor, frame: Frame, look: Look): void {
+  const [, top, , tall] = frame.inner;
+  if (x !== undefined) {
+    pen.strokeStyle = look.quiet;
+    pen.lineWidth = 1;
+    pen.beginPath();
+    pen.moveTo(frame.across(x), top);
+    pen.lineTo(frame.across(x), top + tall);
+    pen.stroke();
+  }
+  for (const ball of balls.filter((one) => frame.holds(one))) {
+    pen.beginPath();
+    pen.arc(frame.across(ball.x), frame.up(ball.y), 5.5, 0, 2 * Math.PI);
+    [pen.fillStyle, pen.strokeStyle, pen.lineWidth] = [ball.colour, look.paper, 2];
     pen.fill();
     pen.stroke();
   }

@@ -49,6 +49,15 @@ export const worded = ({ name, unit }: Axis): string => (unit ? `${name} [${unit
 
 /** Where values lie on the screen. */
 export class Frame {
+  /** Left, top, width and height of the space inside the axes [px]. */
+  readonly inner: [number, number, number, number];
+  // Values at the lower left corner, its place, and pixels per unit: each sample of a curve needs them.
+  private readonly x0: number;
+  private readonly y0: number;
+  private readonly bottom: number;
+  private readonly perX: number;
+  private readonly perY: number;
+
   constructor(
     readonly x: Axis,
     readonly y: Axis,
@@ -56,29 +65,25 @@ export class Frame {
     readonly tall: number,
     /** Free space above the plot, where a file has its title. */
     readonly above = 0,
-  ) {}
-
-  /** Left, top, width and height of the space inside the axes [px]. */
-  get inner(): [number, number, number, number] {
-    const top = this.above + TOP;
-    return [LEFT, top, Math.max(1, this.wide - LEFT - RIGHT), Math.max(1, this.tall - top - BOTTOM)];
+  ) {
+    const top = above + TOP;
+    this.inner = [LEFT, top, Math.max(1, wide - LEFT - RIGHT), Math.max(1, tall - top - BOTTOM)];
+    [this.x0, this.y0, this.bottom] = [x.range[0], y.range[0], top + this.inner[3]];
+    this.perX = this.inner[2] / (x.range[1] - this.x0);
+    this.perY = this.inner[3] / (y.range[1] - this.y0);
   }
 
   across(x: number): number {
-    const [left, , wide] = this.inner;
-    return left + ((x - this.x.range[0]) / (this.x.range[1] - this.x.range[0])) * wide;
+    return LEFT + (x - this.x0) * this.perX;
   }
 
   up(y: number): number {
-    const [, top, , tall] = this.inner;
-    return top + (1 - (y - this.y.range[0]) / (this.y.range[1] - this.y.range[0])) * tall;
+    return this.bottom - (y - this.y0) * this.perY;
   }
 
   /** The values at a place of the screen. */
   at([px, py]: Point): Point {
-    const [left, top, wide, tall] = this.inner;
-    const [[x0, x1], [y0, y1]] = [this.x.range, this.y.range];
-    return [x0 + ((px - left) / wide) * (x1 - x0), y0 + (1 - (py - top) / tall) * (y1 - y0)];
+    return [this.x0 + (px - LEFT) / this.perX, this.y0 + (this.bottom - py) / this.perY];
   }
 
   holds({ x, y }: { x: number; y: number }): boolean {
