@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lab.exports import xlsx
 from lab.machine import export, pair
 from stepwell import files, lab
 from stepwell.mechanism import Chain
-from studio.browser import anchors, field, number, output, settled, shown_as
+from studio.browser import Opened, anchors, field, number, output, settled, shown_as
 
 from playwright.sync_api import Page, expect  # isort: skip
 
@@ -157,6 +158,19 @@ def test_a_file_dropped_anywhere_is_read_as_the_lab_reads_it_and_becomes_an_elem
     expect(page.get_by_role("heading", level=1)).to_have_text("clip")
     page.get_by_role("button", name="Undo").click()
     expect(page.get_by_role("heading", level=1)).to_contain_text("Forward leg")
+
+
+def test_a_workbook_dropped_on_the_gallery_opens_the_panel(blank: Opened, empty_address: str):
+    pytest.importorskip("python_calamine")
+    x = np.linspace(0, 20, 50)
+    book = xlsx([x, x * (20 - x) / 200], ["Displacement (mm)", "Force (N)"])
+    page = blank.page
+    page.goto(empty_address)
+    page.locator(".card").first.wait_for()
+    # The bytes of the file come to the page as numbers.
+    page.evaluate(DROPPED.replace("[text]", "[Uint8Array.from(text)]"), ["a.xlsx", [*book]])
+    expect(page.get_by_role("tab", name="Measured")).to_have_attribute("aria-selected", "true")
+    expect(page.get_by_text("stroke: column 1 'Displacement'")).to_be_visible(timeout=60_000)
 
 
 def test_what_is_no_recording_is_reported_and_stops_no_other(
