@@ -232,7 +232,9 @@ def test_a_leg_is_edited_and_the_other_stays(start: Any):
 def test_the_drawing_zooms_by_keys_and_buttons(page: Page):
     block = page.locator(".drawing .block.fixed")
     before = block.bounding_box()
-    drawing = page.get_by_role("group", name="Drawing: plus and minus zoom, 0 shows all of it")
+    drawing = page.get_by_role(
+        "group", name="Drawing: plus and minus zoom, 0 or Escape shows all of it"
+    )
     drawing.focus()
     page.keyboard.press("+")
     page.get_by_role("button", name="Zoom in").click()
