@@ -20,8 +20,8 @@ _PICTURE, _MAP = (186.0, 128.0), (186.0, 70.0)
 _GREY, _RED = "#606060", "#c00000"
 _BEFORE = "Before you pull"
 _INTRO = (
-    "Bands off for the travels; then hook the bands in and measure the rest. A kitchen scale at "
-    "the drive shows grams."
+    "Measure the travels without bands, then hook the bands in and measure the rest. A kitchen "
+    "scale at the drive shows grams."
 )
 
 
@@ -48,6 +48,7 @@ class Guide(NamedTuple):
         steps: from the lowest layer upwards.
         whole: the picture of the finished mechanism.
         checks: what to measure before the first pull.
+        intro: what to read before measuring.
         draft: why it is a draft; empty if all checks passed.
     """
 
@@ -56,6 +57,7 @@ class Guide(NamedTuple):
     steps: tuple[Shown, ...]
     whole: Page
     checks: tuple[Expected, ...]
+    intro: str
     draft: str
 
 
@@ -65,6 +67,7 @@ def guide(
     *,
     title: str,
     sequence: str | None = None,
+    first: str = "",
     draft: str = "",
 ) -> Guide:
     """The guide to assemble a layout.
@@ -74,6 +77,7 @@ def guide(
         sheets: on which the parts are cut.
         title: of the mechanism.
         sequence: of its states, such as "00>10>11>01>00", for the last page.
+        first: the most useful measurement, a sentence.
         draft: why it is a draft, for every page; empty if it is none.
     """
     # All cells in state 0, as the mechanism lies on a table after it was pushed together.
@@ -92,7 +96,8 @@ def guide(
         f"{sum(one.use != 'head' for one in layout.fasteners)} fasteners, {len(layout.bands)} bands"
     )
     checks = tuple(expected(layout, sequence))
-    return Guide(title, about, tuple(shown), view.picture(before, ()), checks, draft)
+    intro = f"{_INTRO} {first}".rstrip()
+    return Guide(title, about, tuple(shown), view.picture(before, ()), checks, intro, draft)
 
 
 def _maps(step: Step, sheets: Sequence[CutSheet]) -> list[tuple[Page, str]]:
@@ -203,6 +208,7 @@ def _title_page(content: Guide, size: Vec2) -> Page:
 
 def _how_to_read(content: Guide) -> tuple[str, ...]:
     return (
+        "Cut the coupon first, and enter its kerf and fits in the build file: see coupon.txt.",
         f"Assembly in {len(content.steps)} steps, from the lowest layer upwards. New parts are "
         "orange, new fasteners blue, new bands red; dashed lines lead to their places.",
         "Marks are engraved: the number of the block with B, S or T for its bottom, spacer and top "
@@ -246,7 +252,7 @@ def _check_pages(content: Guide, size: Vec2) -> list[Page]:
             pages.append(_page(content, size, _BEFORE))
             y = size[1] - _EDGE - 16.0
             if len(pages) == 1:
-                y = pages[0].paragraph((_EDGE, y), _INTRO, total, 3.6) - 4.0
+                y = pages[0].paragraph((_EDGE, y), content.intro, total, 3.6) - 4.0
         page = pages[-1]
         for x, lines in zip(_COLUMNS, cells, strict=True):
             for i, line in enumerate(lines):
@@ -295,7 +301,9 @@ def guide_html(content: Guide) -> str:
             for page, caption in shown.maps
         )
         rows.append(f'<div class="maps">{maps}</div></section>')
-    rows.append(f"<section>{draft}<h2>{_BEFORE}</h2><p>{escape(_INTRO)}</p><table><thead><tr>")
+    rows.append(
+        f"<section>{draft}<h2>{_BEFORE}</h2><p>{escape(content.intro)}</p><table><thead><tr>"
+    )
     rows += [f'<th scope="col">{head}</th>' for head in _HEADS]
     rows.append("</tr></thead><tbody>")
     for check in content.checks:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from stepwell.base import InputError, Shows, need
 from stepwell.build.builds import Build
+from stepwell.build.exports.before import first_measurement
 from stepwell.build.exports.coupon import coupon
 from stepwell.build.exports.cutting import cutting
 from stepwell.build.exports.dxf import Version, dxf_text
@@ -76,9 +77,14 @@ def build_files(
     files |= _coupon_files(build, options, draft)
     files |= _template_files(build, draft)
     files["parts.csv"], files["bands.csv"] = parts_csv(build, nested), bands_csv(build)
-    title = build.chain.title or "Chain"
-    sequence = None if build.cycle is None else str(build.cycle.sequence)
-    content = guide(build.layout, nested, title=title, sequence=sequence, draft=draft)
+    content = guide(
+        build.layout,
+        nested,
+        title=build.chain.title or "Chain",
+        sequence=None if build.cycle is None else str(build.cycle.sequence),
+        first=first_measurement(build.yield_),
+        draft=draft,
+    )
     files["guide.html"], files["guide.pdf"] = guide_html(content), guide_pdf(content)
     return dict(_named(files, draft))
 
