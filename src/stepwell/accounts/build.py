@@ -154,11 +154,13 @@ def build_account(made: Build, about: About) -> Account:
         Fact("Actuator", _actuator_words(made)),
     )
     parts = RecordTable(_PART, recorded(_PART, _parts(made)), more="parts", level=FULL)
+    scales = [one for one in _BAND if one.name.startswith("scale")]
     bands = RecordTable(
-        _BAND,
+        [one for one in _BAND if one not in scales],
         recorded(_BAND, made.bands),
         "Holes of the hooks on the inner and the outer block; 0 and 1 are the states of the cell, "
         "and the scale is a kitchen scale that the band pulls.",
+        scales,
         more="bands",
         level=CARD,
     )

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from stepwell.build.build_file import (
         BuildFile,
         build_presets,
+        dumps_build_file,
         load_build_file,
         loads_build_file,
         preset_text,
@@ -43,6 +44,7 @@ __all__ = [
     "build_files",
     "build_presets",
     "build_yield",
+    "dumps_build_file",
     "layout",
     "load_build_file",
     "loads_build_file",
@@ -66,6 +68,7 @@ _LATE = {
     "build_file": (
         "BuildFile",
         "build_presets",
+        "dumps_build_file",
         "load_build_file",
         "loads_build_file",
         "preset_text",

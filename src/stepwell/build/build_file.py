@@ -363,6 +363,17 @@ def loads_build_file(text: str, name: str = "build file") -> BuildFile:
     return made
 
 
+def dumps_build_file(build_file: BuildFile) -> str:
+    """The TOML text of a build file, with all of its numbers; reading it gives an equal value."""
+    lines = [f"title = {keys.written('title', build_file.title)}"]
+    for table, (_, own) in _TABLES.items():
+        held = getattr(build_file, table)
+        lines += ["", f"[{table}]"]
+        for key in own:
+            lines.append(f"{key} = {keys.written(key, getattr(held, keys.field_of(key)))}")
+    return "\n".join(lines) + "\n"
+
+
 def _on_base(tables: dict[str, Any], name: str) -> dict[str, Any]:
     """The tables of the file on those of the preset that it names."""
     if name in _texts():
