@@ -104,6 +104,7 @@ def test_the_pdf_has_a_page_for_each_step_and_the_values_to_measure(content):
     assert all("DRAFT: too thin" in text for text in texts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("paper", ["A4", "letter"])
 def test_all_content_is_within_the_margins_of_the_paper(content, paper):
     pages = guide_pages(content, paper)
