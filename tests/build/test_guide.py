@@ -14,7 +14,7 @@ from stepwell.build import layout, load_build_file
 from stepwell.build.exports.before import expected
 from stepwell.build.exports.guide import guide, guide_html, guide_pages, guide_pdf
 from stepwell.build.exports.page import pdf_bytes
-from stepwell.build.exports.picture import View
+from stepwell.build.exports.picture import ObliqueView
 from stepwell.build.exports.sheets import sheets
 from stepwell.build.exports.steps import steps_of
 from stepwell.build.part import Part
@@ -57,7 +57,7 @@ def test_steps_go_upwards_and_pins_come_after_the_plates_that_hold_them(layouts,
 @every_chain
 def test_pictures_are_within_their_pages(layouts, name):
     made = layouts[name]
-    view = View(made, made.angles("0" * len(made.cells)), (186.0, 128.0))
+    view = ObliqueView(made, made.angles("0" * len(made.cells)), (186.0, 128.0))
     items = [*made.parts, *made.fasteners, *made.bands]
     for page in (view.picture(items, ()), view.picture((), items), view.picture(items, items)):
         frame = page.width, page.height
@@ -70,7 +70,7 @@ def test_pictures_are_within_their_pages(layouts, name):
 
 def test_the_new_part_alone_is_coloured(layouts):
     pair = layouts["pair"]
-    view = View(pair, pair.angles("00"), (186.0, 128.0))
+    view = ObliqueView(pair, pair.angles("00"), (186.0, 128.0))
     top = pair.part("block-1-top")
     old = [part for part in pair.parts if part is not top]
     document = pypdfium2.PdfDocument(pdf_bytes([view.picture(old, [top])], "top"))

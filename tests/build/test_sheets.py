@@ -54,7 +54,7 @@ def test_nested_parts_are_inside_the_bed_and_apart_and_need_no_more_sheets_than_
 
 
 def test_a_failed_nester_leaves_parts_in_rows(monkeypatch):
-    monkeypatch.setattr("stepwell.build.exports.sheets._asked", lambda *_: None)
+    monkeypatch.setattr("stepwell.build.exports.nester.places", lambda *_: None)
     bed = (0.2, 0.2)
     assert sheets(MANY, bed, seconds=1) == sheets(MANY, bed, seconds=0)
 
@@ -62,7 +62,7 @@ def test_a_failed_nester_leaves_parts_in_rows(monkeypatch):
 def test_a_crash_of_the_nester_is_no_crash_of_the_caller(monkeypatch, tmp_path):
     broken = tmp_path / "nester.py"
     broken.write_text("import os\nos.abort()\n")
-    monkeypatch.setattr("stepwell.build.exports.sheets.nester.__file__", str(broken))
+    monkeypatch.setattr("stepwell.build.exports.nester.__file__", str(broken))
     assert_good(sheets(MANY[:2], (0.2, 0.2), seconds=1), MANY[:2], (0.2, 0.2))
 
 

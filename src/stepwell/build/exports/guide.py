@@ -7,9 +7,9 @@ from xml.sax.saxutils import escape
 from stepwell.base import Vec2
 from stepwell.build.exports.before import Expected, expected
 from stepwell.build.exports.page import PAPERS, Page, Pen, broken, pdf_bytes, width_of
-from stepwell.build.exports.picture import LIFT, NEW_METAL, NEW_PLATE, PLATE, View
+from stepwell.build.exports.picture import LIFT, NEW_METAL, NEW_PLATE, PLATE, ObliqueView
 from stepwell.build.exports.sheets import MARGIN, CutSheet
-from stepwell.build.exports.steps import Step, steps_of
+from stepwell.build.exports.steps import AssemblyStep, steps_of
 from stepwell.build.layouts import Layout
 from stepwell.build.part import Part
 from stepwell.build.plates import Fastener
@@ -25,7 +25,7 @@ _INTRO = (
 )
 
 
-class Shown(NamedTuple):
+class PicturedStep(NamedTuple):
     """A step with its pictures.
 
     Attributes:
@@ -34,7 +34,7 @@ class Shown(NamedTuple):
         maps: of the sheets with the new parts, or the new fasteners at full size; and captions.
     """
 
-    step: Step
+    step: AssemblyStep
     picture: Page
     maps: tuple[tuple[Page, str], ...]
 
@@ -54,7 +54,7 @@ class Guide(NamedTuple):
 
     title: str
     about: str
-    steps: tuple[Shown, ...]
+    steps: tuple[PicturedStep, ...]
     whole: Page
     checks: tuple[Expected, ...]
     intro: str
@@ -81,14 +81,14 @@ def guide(
         draft: why it is a draft, for every page; empty if it is none.
     """
     # All cells in state 0, as the mechanism lies on a table after it was pushed together.
-    view = View(layout, layout.angles("0" * len(layout.cells)), _PICTURE)
+    view = ObliqueView(layout, layout.angles("0" * len(layout.cells)), _PICTURE)
     before: list[object] = []
     shown = []
     for step in steps_of(layout):
         # Screws come from below, and the first plates lie on the table.
         lift = 0.0 if step.kind == "screw" or not before else LIFT
         picture = view.picture(before, step.new, lift)
-        shown.append(Shown(step, picture, tuple(_maps(step, sheets))))
+        shown.append(PicturedStep(step, picture, tuple(_maps(step, sheets))))
         before += [*step.new, *step.hidden]
     sheet = layout.build_file.sheet
     about = (
@@ -100,7 +100,7 @@ def guide(
     return Guide(title, about, tuple(shown), view.picture(before, ()), checks, intro, draft)
 
 
-def _maps(step: Step, sheets: Sequence[CutSheet]) -> list[tuple[Page, str]]:
+def _maps(step: AssemblyStep, sheets: Sequence[CutSheet]) -> list[tuple[Page, str]]:
     """Where the new parts are on their sheets, or the new fasteners at full size."""
     names = {one.name for one in step.new if isinstance(one, Part)}
     maps = [
