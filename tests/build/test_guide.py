@@ -10,6 +10,7 @@ import pytest
 
 from build import chains
 from build.test_page import extent, pixels
+from docs.build_pictures import FOLDER, pictures
 from stepwell.build import layout, load_build_file
 from stepwell.build.exports.before import expected
 from stepwell.build.exports.guide import guide, guide_html, guide_pages, guide_pdf
@@ -149,3 +150,8 @@ def test_tolerances_of_forces_grow_with_the_errors_of_the_bands(layouts):
     assert tolerances[1] > 2.0 * tolerances[0] > 0.0
     # 20 % of the force, and little more.
     assert tolerances[1] == pytest.approx(0.2 * pair.chain.cells[1].force_0, rel=0.1)
+
+
+def test_the_pictures_of_the_page_are_those_of_this_version():
+    for name, text in pictures().items():
+        assert (FOLDER / name).read_text("utf-8") == text, "python tests/docs/build_pictures.py"
