@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from stepwell.build.contour import Contour
     from stepwell.build.exports.folder import FileOptions, build_files
     from stepwell.build.layouts import BandPath, Layout, layout
-    from stepwell.build.limits import Finding
+    from stepwell.build.limits import ExceededLimit
     from stepwell.build.part import Hole, Part
     from stepwell.build.plates import Fastener
-    from stepwell.build.sweeps import Clearance, Collision, Sweep, sweep
+    from stepwell.build.sweeps import Clearance, Collision, MotionSweep, sweep
     from stepwell.build.tolerances import build_yield, tolerances_of
 
 __all__ = [
@@ -35,11 +35,11 @@ __all__ = [
     "Contour",
     "Fastener",
     "FileOptions",
-    "Finding",
+    "ExceededLimit",
     "Hole",
     "Layout",
     "Part",
-    "Sweep",
+    "MotionSweep",
     "build",
     "build_files",
     "build_presets",
@@ -76,10 +76,10 @@ _LATE = {
     "contour": ("Contour",),
     "exports.folder": ("FileOptions", "build_files"),
     "layouts": ("BandPath", "Layout", "layout"),
-    "limits": ("Finding",),
+    "limits": ("ExceededLimit",),
     "part": ("Hole", "Part"),
     "plates": ("Fastener",),
-    "sweeps": ("Clearance", "Collision", "Sweep", "sweep"),
+    "sweeps": ("Clearance", "Collision", "MotionSweep", "sweep"),
     "tolerances": ("build_yield", "tolerances_of"),
 }
 

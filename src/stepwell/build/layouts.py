@@ -8,7 +8,7 @@ import numpy as np
 
 from stepwell.base import ByValue, Floats, InputError, Vec2
 from stepwell.build import seats
-from stepwell.build.build_file import BuildFile
+from stepwell.build.build_file import BuildFile, mm
 from stepwell.build.drive import drive_bar, drive_pin, drive_place
 from stepwell.build.levers import lever_parts, stop_pins, stop_plate
 from stepwell.build.part import Part
@@ -72,7 +72,7 @@ class Layout(ByValue):
 
     def __repr__(self):
         return (
-            f"Layout({len(self.parts)} parts of {1e3 * self.stack.thickness:.3g} mm, "
+            f"Layout({len(self.parts)} parts of {mm(self.stack.thickness)} mm, "
             f"{len(self.fasteners)} fasteners, {len(self.bands)} bands)"
         )
 
