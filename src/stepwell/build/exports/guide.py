@@ -283,24 +283,27 @@ _HEADS = ("What to measure", "Expected", "Tolerance", "If it is off")
 def _check_pages(content: Guide, size: Vec2) -> list[Page]:
     """The table of values to measure, on as many pages as it needs."""
     pages: list[Page] = []
-    y = 0.0
-    total = size[0] - 2.0 * _EDGE
+    total, y = size[0] - 2.0 * _EDGE, 0.0
     widths = [b - a - 3.0 for a, b in zip(_COLUMNS, (*_COLUMNS[1:], total), strict=True)]
-    for row in (_HEADS, *content.checks):
-        bold = row is _HEADS
+
+    def add(row: Sequence[str], *, bold: bool = False) -> float:
         cells = [broken(w, room, 2.8, bold=bold) for w, room in zip(row, widths, strict=True)]
-        high = max(map(len, cells)) * 3.9 + 2.2
-        if not pages or y - high < _EDGE:
+        for x, lines in zip(_COLUMNS, cells, strict=True):
+            for i, line in enumerate(lines):
+                pages[-1].text((_EDGE + x, y - 3.9 * i), line, 2.8, bold=bold)
+        below = y - 3.9 * max(map(len, cells)) - 2.2
+        ends = (_EDGE, below + 2.6), (_EDGE + total, below + 2.6)
+        pages[-1].line(ends, Pen("#b0b0b0", None, 0.15))
+        return below
+
+    for check in content.checks:
+        if not pages or y < _EDGE + 16.0:
             pages.append(_page(content, size, _BEFORE))
             y = size[1] - _EDGE - 16.0
             if len(pages) == 1:
                 y = pages[0].paragraph((_EDGE, y), content.intro, total, 3.6) - 4.0
-        page = pages[-1]
-        for x, lines in zip(_COLUMNS, cells, strict=True):
-            for i, line in enumerate(lines):
-                page.text((_EDGE + x, y - 3.9 * i), line, 2.8, bold=bold)
-        y -= high
-        page.line([(_EDGE, y + 2.6), (_EDGE + total, y + 2.6)], Pen("#b0b0b0", None, 0.15))
+            y = add(_HEADS, bold=True)
+        y = add(check)
     return pages
 
 
