@@ -10,11 +10,12 @@ import pytest
 
 from build import chains
 from build.test_page import extent, pixels
+from docs.build_pictures import FOLDER, pictures
 from stepwell.build import layout, load_build_file
 from stepwell.build.exports.before import expected
 from stepwell.build.exports.guide import guide, guide_html, guide_pages, guide_pdf
 from stepwell.build.exports.page import pdf_bytes
-from stepwell.build.exports.picture import View
+from stepwell.build.exports.picture import ObliqueView
 from stepwell.build.exports.sheets import sheets
 from stepwell.build.exports.steps import steps_of
 from stepwell.build.part import Part
@@ -57,7 +58,7 @@ def test_steps_go_upwards_and_pins_come_after_the_plates_that_hold_them(layouts,
 @every_chain
 def test_pictures_are_within_their_pages(layouts, name):
     made = layouts[name]
-    view = View(made, made.angles("0" * len(made.cells)), (186.0, 128.0))
+    view = ObliqueView(made, made.angles("0" * len(made.cells)), (186.0, 128.0))
     items = [*made.parts, *made.fasteners, *made.bands]
     for page in (view.picture(items, ()), view.picture((), items), view.picture(items, items)):
         frame = page.width, page.height
@@ -70,7 +71,7 @@ def test_pictures_are_within_their_pages(layouts, name):
 
 def test_the_new_part_alone_is_coloured(layouts):
     pair = layouts["pair"]
-    view = View(pair, pair.angles("00"), (186.0, 128.0))
+    view = ObliqueView(pair, pair.angles("00"), (186.0, 128.0))
     top = pair.part("block-1-top")
     old = [part for part in pair.parts if part is not top]
     document = pypdfium2.PdfDocument(pdf_bytes([view.picture(old, [top])], "top"))
@@ -104,6 +105,7 @@ def test_the_pdf_has_a_page_for_each_step_and_the_values_to_measure(content):
     assert all("DRAFT: too thin" in text for text in texts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("paper", ["A4", "letter"])
 def test_all_content_is_within_the_margins_of_the_paper(content, paper):
     pages = guide_pages(content, paper)
@@ -148,3 +150,8 @@ def test_tolerances_of_forces_grow_with_the_errors_of_the_bands(layouts):
     assert tolerances[1] > 2.0 * tolerances[0] > 0.0
     # 20 % of the force, and little more.
     assert tolerances[1] == pytest.approx(0.2 * pair.chain.cells[1].force_0, rel=0.1)
+
+
+def test_the_pictures_of_the_page_are_those_of_this_version():
+    for name, text in pictures().items():
+        assert (FOLDER / name).read_text("utf-8") == text, "python tests/docs/build_pictures.py"

@@ -7,7 +7,7 @@ import pytest
 
 from build import chains
 from build.shapes import block, lever
-from chromium import CHROMIUM, QUIET, Opened, needed
+from chromium import Opened, needed
 from stepwell.build import layout, load_build_file
 from stepwell.build.exports.cutting import cutting
 from stepwell.build.exports.guide import guide, guide_html
@@ -19,16 +19,6 @@ pytestmark = pytest.mark.slow
 # A CSS pixel is 1/96 inch; the screen has four pixels for each.
 ZOOM = 4
 DOTS = ZOOM * 96.0 / 25.4  # pixels a millimetre
-
-
-@pytest.fixture(scope="module")
-def browser():
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as play:
-        opened = play.chromium.launch(executable_path=CHROMIUM, args=list(QUIET))
-        yield opened
-        opened.close()
 
 
 def rendered(browser, svg: str) -> np.ndarray:

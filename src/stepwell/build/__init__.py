@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     )
     from stepwell.build.builds import BandUse, Build, build
     from stepwell.build.contour import Contour
-    from stepwell.build.exports.write import FileOptions, build_files, write_build
+    from stepwell.build.exports.folder import FileOptions, build_files
     from stepwell.build.layouts import BandPath, Layout, layout
     from stepwell.build.limits import ExceededLimit
     from stepwell.build.part import Hole, Part
@@ -51,7 +51,6 @@ __all__ = [
     "preset_text",
     "sweep",
     "tolerances_of",
-    "write_build",
 ]
 
 
@@ -75,7 +74,7 @@ _LATE = {
     ),
     "builds": ("BandUse", "Build", "build"),
     "contour": ("Contour",),
-    "exports.write": ("FileOptions", "build_files", "write_build"),
+    "exports.folder": ("FileOptions", "build_files"),
     "layouts": ("BandPath", "Layout", "layout"),
     "limits": ("ExceededLimit",),
     "part": ("Hole", "Part"),

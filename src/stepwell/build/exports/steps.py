@@ -46,7 +46,7 @@ _PLATES = {
 }
 
 
-class Step(NamedTuple):
+class AssemblyStep(NamedTuple):
     """One step of the assembly.
 
     Attributes:
@@ -66,7 +66,7 @@ class Step(NamedTuple):
     hidden: tuple[Item, ...] = ()
 
 
-def steps_of(layout: Layout) -> list[Step]:
+def steps_of(layout: Layout) -> list[AssemblyStep]:
     """All steps: of each layer shims, plates and levers, then what stands in its holes."""
     items: list[tuple[float, int, str, Item]] = []
     for part in layout.parts:
@@ -89,7 +89,9 @@ def _order(row: tuple[float, int, str, Item]) -> tuple[float, int, str]:
     return row[:3]
 
 
-def _step(layout: Layout, kind: str, new: tuple[Item, ...], hidden: tuple[Item, ...]) -> Step:
+def _step(
+    layout: Layout, kind: str, new: tuple[Item, ...], hidden: tuple[Item, ...]
+) -> AssemblyStep:
     parts = [one for one in new if isinstance(one, Part)]
     fasteners = [one for one in new if isinstance(one, Fastener)]
     bands = [one for one in new if isinstance(one, BandPath)]
@@ -107,7 +109,7 @@ def _step(layout: Layout, kind: str, new: tuple[Item, ...], hidden: tuple[Item, 
         what, title = counted(len(bands), "band"), _TITLES["band"]
         details = [*_band_lines(layout, bands)]
     text = _TEXTS.get(kind, "Add: {what}.").format(what=what)
-    return Step(title, kind, text, tuple(details), new, hidden)
+    return AssemblyStep(title, kind, text, tuple(details), new, hidden)
 
 
 def _listed(names: list[str]) -> str:

@@ -12,16 +12,9 @@ from ezdxf.filemanagement import read as read_dxf
 import stepwell as sw
 from build import chains
 from facts import refuses
+from stepwell import reports
 from stepwell.base import InputError
-from stepwell.build import (
-    FileOptions,
-    Layout,
-    build,
-    build_files,
-    layout,
-    load_build_file,
-    write_build,
-)
+from stepwell.build import FileOptions, Layout, build, build_files, layout, load_build_file
 from stepwell.build.exports.cutting import cutting
 from stepwell.build.exports.dxf import dxf_text
 from stepwell.mechanism import Cell
@@ -39,6 +32,7 @@ def files(pair):
     return build_files(pair, ROWS)
 
 
+@pytest.mark.slow
 def test_a_build_has_every_kind_of_file(pair, files):
     for part in pair.layout.parts:
         assert {f"parts/{part.name}.{end}" for end in ("dxf", "svg", "stl")} <= files.keys()
@@ -48,31 +42,40 @@ def test_a_build_has_every_kind_of_file(pair, files):
     assert all(files.values())
 
 
+@pytest.mark.slow
 def test_equal_builds_have_equal_files(pair, files):
     assert build_files(pair, ROWS) == files
 
 
+@pytest.mark.slow
 def test_files_are_written_together_and_replaced(pair, files, tmp_path):
     folder = tmp_path / "parts"
-    names = write_build(pair, folder, ROWS)
-    assert set(names) == files.keys()
+    names = reports.write(pair, folder, files=files)
+    assert files.keys() < set(names)
     for name, content in files.items():
         data = content.encode() if isinstance(content, str) else content
         assert (folder / name).read_bytes() == data
-    assert json.loads((folder / "stepwell.json").read_text())["command"] == "build"
-    write_build(pair, folder, replace(ROWS, dxf="R12"))
-    text = (folder / "parts" / "lever-1a.dxf").read_text()
+    manifest = json.loads((folder / "stepwell.json").read_text())
+    assert manifest["command"] == "build"
+    assert set(manifest["files"]) >= files.keys()
+
+
+@pytest.mark.slow
+def test_drawings_of_r12_are_of_r12():
+    made = build(chains.pair(), samples=50)
+    text = str(build_files(made, replace(ROWS, dxf="R12"))["parts/lever-1a.dxf"])
     assert read_dxf(io.StringIO(text)).dxfversion == "AC1009"
 
 
-def test_nothing_is_written_while_a_finding_is_left(tmp_path):
+@pytest.mark.slow
+def test_there_are_no_files_while_a_finding_is_left():
     made = build(chains.steep(), samples=50)
     with refuses(InputError, "nothing is written", "--draft"):
-        write_build(made, tmp_path / "parts", ROWS)
-    assert not (tmp_path / "parts").exists()
+        build_files(made, ROWS)
 
 
-def test_every_draft_says_so_in_its_name_and_in_itself(tmp_path):
+@pytest.mark.slow
+def test_every_draft_says_so_in_its_name_and_in_itself():
     made = build(chains.steep(), samples=50)
     drafts = build_files(made, replace(ROWS, draft=True))
     assert all(name.rpartition("/")[2].startswith("DRAFT-") for name in drafts)
