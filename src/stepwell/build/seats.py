@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from stepwell.base import InputError, Vec2, require
+from stepwell.base import InputError, Vec2
 from stepwell.build import hooks
 from stepwell.build.build_file import BuildFile, mm
 from stepwell.build.hooks import HookedBand
@@ -78,7 +78,6 @@ def plans(
             the joints and the other block.
     """
     cells = tuple(_cell_plan(cell, i, build_file) for i, cell in enumerate(chain.levers))
-    require("cells", len(cells), "the chain has")
     blocks = [BlockPlan(0, -1.0, ((cells[0], INNER, 0.0),))]
     for i, cell in enumerate(cells):
         seats = [(cell, OUTER, 0.0)]

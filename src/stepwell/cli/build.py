@@ -6,13 +6,7 @@ from typing import Any
 import stepwell as sw
 from stepwell.cli.options import Design, Group, Output, flag, option, read_chain
 from stepwell.cli.screen import answered, progress, usable, warn
-
-
-def _materials(incomplete: str) -> list[str]:
-    """Presets of build files with this beginning."""
-    from stepwell.build import build_presets
-
-    return [name for name in build_presets() if name.startswith(incomplete)]
+from stepwell.cli.tolerances import BUILD_FILE, materials
 
 
 class FileChoice(Group):
@@ -34,9 +28,9 @@ def build(
     design: Design,
     material: str = option(
         "Build file (TOML), or the name of a preset: acrylic-3mm, plywood-3mm, pla-3mm.",
-        "--material FILE|PRESET",
+        f"--material {BUILD_FILE}",
         default="acrylic-3mm",
-        autocompletion=_materials,
+        autocompletion=materials,
     ),
     samples: int | None = option(
         "Number of Monte Carlo samples of the yield.", "N", min=1, show_default="2000"
