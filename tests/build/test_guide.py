@@ -96,7 +96,7 @@ def test_every_step_with_parts_shows_their_places_on_the_sheet(content):
 
 def test_the_pdf_has_a_page_for_each_step_and_the_values_to_measure(content):
     document = pypdfium2.PdfDocument(guide_pdf(content))
-    texts = [page.get_textpage().get_text_range() for page in document]
+    texts = [page.get_textpage().get_text_bounded() for page in document]
     assert len(texts) >= len(content.steps) + 2
     for number, shown in enumerate(content.steps, 1):
         heading = f"Step {number} of {len(content.steps)}: {shown.step.title}"
@@ -163,7 +163,7 @@ def test_maps_without_room_come_on_further_pages():
     nested = sheets(made.parts, made.build_file.sheet.bed, seconds=0)
     content = guide(made, nested, title="Eight")
     document = pypdfium2.PdfDocument(guide_pdf(content))
-    text = "".join(page.get_textpage().get_text_range() for page in document)
+    text = "".join(page.get_textpage().get_text_bounded() for page in document)
     for block in range(9):
         assert f"block-{block}-top from above" in " ".join(text.split())
     assert "continued" in text
