@@ -29,6 +29,7 @@ _EVERYWHERE = {"--force", "--full"}
 # Options of a reading beside the keys that a design has.
 _READING = ("force_column", "save_reading")
 _NOT_FROZEN = {
+    "build --step",  # needs build123d
     "demo",
     "demo --out",
     "demo --no-open",
