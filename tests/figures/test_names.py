@@ -58,6 +58,7 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     yield partial(figures.unit_cell_energy, chain.cells)
     cell = sw.Cell(sw.Band(p=(-0.010, 0.0), q=(0.010, 0.0)), name=name)
     yield partial(figures.labelled_cell, cell)
+    yield partial(figures.layers, sw.build(chain, samples=20))
     yield partial(figures.labelled_chain, chain)
     yield partial(figures.holes, chain)
     yield partial(

@@ -11,7 +11,7 @@ from stepwell.accounts.head import About, Shape, keys, recorded
 from stepwell.accounts.parts import CARD, FULL, Account, Fact, Notes, Picture, RecordTable
 from stepwell.accounts.words import assumed, cells_of
 from stepwell.base import Quantity, Schema, amount, counted, number
-from stepwell.build import BandUse, Build, Clearance, Collision, Finding, Layout, Part
+from stepwell.build import BandUse, Build, Clearance, Collision, ExceededLimit, Layout, Part
 
 
 def build_schema(shape: Shape) -> Schema:
@@ -21,7 +21,8 @@ def build_schema(shape: Shape) -> Schema:
         *yields.CHAIN,
         *keys(can_be_built=bool, build_file=(str, "build_file.title")),
         *base.read_off(keys(material=str, thickness="mm"), "build_file.sheet"),
-        *keys(mass="g", fastener_mass="g"),
+        *keys(mass="g", fastener_mass="g", stroke=("mm", "chain.full_stroke")),
+        Quantity("peak_force", "N", read=lambda made: made.cycle and made.cycle.peak_force),
         Quantity("block_masses", "g", holds=[float]),
         Quantity("findings", holds=[_FINDING]),
         Quantity("parts", holds=[_PART], read=_parts),
@@ -37,7 +38,7 @@ def _of_unit(name: str, unit: str) -> Quantity:
     """A number of a finding; null unless it has this unit."""
     si = base.UNITS[unit].si if unit in base.UNITS else unit or "1"
 
-    def read(one: Finding) -> float | None:
+    def read(one: ExceededLimit) -> float | None:
         return getattr(one, name) if one.unit == si else None
 
     return Quantity(name, unit, read=read) if unit else Quantity(name, read=read, holds=float)
@@ -107,7 +108,7 @@ _COLLISION: Schema = (
     *keys(states=[str], overlap="mm"),
 )
 _SWEEP: Schema = (
-    *keys(free=bool, pairs=int, poses=int),
+    *keys(free=bool, pairs=int),
     Quantity("collisions", holds=[_COLLISION]),
     Quantity("undecided", holds=[[str]]),
     Quantity("clearances", holds=[_CLEARANCE]),
@@ -154,11 +155,13 @@ def build_account(made: Build, about: About) -> Account:
         Fact("Actuator", _actuator_words(made)),
     )
     parts = RecordTable(_PART, recorded(_PART, _parts(made)), more="parts", level=FULL)
+    scales = [one for one in _BAND if one.name.startswith("scale")]
     bands = RecordTable(
-        _BAND,
+        [one for one in _BAND if one not in scales],
         recorded(_BAND, made.bands),
         "Holes of the hooks on the inner and the outer block; 0 and 1 are the states of the cell, "
         "and the scale is a kitchen scale that the band pulls.",
+        scales,
         more="bands",
         level=CARD,
     )
@@ -198,7 +201,7 @@ def _sweep_words(made: Build) -> str:
     swept = made.sweep
     pairs = counted(swept.pairs, "pair")
     if swept.free:
-        return f"no overlap of {pairs} of bodies at any angles, proved with {swept.poses} poses"
+        return f"no overlap of {pairs} of bodies at any angles, which is proved"
     if swept.collisions:
         first: Collision = swept.collisions[0]
         overlaps = counted(len(swept.collisions), "overlap")
@@ -222,7 +225,7 @@ def _yield_words(made: Build) -> str:
 
 
 def _mass_words(made: Build) -> str:
-    blocks = ", ".join(number(1e3 * one, 3) for one in made.block_masses)
+    blocks = ", ".join(number(base.to_unit(one, "g"), 3) for one in made.block_masses)
     return (
         f"{amount(made.mass, 'kg', 3)} of sheet, {amount(made.fastener_mass, 'kg', 2)} of "
         f"fasteners; blocks {blocks} g"

@@ -45,6 +45,7 @@ LIMITS = {
     "relays": Limit(20, "cells of which all 2^N states are sorted"),
     "walked": Limit(1_000_000, "nodes of a walk"),
     "branches": Limit(5000, "branches of a transition graph"),
+    "built_cells": Limit(8, "cells of a build"),
 }
 
 

@@ -1,15 +1,15 @@
 """The assembly guide: a picture for each step, and what to measure at the end; HTML and PDF."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 from xml.sax.saxutils import escape
 
-from stepwell.base import Vec2
+from stepwell.base import Vec2, grouped
 from stepwell.build.exports.before import Expected, expected
 from stepwell.build.exports.page import PAPERS, Page, Pen, broken, pdf_bytes, width_of
-from stepwell.build.exports.picture import LIFT, NEW_METAL, NEW_PLATE, PLATE, View
+from stepwell.build.exports.picture import LIFT, NEW_METAL, NEW_PLATE, PLATE, ObliqueView
 from stepwell.build.exports.sheets import MARGIN, CutSheet
-from stepwell.build.exports.steps import Step, steps_of
+from stepwell.build.exports.steps import AssemblyStep, steps_of
 from stepwell.build.layouts import Layout
 from stepwell.build.part import Part
 from stepwell.build.plates import Fastener
@@ -17,15 +17,19 @@ from stepwell.build.plates import Fastener
 # Edge of a page; size of a step's picture and of a sheet's map at most [mm].
 _EDGE = 12.0
 _PICTURE, _MAP = (186.0, 128.0), (186.0, 70.0)
+# Width of a plate in plan at most [mm].
+_PLAN = 84.0
 _GREY, _RED = "#606060", "#c00000"
+# The page loads nothing and runs nothing.
+_POLICY = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
 _BEFORE = "Before you pull"
 _INTRO = (
-    "Bands off for the travels; then hook the bands in and measure the rest. A kitchen scale at "
-    "the drive shows grams."
+    "Measure the travels without bands, then hook the bands in and measure the rest. A kitchen "
+    "scale at the drive shows grams."
 )
 
 
-class Shown(NamedTuple):
+class PicturedStep(NamedTuple):
     """A step with its pictures.
 
     Attributes:
@@ -34,7 +38,7 @@ class Shown(NamedTuple):
         maps: of the sheets with the new parts, or the new fasteners at full size; and captions.
     """
 
-    step: Step
+    step: AssemblyStep
     picture: Page
     maps: tuple[tuple[Page, str], ...]
 
@@ -48,14 +52,16 @@ class Guide(NamedTuple):
         steps: from the lowest layer upwards.
         whole: the picture of the finished mechanism.
         checks: what to measure before the first pull.
+        intro: what to read before measuring.
         draft: why it is a draft; empty if all checks passed.
     """
 
     title: str
     about: str
-    steps: tuple[Shown, ...]
+    steps: tuple[PicturedStep, ...]
     whole: Page
     checks: tuple[Expected, ...]
+    intro: str
     draft: str
 
 
@@ -65,6 +71,7 @@ def guide(
     *,
     title: str,
     sequence: str | None = None,
+    first: str = "",
     draft: str = "",
 ) -> Guide:
     """The guide to assemble a layout.
@@ -74,17 +81,18 @@ def guide(
         sheets: on which the parts are cut.
         title: of the mechanism.
         sequence: of its states, such as "00>10>11>01>00", for the last page.
+        first: the most useful measurement, a sentence.
         draft: why it is a draft, for every page; empty if it is none.
     """
     # All cells in state 0, as the mechanism lies on a table after it was pushed together.
-    view = View(layout, layout.angles("0" * len(layout.cells)), _PICTURE)
+    view = ObliqueView(layout, layout.angles("0" * len(layout.cells)), _PICTURE)
     before: list[object] = []
     shown = []
     for step in steps_of(layout):
         # Screws come from below, and the first plates lie on the table.
         lift = 0.0 if step.kind == "screw" or not before else LIFT
         picture = view.picture(before, step.new, lift)
-        shown.append(Shown(step, picture, tuple(_maps(step, sheets))))
+        shown.append(PicturedStep(step, picture, tuple(_maps(step, layout, sheets))))
         before += [*step.new, *step.hidden]
     sheet = layout.build_file.sheet
     about = (
@@ -92,10 +100,11 @@ def guide(
         f"{sum(one.use != 'head' for one in layout.fasteners)} fasteners, {len(layout.bands)} bands"
     )
     checks = tuple(expected(layout, sequence))
-    return Guide(title, about, tuple(shown), view.picture(before, ()), checks, draft)
+    intro = f"{_INTRO} {first}".rstrip()
+    return Guide(title, about, tuple(shown), view.picture(before, ()), checks, intro, draft)
 
 
-def _maps(step: Step, sheets: Sequence[CutSheet]) -> list[tuple[Page, str]]:
+def _maps(step: AssemblyStep, layout: Layout, sheets: Sequence[CutSheet]) -> list[tuple[Page, str]]:
     """Where the new parts are on their sheets, or the new fasteners at full size."""
     names = {one.name for one in step.new if isinstance(one, Part)}
     maps = [
@@ -104,7 +113,44 @@ def _maps(step: Step, sheets: Sequence[CutSheet]) -> list[tuple[Page, str]]:
         if names & {part.name for part in sheet.parts}
     ]
     sizes = {one.size: one for one in step.new if isinstance(one, Fastener)}
+    if step.kind == "hook":
+        maps += _hook_plans(layout, [one for one in step.new if isinstance(one, Fastener)])
     return maps + [(_full_size(one), f"{size}, at full size") for size, one in sizes.items()]
+
+
+def _hook_plans(layout: Layout, hooks: Sequence[Fastener]) -> Iterator[tuple[Page, str]]:
+    """The plates from above, the holes of the hooks in colour with their names."""
+    for block, same in grouped((one.block, one) for one in hooks).items():
+        names = {one.name for one in same}
+        for part in layout.parts:
+            if layout.body[part.name] == ("block", block) and part.base == same[0].low:
+                caption = f"{part.name} from above: {', '.join(sorted(names))}"
+                yield _plan(part, names), caption
+
+
+def _plan(part: Part, names: set[str]) -> Page:
+    x0, y0, x1, y1 = (1e3 * one for one in part.outline.bounds)
+    scale = min(1.0, _PLAN / (x1 - x0))
+    page = Page(scale * (x1 - x0) + 1.0, scale * (y1 - y0) + 1.0)
+    at = 0.5 - scale * x0, 0.5 - scale * y0
+    page.contours([part.outline], at, Pen(PLATE.line, "#ffffff", 0.2), scale)
+    for hole in part.holes:
+        new = hole.name in names
+        pen = Pen(NEW_METAL.line, NEW_METAL.side) if new else Pen(PLATE.line, None, 0.1)
+        page.contours([hole.contour], at, pen, scale)
+    for hole in part.holes:
+        if hole.name in names:
+            x, y = (a + 1e3 * scale * b for a, b in zip(at, hole.centre, strict=True))
+            _label(page, (x, y + 500.0 * scale * hole.diameter + 0.9), hole.name, "#ffffff")
+    return page
+
+
+def _label(page: Page, at: Vec2, text: str, behind: str) -> None:
+    """A short bold text, centred above `at` [mm] on a ground of its own."""
+    (x, y), half = at, width_of(text, 2.7, bold=True) / 2.0 + 0.4
+    corners = [(x - half, y - 0.4), (x + half, y - 0.4), (x + half, y + 2.4), (x - half, y + 2.4)]
+    page.line(corners, Pen(None, behind), closed=True)
+    page.text(at, text, 2.7, anchor="middle", bold=True)
 
 
 def _map(sheet: CutSheet, names: set[str]) -> Page:
@@ -126,12 +172,7 @@ def _map(sheet: CutSheet, names: set[str]) -> Page:
         if part.name in names and part.mark:
             x0, y0, x1, y1 = contours[0].bounds
             middle = 500.0 * scale * (x0 + x1), 500.0 * scale * (y0 + y1) - 1.0
-            half = width_of(part.mark, 2.8, bold=True) / 2.0 + 0.6
-            x, y = middle
-            behind = [(x - half, y - 0.7), (x + half, y - 0.7)]
-            behind += [(x + half, y + 2.7), (x - half, y + 2.7)]
-            page.line(behind, Pen(None, NEW_PLATE.top), closed=True)
-            page.text(middle, part.mark, 2.8, anchor="middle", bold=True, colour=NEW_PLATE.line)
+            _label(page, middle, part.mark, NEW_PLATE.top)
     return page
 
 
@@ -164,8 +205,12 @@ def guide_pages(content: Guide, paper: str = "A4") -> list[Page]:
         picture = shown.picture
         y -= picture.height + 4.0
         page.insert(picture, ((page.width - picture.width) / 2.0, y))
-        _place_maps(page, shown.maps, y - 6.0)
+        left = _place_maps(page, shown.maps, y - 6.0)
         pages.append(page)
+        while left:
+            more = f"Step {number} of {count}: {shown.step.title}, continued"
+            pages.append(_page(content, size, more))
+            left = _place_maps(pages[-1], left, size[1] - _EDGE - 16.0)
     pages += _check_pages(content, size)
     for number, page in enumerate(pages, 1):
         at = page.width - _EDGE, _EDGE - 5.0
@@ -203,6 +248,7 @@ def _title_page(content: Guide, size: Vec2) -> Page:
 
 def _how_to_read(content: Guide) -> tuple[str, ...]:
     return (
+        "Cut the coupon first, and enter its kerf and fits in the build file: see coupon.txt.",
         f"Assembly in {len(content.steps)} steps, from the lowest layer upwards. New parts are "
         "orange, new fasteners blue, new bands red; dashed lines lead to their places.",
         "Marks are engraved: the number of the block with B, S or T for its bottom, spacer and top "
@@ -211,21 +257,25 @@ def _how_to_read(content: Guide) -> tuple[str, ...]:
     )
 
 
-def _place_maps(page: Page, maps: Sequence[tuple[Page, str]], top: float) -> None:
-    """Small pictures side by side, with captions, in rows from `top` [mm] down."""
+Maps = Sequence[tuple[Page, str]]
+
+
+def _place_maps(page: Page, maps: Maps, top: float) -> Maps:
+    """Small pictures in rows from `top` [mm] down, with captions; returns those without room."""
     x, y, tall = _EDGE, top, 0.0
-    for picture, caption in maps:
+    for i, (picture, caption) in enumerate(maps):
         width = max(picture.width, 40.0) + 8.0
-        if x > _EDGE and x + width > page.width - _EDGE:
+        if x > _EDGE and x + width > page.width - _EDGE + 8.0:
             x, y, tall = _EDGE, y - tall - 8.0, 0.0
-        if y - picture.height - 6.0 < _EDGE:
-            break
         lines = broken(caption, width - 4.0, 2.8)
-        for i, line in enumerate(lines):
-            page.text((x, y - 3.9 * i), line, 2.8, colour=_GREY)
         under = 3.9 * (len(lines) - 1) + 2.0
+        if y - under - picture.height < _EDGE:
+            return maps[i:]
+        for j, line in enumerate(lines):
+            page.text((x, y - 3.9 * j), line, 2.8, colour=_GREY)
         page.insert(picture, (x, y - under - picture.height))
         x, tall = x + width, max(tall, picture.height + under)
+    return ()
 
 
 _COLUMNS = (0.0, 66.0, 98.0, 122.0)  # left edges [mm]
@@ -235,24 +285,27 @@ _HEADS = ("What to measure", "Expected", "Tolerance", "If it is off")
 def _check_pages(content: Guide, size: Vec2) -> list[Page]:
     """The table of values to measure, on as many pages as it needs."""
     pages: list[Page] = []
-    y = 0.0
-    total = size[0] - 2.0 * _EDGE
+    total, y = size[0] - 2.0 * _EDGE, 0.0
     widths = [b - a - 3.0 for a, b in zip(_COLUMNS, (*_COLUMNS[1:], total), strict=True)]
-    for row in (_HEADS, *content.checks):
-        bold = row is _HEADS
+
+    def add(row: Sequence[str], *, bold: bool = False) -> float:
         cells = [broken(w, room, 2.8, bold=bold) for w, room in zip(row, widths, strict=True)]
-        high = max(map(len, cells)) * 3.9 + 2.2
-        if not pages or y - high < _EDGE:
+        for x, lines in zip(_COLUMNS, cells, strict=True):
+            for i, line in enumerate(lines):
+                pages[-1].text((_EDGE + x, y - 3.9 * i), line, 2.8, bold=bold)
+        below = y - 3.9 * max(map(len, cells)) - 2.2
+        ends = (_EDGE, below + 2.6), (_EDGE + total, below + 2.6)
+        pages[-1].line(ends, Pen("#b0b0b0", None, 0.15))
+        return below
+
+    for check in content.checks:
+        if not pages or y < _EDGE + 16.0:
             pages.append(_page(content, size, _BEFORE))
             y = size[1] - _EDGE - 16.0
             if len(pages) == 1:
-                y = pages[0].paragraph((_EDGE, y), _INTRO, total, 3.6) - 4.0
-        page = pages[-1]
-        for x, lines in zip(_COLUMNS, cells, strict=True):
-            for i, line in enumerate(lines):
-                page.text((_EDGE + x, y - 3.9 * i), line, 2.8, bold=bold)
-        y -= high
-        page.line([(_EDGE, y + 2.6), (_EDGE + total, y + 2.6)], Pen("#b0b0b0", None, 0.15))
+                y = pages[0].paragraph((_EDGE, y), content.intro, total, 3.6) - 4.0
+            y = add(_HEADS, bold=True)
+        y = add(check)
     return pages
 
 
@@ -278,6 +331,7 @@ def guide_html(content: Guide) -> str:
     rows = [
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">',
         f"<title>{escape(title)}</title><style>{_STYLE}</style></head><body><main>",
         f"{draft}<h1>{escape(content.title)}</h1><p class='about'>{escape(content.about)}</p>",
         _svg(content.whole, "The assembled mechanism"),
@@ -295,7 +349,9 @@ def guide_html(content: Guide) -> str:
             for page, caption in shown.maps
         )
         rows.append(f'<div class="maps">{maps}</div></section>')
-    rows.append(f"<section>{draft}<h2>{_BEFORE}</h2><p>{escape(_INTRO)}</p><table><thead><tr>")
+    rows.append(
+        f"<section>{draft}<h2>{_BEFORE}</h2><p>{escape(content.intro)}</p><table><thead><tr>"
+    )
     rows += [f'<th scope="col">{head}</th>' for head in _HEADS]
     rows.append("</tr></thead><tbody>")
     for check in content.checks:
