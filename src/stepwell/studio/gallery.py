@@ -51,11 +51,10 @@ def _entry(name: str, title: str) -> dict[str, Any]:
         group = "elements"
     elif name.startswith("paper-"):
         group = "paper"
+    entry = {"name": name, "title": title, "kind": kind, "group": group, "cells": len(cells)}
+    # Of lever cells; whether they can be built is computed when the panel opens.
     parts = kind == "chain" and group != "elements" and len(cells) <= MOST_CELLS
-    return {
-        **{"name": name, "title": title, "kind": kind, "group": group},
-        **{"cells": len(cells), "parts": parts},
-    }
+    return {**entry, "parts": parts}
 
 
 # Samples of a motion in a small picture, in addition to the ends of its branches.

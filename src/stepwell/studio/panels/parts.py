@@ -30,11 +30,11 @@ _LAYERS = {
 def answer_parts(design: PageDesign, ask: Ask) -> View:
     """The shapes of all parts, fasteners and bands, and what their places depend on.
 
-    Paths of SVG in mm, y down, are each in the frame of the part's `body`: ["block", i],
-    ["lever", cell, 0 or 1] or ["bar"]. At angles θ of all cells, block i + 1 is
-    (offset + lever sin θ, side lever cos θ) from block i, y up, with the numbers of `joints`; levers
-    turn around the joints of their inner block, at `half_mm` on either side of the offset; the bar
-    is at `bar_mm`, x from the last block and y from the first.
+    Each path of SVG [mm], y down, is in the frame of the part's `body`: ["block", i],
+    ["lever", cell, 0 or 1] or ["bar"]. At angles θ, block i + 1 is (offset + lever sin θ,
+    side lever cos θ) from block i, y up, with the numbers of `joints`. Levers turn around the
+    joints of their inner block, at `half_mm` on either side of the offset. The bar is at `bar_mm`:
+    x from the last block, y from the fixed one.
     """
     build_file = _material(ask)
     ask.close()
