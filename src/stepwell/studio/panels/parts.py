@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stepwell import accounts, build
-from stepwell.base import Vec2, need, to_unit
+from stepwell.base import InputError, Vec2, need, to_unit
 from stepwell.build.drive import drive_place
 from stepwell.build.exports import svg
 from stepwell.build.seats import offsets
@@ -122,7 +122,10 @@ def _zipped(files: Mapping[str, str | bytes]) -> bytes:
 
 def _material(ask: Ask) -> build.BuildFile:
     """The requested preset; a path is none."""
-    return _preset(ask.text("material", 100, USUAL))
+    name, presets = ask.text("material", 100, USUAL), build.build_presets()
+    if name not in presets:
+        raise InputError(f"ask.material = {name!r}: must be {', '.join(presets)}.")
+    return _preset(name)
 
 
 @cache
