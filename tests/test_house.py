@@ -362,7 +362,7 @@ def test_no_file_names_a_package_index():
 
 def test_the_package_holds_sources_and_data_that_it_reads_and_nothing_else():
     package = ROOT / "src" / "stepwell"
-    data = ("files/", "studies/three.zarr/", "studio/page/", "py.typed")
+    data = ("build/presets/", "files/", "studies/three.zarr/", "studio/page/", "py.typed")
     strays = [
         name
         for file in repository_texts()

@@ -8,7 +8,6 @@ if TYPE_CHECKING:
     from stepwell import (
         accounts,
         base,
-        build,
         concave,
         figures,
         files,
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
         studio,
     )
     from stepwell.base import InputError, Measure, StepwellError, __version__, bar
+    from stepwell.build import build
     from stepwell.design import (
         AnchorBox,
         BandType,
@@ -129,6 +129,7 @@ __all__ = [
     "__version__",
     "bar",
     "boundaries",
+    "build",
     "check",
     "design",
     "elements",

@@ -42,6 +42,7 @@ def test_a_build_knows_its_masses_bands_and_yield():
     assert outer.stretch == pytest.approx(4.414, abs=1e-3)
     assert np.allclose(inner.lengths, np.hypot(0.030, 0.010))
     assert inner.fits == (0.010,)
+    assert made.yield_ is not None
     assert made.yield_.samples == 200
     assert made.yield_.target == "00>10>11>01>00"
 

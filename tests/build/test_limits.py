@@ -71,7 +71,7 @@ def test_a_part_larger_than_the_bed_is_named_with_both_sizes():
     made = layout(chain, ACRYLIC)
     small = replace(ACRYLIC.sheet, bed=(0.090, 0.200))
     assert not findings(made, None)
-    assert not [f for f in findings(layout(chain, replace(ACRYLIC, sheet=small)), None)]
+    assert not list(findings(layout(chain, replace(ACRYLIC, sheet=small)), None))
     small = replace(ACRYLIC.sheet, bed=(0.090, 0.060))
     (one, *_) = findings(layout(chain, replace(ACRYLIC, sheet=small)), None)
     assert one.check == "bed"

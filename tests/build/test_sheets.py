@@ -1,15 +1,18 @@
 """Promises about nested sheets and the coupon."""
 
+import io
 import math
 
 import pytest
 import shapely
+from ezdxf.filemanagement import read as read_dxf
 
 from build.shapes import block, lever
 from facts import refuses
 from stepwell.base import InputError
 from stepwell.build import Contour, Part
 from stepwell.build.exports.coupon import WINDOW, coupon
+from stepwell.build.exports.dxf import dxf_text
 from stepwell.build.exports.sheets import MARGIN, CutSheet, sheets
 
 MANY = [
@@ -54,7 +57,7 @@ def test_nested_parts_are_inside_the_bed_and_apart_and_need_no_more_sheets_than_
 
 
 def test_a_failed_nester_leaves_parts_in_rows(monkeypatch):
-    monkeypatch.setattr("stepwell.build.exports.sheets._asked", lambda *_: None)
+    monkeypatch.setattr("stepwell.build.exports.nester.places", lambda *_: None)
     bed = (0.2, 0.2)
     assert sheets(MANY, bed, seconds=1) == sheets(MANY, bed, seconds=0)
 
@@ -62,7 +65,7 @@ def test_a_failed_nester_leaves_parts_in_rows(monkeypatch):
 def test_a_crash_of_the_nester_is_no_crash_of_the_caller(monkeypatch, tmp_path):
     broken = tmp_path / "nester.py"
     broken.write_text("import os\nos.abort()\n")
-    monkeypatch.setattr("stepwell.build.exports.sheets.nester.__file__", str(broken))
+    monkeypatch.setattr("stepwell.build.exports.nester.__file__", str(broken))
     assert_good(sheets(MANY[:2], (0.2, 0.2), seconds=1), MANY[:2], (0.2, 0.2))
 
 
@@ -117,3 +120,16 @@ def test_the_coupon_has_test_holes_around_the_pin_with_their_sizes_and_bridges_b
     labels = shapely.MultiLineString(made.labels)
     assert area.contains(labels)
     assert area.boundary.distance(labels) > 2e-4
+
+
+@pytest.mark.parametrize("version", ["R2010", "R12"])
+def test_no_path_of_a_nested_sheet_crosses_or_doubles_another(version):
+    (sheet,) = sheets(MANY, (0.3, 0.2), seconds=1)
+    text = dxf_text(sheet.cutting((2e-4, 2e-4)), version, layered=True)
+    audit = read_dxf(io.StringIO(text)).audit()
+    assert (audit.errors, audit.fixes) == ([], [])
+    paths = sheet.cutting((2e-4, 2e-4))
+    rings = [one.polygon().exterior for one in (*paths.inside, *paths.outside)]
+    tree = shapely.STRtree(rings)
+    one, two = tree.query(rings, predicate="intersects")
+    assert set(zip(one, two, strict=True)) == {(i, i) for i in range(len(rings))}

@@ -46,7 +46,7 @@ def test_parts_and_holes_are_at_full_size_on_paper():
     assert (high - low) / DOTS == pytest.approx(50.0, abs=0.15)
     centre = low + round(10.0 * DOTS)
     runs = dark_runs(grey[centre - 3 : centre + 4].min(axis=0))
-    centres = [(a + b) / 2 for a, b in runs if b - a > 3.0 and b - a < 6.0]
+    centres = [(a + b) / 2 for a, b in runs if 3.0 < b - a < 6.0]
     edges = [(a + b) / 2 for a, b in runs if b - a < 0.6]
     assert centres[1] - centres[0] == pytest.approx(100.0, abs=0.2)
     assert centres[0] - edges[0] == pytest.approx(10.0, abs=0.2)

@@ -25,7 +25,7 @@ STOREYS = {
     "robots": ("#d55e00", ("robot", "simulation")),
     "input and output": (
         "#e69f00",
-        ("files", "studies", "accounts", "figures", "paper", "reports", "studio", "cli"),
+        ("files", "build", "studies", "accounts", "figures", "paper", "reports", "studio", "cli"),
     ),
 }
 

@@ -11,7 +11,7 @@ from stepwell.accounts.head import About, Shape, keys, recorded
 from stepwell.accounts.parts import CARD, FULL, Account, Fact, Notes, Picture, RecordTable
 from stepwell.accounts.words import assumed, cells_of
 from stepwell.base import Quantity, Schema, amount, counted, number
-from stepwell.build import BandUse, Build, Clearance, Collision, Finding, Layout, Part
+from stepwell.build import BandUse, Build, Clearance, Collision, ExceededLimit, Layout, Part
 
 
 def build_schema(shape: Shape) -> Schema:
@@ -37,7 +37,7 @@ def _of_unit(name: str, unit: str) -> Quantity:
     """A number of a finding; null unless it has this unit."""
     si = base.UNITS[unit].si if unit in base.UNITS else unit or "1"
 
-    def read(one: Finding) -> float | None:
+    def read(one: ExceededLimit) -> float | None:
         return getattr(one, name) if one.unit == si else None
 
     return Quantity(name, unit, read=read) if unit else Quantity(name, read=read, holds=float)
@@ -154,11 +154,13 @@ def build_account(made: Build, about: About) -> Account:
         Fact("Actuator", _actuator_words(made)),
     )
     parts = RecordTable(_PART, recorded(_PART, _parts(made)), more="parts", level=FULL)
+    scales = [one for one in _BAND if one.name.startswith("scale")]
     bands = RecordTable(
-        _BAND,
+        [one for one in _BAND if one not in scales],
         recorded(_BAND, made.bands),
         "Holes of the hooks on the inner and the outer block; 0 and 1 are the states of the cell, "
         "and the scale is a kitchen scale that the band pulls.",
+        scales,
         more="bands",
         level=CARD,
     )
@@ -222,7 +224,7 @@ def _yield_words(made: Build) -> str:
 
 
 def _mass_words(made: Build) -> str:
-    blocks = ", ".join(number(1e3 * one, 3) for one in made.block_masses)
+    blocks = ", ".join(number(base.to_unit(one, "g"), 3) for one in made.block_masses)
     return (
         f"{amount(made.mass, 'kg', 3)} of sheet, {amount(made.fastener_mass, 'kg', 2)} of "
         f"fasteners; blocks {blocks} g"

@@ -22,6 +22,7 @@ class Limit(NamedTuple):
 # reasons.
 LIMITS = {
     "cells": Limit(10_000, "cells in a chain"),
+    "built_cells": Limit(8, "cells of a build"),
     "bands": Limit(100, "bands on a cell"),
     "rows": Limit(10_000, "rows of a table"),
     "turns": Limit(10_000, "turning points"),

@@ -10,18 +10,19 @@ if TYPE_CHECKING:
     from stepwell.build.build_file import (
         BuildFile,
         build_presets,
+        dumps_build_file,
         load_build_file,
         loads_build_file,
         preset_text,
     )
     from stepwell.build.builds import BandUse, Build, build
     from stepwell.build.contour import Contour
-    from stepwell.build.exports.write import FileOptions, build_files, write_build
+    from stepwell.build.exports.folder import FileOptions, build_files
     from stepwell.build.layouts import BandPath, Layout, layout
-    from stepwell.build.limits import Finding
+    from stepwell.build.limits import ExceededLimit
     from stepwell.build.part import Hole, Part
     from stepwell.build.plates import Fastener
-    from stepwell.build.sweeps import Clearance, Collision, Sweep, sweep
+    from stepwell.build.sweeps import Clearance, Collision, MotionSweep, sweep
     from stepwell.build.tolerances import build_yield, tolerances_of
 
 __all__ = [
@@ -34,22 +35,22 @@ __all__ = [
     "Contour",
     "Fastener",
     "FileOptions",
-    "Finding",
+    "ExceededLimit",
     "Hole",
     "Layout",
     "Part",
-    "Sweep",
+    "MotionSweep",
     "build",
     "build_files",
     "build_presets",
     "build_yield",
+    "dumps_build_file",
     "layout",
     "load_build_file",
     "loads_build_file",
     "preset_text",
     "sweep",
     "tolerances_of",
-    "write_build",
 ]
 
 
@@ -66,18 +67,19 @@ _LATE = {
     "build_file": (
         "BuildFile",
         "build_presets",
+        "dumps_build_file",
         "load_build_file",
         "loads_build_file",
         "preset_text",
     ),
     "builds": ("BandUse", "Build", "build"),
     "contour": ("Contour",),
-    "exports.write": ("FileOptions", "build_files", "write_build"),
+    "exports.folder": ("FileOptions", "build_files"),
     "layouts": ("BandPath", "Layout", "layout"),
-    "limits": ("Finding",),
+    "limits": ("ExceededLimit",),
     "part": ("Hole", "Part"),
     "plates": ("Fastener",),
-    "sweeps": ("Clearance", "Collision", "Sweep", "sweep"),
+    "sweeps": ("Clearance", "Collision", "MotionSweep", "sweep"),
     "tolerances": ("build_yield", "tolerances_of"),
 }
 

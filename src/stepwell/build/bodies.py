@@ -35,7 +35,7 @@ class Piece:
 
 
 @dataclass(eq=False)
-class Body:
+class RigidBody:
     """Parts that move as one.
 
     Attributes:
@@ -106,7 +106,7 @@ def area(piece: Piece) -> "shapely.Polygon":
     )
 
 
-def bodies_of(layout: Layout) -> list[Body]:
+def bodies_of(layout: Layout) -> list[RigidBody]:
     """All bodies of a layout: blocks, levers, bands, the bar. Round holes count as solid."""
     pieces: dict[tuple[str | int, ...], list[Piece]] = {}
     for part in layout.parts:
@@ -121,10 +121,12 @@ def bodies_of(layout: Layout) -> list[Body]:
         piece = Piece(name, outline, (), one.low, one.high, one.joint)
         pieces[("block", one.block)].append(piece)
     made = [
-        Body(str(key[0]), *(int(one) for one in key[1:] or (len(layout.cells),)), pieces=tuple(own))
+        RigidBody(
+            str(key[0]), *(int(one) for one in key[1:] or (len(layout.cells),)), pieces=tuple(own)
+        )
         for key, own in pieces.items()
     ]
-    bands = [Body("band", one.cell, one.number, path=one) for one in layout.bands]
+    bands = [RigidBody("band", one.cell, one.number, path=one) for one in layout.bands]
     return made + bands
 
 
@@ -146,7 +148,7 @@ class Freedom:
     high: Floats
 
 
-def freedom(layout: Layout, a: Body, b: Body) -> Freedom:
+def freedom(layout: Layout, a: RigidBody, b: RigidBody) -> Freedom:
     """The parameters of two bodies. Levers turn around joints, blocks shift along arcs of radius r.
 
     Both motions are measured from a block between the bodies, so cells outside never count.
@@ -158,7 +160,7 @@ def freedom(layout: Layout, a: Body, b: Body) -> Freedom:
     def add(cell: int, amount: float) -> None:
         reach[cell] = reach.get(cell, 0.0) + amount
 
-    def own(body: Body) -> None:
+    def own(body: RigidBody) -> None:
         if body.kind in ("lever", "band"):
             more = half if body.kind == "lever" else 0.0
             add(body.number, layout.cells[body.number].cell.lever + more)
@@ -179,7 +181,7 @@ def freedom(layout: Layout, a: Body, b: Body) -> Freedom:
     return Freedom(cells, slides, np.array(scale), -np.array(limits), np.array(limits))
 
 
-def _order(body: Body) -> float:
+def _order(body: RigidBody) -> float:
     """Place in the chain: blocks at whole numbers, levers and bands between, the bar last."""
     return body.number + (0.5 if body.kind in ("lever", "band") else 0.0) + (body.kind == "bar") / 4
 
@@ -194,7 +196,7 @@ class Poses:
         self.slide = parameters[:, -1] if freedom.slides else np.zeros(len(parameters))
         self.at = layout.positions(self.angles)
 
-    def of(self, body: Body) -> tuple[Floats, Floats]:
+    def of(self, body: RigidBody) -> tuple[Floats, Floats]:
         """(n, 2) places [m] and (n,) angles [rad] of a body's frame."""
         number, layout = body.number, self.layout
         turned = np.zeros(len(self.angles))
@@ -217,7 +219,7 @@ class Poses:
         return np.stack([self.at[:, cell] + path.p, self.at[:, cell + 1] + path.q], axis=1)
 
 
-def layers(a: Body, b: Body) -> list[tuple[float, float]]:
+def layers(a: RigidBody, b: RigidBody) -> list[tuple[float, float]]:
     """Heights shared by two bodies, cut at all faces of either [m]."""
     heights = sorted({*a.heights, *b.heights})
     low, high = max(a.heights[0], b.heights[0]), min(a.heights[-1], b.heights[-1])

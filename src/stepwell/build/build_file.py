@@ -14,7 +14,7 @@ from stepwell.files import DesignError, checked, did_you_mean, keys, parsed, tex
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sheet(ByValue):
+class SheetSizes(ByValue):
     """The material of all flat parts and the machine that cuts or prints them.
 
     Attributes:
@@ -38,7 +38,7 @@ class Sheet(ByValue):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Pin(ByValue):
+class PinSizes(ByValue):
     """Pins of the joints: diameter, clearance in plates and in levers [m], allowed stress [Pa]."""
 
     diameter: float
@@ -48,7 +48,7 @@ class Pin(ByValue):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Lever(ByValue):
+class LeverSizes(ByValue):
     """Width, spacing of a block's two joints, clearance to spacers, shim thickness [m]."""
 
     width: float
@@ -58,7 +58,7 @@ class Lever(ByValue):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Block(ByValue):
+class BlockSizes(ByValue):
     """Distance of holes from the edge, and clearance of the blocks of one row [m]."""
 
     edge: float
@@ -66,7 +66,7 @@ class Block(ByValue):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stop(ByValue):
+class StopSizes(ByValue):
     """Angles θc [rad] at which faces stop a cell, and the gap of faces that do not stop [m]."""
 
     faces_from: float
@@ -75,7 +75,7 @@ class Stop(ByValue):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Grid(ByValue):
+class GridSizes(ByValue):
     """Grid of holes for anchors: pitch, reach along and across the stroke [m]."""
 
     pitch: float
@@ -84,7 +84,7 @@ class Grid(ByValue):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Hook(ByValue):
+class HookSizes(ByValue):
     """Hooks: diameter, clearance of bands above nuts, height and width of their caps [m]."""
 
     diameter: float
@@ -94,7 +94,7 @@ class Hook(ByValue):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class BandSize(ByValue):
+class BandSizes(ByValue):
     """Rubber bands: width along the hook, thickness, gap of two levels, free lengths [m].
 
     `largest_stretch` is the largest length over the free length [1].
@@ -108,7 +108,7 @@ class BandSize(ByValue):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Screw(ByValue):
+class ScrewSizes(ByValue):
     """Clamp screws: diameter, hole, height and width of head and nut [m]."""
 
     diameter: float
@@ -120,7 +120,7 @@ class Screw(ByValue):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Actuator(ByValue):
+class ActuatorLimits(ByValue):
     """Travel [m] and force [N] that the actuator can give."""
 
     travel: float
@@ -144,16 +144,16 @@ class BuildFile(ByValue):
     """All sizes with which the parts of a mechanism are made; one field for each table."""
 
     title: str
-    sheet: Sheet
-    pin: Pin
-    lever: Lever
-    block: Block
-    stop: Stop
-    grid: Grid
-    hook: Hook
-    band: BandSize
-    screw: Screw
-    actuator: Actuator
+    sheet: SheetSizes
+    pin: PinSizes
+    lever: LeverSizes
+    block: BlockSizes
+    stop: StopSizes
+    grid: GridSizes
+    hook: HookSizes
+    band: BandSizes
+    screw: ScrewSizes
+    actuator: ActuatorLimits
     tolerance: BuildErrors
 
     def __repr__(self):
@@ -205,7 +205,7 @@ def _list(value: Any) -> Any:
 # Keys and allowed numbers of all tables; the value that each table becomes.
 _TABLES: dict[str, tuple[type, dict[str, Any]]] = {
     "sheet": (
-        Sheet,
+        SheetSizes,
         {
             "material": keys.Line,
             "thickness_mm": _Range("0.5", "30"),
@@ -219,7 +219,7 @@ _TABLES: dict[str, tuple[type, dict[str, Any]]] = {
         },
     ),
     "pin": (
-        Pin,
+        PinSizes,
         {
             "diameter_mm": _SIZE,
             "plate_fit_mm": _Range("-0.5", "2"),
@@ -228,18 +228,21 @@ _TABLES: dict[str, tuple[type, dict[str, Any]]] = {
         },
     ),
     "lever": (
-        Lever,
+        LeverSizes,
         {"width_mm": _SIZE, "spacing_mm": _SIZE, "clearance_mm": _FIT, "shim_mm": _FIT},
     ),
-    "block": (Block, {"edge_mm": _SIZE, "clearance_mm": _SIZE}),
-    "stop": (Stop, {"faces_from_deg": _ANGLE, "faces_to_deg": _ANGLE, "gap_mm": _FIT}),
-    "grid": (Grid, {"pitch_mm": _SIZE, "side_mm": _FIT._replace(most="1000"), "depth_mm": _SIZE}),
+    "block": (BlockSizes, {"edge_mm": _SIZE, "clearance_mm": _SIZE}),
+    "stop": (StopSizes, {"faces_from_deg": _ANGLE, "faces_to_deg": _ANGLE, "gap_mm": _FIT}),
+    "grid": (
+        GridSizes,
+        {"pitch_mm": _SIZE, "side_mm": _FIT._replace(most="1000"), "depth_mm": _SIZE},
+    ),
     "hook": (
-        Hook,
+        HookSizes,
         {"diameter_mm": _SIZE, "clearance_mm": _FIT, "cap_mm": _SIZE, "cap_width_mm": _SIZE},
     ),
     "band": (
-        BandSize,
+        BandSizes,
         {
             "width_mm": _SIZE,
             "thickness_mm": _SIZE,
@@ -249,7 +252,7 @@ _TABLES: dict[str, tuple[type, dict[str, Any]]] = {
         },
     ),
     "screw": (
-        Screw,
+        ScrewSizes,
         {
             "diameter_mm": _SIZE,
             "hole_mm": _SIZE,
@@ -259,7 +262,7 @@ _TABLES: dict[str, tuple[type, dict[str, Any]]] = {
             "nut_width_mm": _SIZE,
         },
     ),
-    "actuator": (Actuator, {"travel_mm": _SIZE, "force_N": _Range("0.001", "1e6")}),
+    "actuator": (ActuatorLimits, {"travel_mm": _SIZE, "force_N": _Range("0.001", "1e6")}),
     "tolerance": (
         BuildErrors,
         {
@@ -272,6 +275,11 @@ _TABLES: dict[str, tuple[type, dict[str, Any]]] = {
 
 def _every_field() -> list[tuple[str, str]]:
     return [(table, keys.field_of(key)) for table, (_, own) in _TABLES.items() for key in own]
+
+
+def mm(value: float) -> str:
+    """A length [m] as a number of millimetres."""
+    return f"{to_unit(value, 'mm'):.4g}"
 
 
 def key_of(table: str, field: str) -> str:
@@ -363,6 +371,17 @@ def loads_build_file(text: str, name: str = "build file") -> BuildFile:
     return made
 
 
+def dumps_build_file(build_file: BuildFile) -> str:
+    """The TOML text of a build file, with all of its numbers; reading it gives an equal value."""
+    lines = [f"title = {keys.written('title', build_file.title)}"]
+    for table, (_, own) in _TABLES.items():
+        held = getattr(build_file, table)
+        lines += ["", f"[{table}]"]
+        for key in own:
+            lines.append(f"{key} = {keys.written(key, getattr(held, keys.field_of(key)))}")
+    return "\n".join(lines) + "\n"
+
+
 def _on_base(tables: dict[str, Any], name: str) -> dict[str, Any]:
     """The tables of the file on those of the preset that it names."""
     if name in _texts():
@@ -384,9 +403,6 @@ def _on_base(tables: dict[str, Any], name: str) -> dict[str, Any]:
 def _problems(build_file: BuildFile) -> list[str]:
     """Numbers that contradict each other, one line each."""
     sheet, pin, lever, screw = build_file.sheet, build_file.pin, build_file.lever, build_file.screw
-
-    def mm(value: float) -> str:
-        return f"{to_unit(value, 'mm'):.6g}"
 
     problems: list[str] = []
     hole = pin.diameter + pin.lever_fit

@@ -11,9 +11,9 @@ from stepwell import base, sequences
 from stepwell.build.build_file import BuildFile, load_build_file
 from stepwell.build.freeing import collision_findings
 from stepwell.build.layouts import Layout, layout as lay
-from stepwell.build.limits import Finding, findings
+from stepwell.build.limits import ExceededLimit, findings
 from stepwell.build.loads import band_range
-from stepwell.build.sweeps import Sweep, sweep
+from stepwell.build.sweeps import MotionSweep, sweep
 from stepwell.build.tolerances import build_yield
 from stepwell.design import Yield
 from stepwell.mechanism import Chain
@@ -71,8 +71,8 @@ class Build(base.ByValue, base.Drawn):
     chain: Chain
     build_file: BuildFile
     layout: Layout
-    sweep: Sweep
-    findings: tuple[Finding, ...]
+    sweep: MotionSweep
+    findings: tuple[ExceededLimit, ...]
     cycle: Cycle | None
     yield_: Yield | None
 

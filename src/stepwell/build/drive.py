@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 
 from stepwell.base import Vec2
-from stepwell.build.build_file import BuildFile
+from stepwell.build.build_file import BuildFile, mm
 from stepwell.build.contour import Contour
 from stepwell.build.part import Hole, Part
-from stepwell.build.plates import Fastener, mm
+from stepwell.build.plates import Fastener
 from stepwell.build.seats import BlockPlan, CellPlan, ranges
 from stepwell.build.stack import Stack, pin_length
 

@@ -5,10 +5,10 @@ from collections.abc import Iterator
 
 from stepwell.base import InputError, ReadOnly, bisected
 from stepwell.build.bodies import bodies_of
-from stepwell.build.build_file import BuildFile
+from stepwell.build.build_file import BuildFile, mm
 from stepwell.build.layouts import Layout, layout as lay
-from stepwell.build.limits import Finding, findings, mm, setting
-from stepwell.build.sweeps import Collision, Sweep, compare, sweep
+from stepwell.build.limits import ExceededLimit, findings, setting
+from stepwell.build.sweeps import Collision, MotionSweep, compare, sweep
 
 # Lengths that are tried, with the direction in which each frees parts, and their factors at most.
 _LENGTHS: dict[str, tuple[float, ...]] = {
@@ -34,9 +34,9 @@ _HALVINGS = 12
 _MOST_SEARCHED = 4
 
 
-def collision_findings(layout: Layout, result: Sweep) -> tuple[Finding, ...]:
+def collision_findings(layout: Layout, result: MotionSweep) -> tuple[ExceededLimit, ...]:
     """A finding for each collision of a sweep, the first with the change that frees the parts."""
-    found: list[Finding] = []
+    found: list[ExceededLimit] = []
     # Collisions of like parts have the same way out.
     known: dict[tuple[str, ...], ReadOnly] = {}
     for number, one in enumerate(result.collisions):
@@ -50,7 +50,7 @@ def collision_findings(layout: Layout, result: Sweep) -> tuple[Finding, ...]:
     return tuple(found)
 
 
-def smallest_change(layout: Layout, one: Collision, result: Sweep) -> dict[str, float]:
+def smallest_change(layout: Layout, one: Collision, result: MotionSweep) -> dict[str, float]:
     """The length of the build file with the smallest relative change that frees two parts.
 
     The change leads to no other collision and breaks no limit. Empty if no single length does.
@@ -129,7 +129,7 @@ def _sound(
     return len(sweep(changed).collisions) < count
 
 
-def _finding(layout: Layout, one: Collision, change: ReadOnly) -> Finding:
+def _finding(layout: Layout, one: Collision, change: ReadOnly) -> ExceededLimit:
     where = " and ".join(
         f"travel of cell {cell + 1} from {mm(low)} to {mm(high)} mm"
         for cell, (low, high) in zip(one.cells, one.travels, strict=True)
@@ -141,7 +141,7 @@ def _finding(layout: Layout, one: Collision, change: ReadOnly) -> Finding:
         advice = (
             f"Set {setting(layout, name, value, 'mm')}; it is the smallest change that frees them."
         )
-    return Finding(
+    return ExceededLimit(
         "collision",
         one.parts,
         one.overlap,

@@ -19,7 +19,7 @@ _FARTHEST, _PARTS = 6, 5
 _ANGLES = 91
 
 
-class Placed(NamedTuple):
+class HookedBand(NamedTuple):
     """A band of a cell on its two blocks.
 
     Anchors (x, y) [m] of a seat: x along the stroke from the midpoint of its joints, y across, away
@@ -95,20 +95,20 @@ def on_grid(at: Vec2, pitch: float) -> bool:
     return all(abs(one / pitch - round(one / pitch)) * pitch < SAME for one in at)
 
 
-def place_bands(cell: Cell, build_file: BuildFile, seats: tuple[Seat, Seat]) -> list[Placed]:
+def place_bands(cell: Cell, build_file: BuildFile, seats: tuple[Seat, Seat]) -> list[HookedBand]:
     """Hooks of all bands of a cell, anchors shifted where their places are taken.
 
     A band that has no allowed place keeps its anchors; `limits` reports it.
     """
     pitch = build_file.grid.pitch
     taken: tuple[list[Vec2], list[Vec2]] = ([], [])
-    placed: list[Placed] = []
+    placed: list[HookedBand] = []
     for number, band in enumerate(cell.bands):
         shift = _shift(band, seats, taken, pitch) or (0.0, 0.0)
         inner, outer = inner_place(band, shift), outer_place(band, shift)
         taken[0].append(inner)
         taken[1].append(outer)
-        placed.append(Placed(number, inner, outer, shift, 0))
+        placed.append(HookedBand(number, inner, outer, shift, 0))
     return _levels(cell, placed, build_file)
 
 
@@ -131,7 +131,7 @@ def _shift(
     )
 
 
-def _levels(cell: Cell, placed: list[Placed], build_file: BuildFile) -> list[Placed]:
+def _levels(cell: Cell, placed: list[HookedBand], build_file: BuildFile) -> list[HookedBand]:
     """The bands with levels: a band that passes a hook of another band lies above that band."""
     below: dict[int, set[int]] = {one.number: set() for one in placed}
     width = build_file.hook.diameter + 2.0 * build_file.band.thickness
@@ -149,7 +149,9 @@ def _levels(cell: Cell, placed: list[Placed], build_file: BuildFile) -> list[Pla
     return [one._replace(level=order.index(one.number)) for one in placed]
 
 
-def _gaps(band: Placed, other: Placed, along: np.ndarray, across: np.ndarray) -> Iterator[float]:
+def _gaps(
+    band: HookedBand, other: HookedBand, along: np.ndarray, across: np.ndarray
+) -> Iterator[float]:
     """Least distances [m] of a band to those hooks of another band that are not its own."""
     p = np.array(band.inner)
     q = np.column_stack([along + band.outer[0], across - band.outer[1]])

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, Vec2
+from stepwell.base import ByValue, Floats, InputError, Vec2, require
 from stepwell.build import seats
-from stepwell.build.build_file import BuildFile
+from stepwell.build.build_file import BuildFile, mm
 from stepwell.build.drive import drive_bar, drive_pin, drive_place
 from stepwell.build.levers import lever_parts, stop_pins, stop_plate
 from stepwell.build.part import Part
@@ -16,9 +16,6 @@ from stepwell.build.plates import Fastener, block_fasteners, block_parts, foot_p
 from stepwell.build.seats import INNER, BlockPlan, CellPlan
 from stepwell.build.stack import Stack, stack_of
 from stepwell.mechanism import Chain
-
-# Most cells of a build: the sweep and the guide were tested up to here.
-MOST_CELLS = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +69,7 @@ class Layout(ByValue):
 
     def __repr__(self):
         return (
-            f"Layout({len(self.parts)} parts of {1e3 * self.stack.thickness:.3g} mm, "
+            f"Layout({len(self.parts)} parts of {mm(self.stack.thickness)} mm, "
             f"{len(self.fasteners)} fasteners, {len(self.bands)} bands)"
         )
 
@@ -139,13 +136,9 @@ def layout(chain: Chain, build_file: BuildFile) -> Layout:
     """All parts of a chain of lever cells.
 
     Raises:
-        ValueError: an element, more cells than `MOST_CELLS`, or levers too short for any plate.
+        ValueError: an element, too many cells (docs/limits.md), or levers too short for any plate.
     """
-    if len(chain) > MOST_CELLS:
-        raise InputError(
-            f"the chain has {len(chain)} cells: builds of up to {MOST_CELLS} cells are supported. "
-            f"Build it as two chains."
-        )
+    require("built_cells", len(chain), "the chain has")
     cells, blocks = seats.plans(chain, build_file)
     slots = any(one.slotted for one in cells)
     stack = stack_of(build_file, slots=slots)

@@ -3,10 +3,10 @@
 import math
 from collections.abc import Iterator, Sequence
 
-from stepwell.build.build_file import BuildFile
+from stepwell.build.build_file import BuildFile, mm
 from stepwell.build.contour import Contour
 from stepwell.build.part import Hole, Part
-from stepwell.build.plates import Fastener, mm, screw_places
+from stepwell.build.plates import Fastener, screw_places
 from stepwell.build.seats import BlockPlan, CellPlan
 from stepwell.build.stack import Stack, pin_length_below
 

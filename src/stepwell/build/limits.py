@@ -7,8 +7,8 @@ from itertools import combinations
 
 import numpy as np
 
-from stepwell.base import ByValue, ReadOnly
-from stepwell.build.build_file import key_of
+from stepwell.base import ByValue, ReadOnly, to_unit
+from stepwell.build.build_file import key_of, mm
 from stepwell.build.layouts import Layout
 from stepwell.build.loads import band_range, hook_loads, lever_forces
 from stepwell.build.part import Part
@@ -19,7 +19,7 @@ _EQUAL = 5e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Finding(ByValue):
+class ExceededLimit(ByValue):
     """A limit that a build exceeds.
 
     Attributes:
@@ -47,7 +47,7 @@ class Finding(ByValue):
         return f"{self.problem} {self.advice}"
 
 
-def findings(layout: Layout, path: Path | None) -> tuple[Finding, ...]:
+def findings(layout: Layout, path: Path | None) -> tuple[ExceededLimit, ...]:
     """All limits that a layout exceeds.
 
     Args:
@@ -67,17 +67,17 @@ def findings(layout: Layout, path: Path | None) -> tuple[Finding, ...]:
     return tuple(found)
 
 
-def mm(value: float) -> str:
-    """A length [m] in mm."""
-    return f"{1e3 * value:.4g}"
+def mpa(value: float) -> str:
+    """A stress [Pa] as a number of megapascals."""
+    return f"{to_unit(value, 'MPa'):.3g}"
 
 
 def setting(layout: Layout, name: str, value: float, unit: str) -> str:
     """A key with its new and its present number, as in lever.width_mm = 9 instead of 8."""
     table, _, own = name.partition("__")
     now = getattr(getattr(layout.build_file, table), own)
-    scale = {"mm": 1e3, "MPa": 1e-6, "N": 1.0, "1": 1.0}[unit]
-    return f"{key_of(table, own)} = {scale * value:.4g} instead of {scale * now:.4g}"
+    new, old = (f"{to_unit(one, unit):.4g}" for one in (value, now))
+    return f"{key_of(table, own)} = {new} instead of {old}"
 
 
 def rounded_up(value: float, step: float = 1e-4) -> float:
@@ -85,7 +85,7 @@ def rounded_up(value: float, step: float = 1e-4) -> float:
     return math.ceil(value / step - 1e-6) * step
 
 
-def _webs(layout: Layout) -> Iterator[Finding]:
+def _webs(layout: Layout) -> Iterator[ExceededLimit]:
     """Webs between openings, and between openings and edges, of every part."""
     bridge = layout.build_file.sheet.bridge
     # Parts of one kind with the same openings have one finding.
@@ -99,7 +99,7 @@ def _webs(layout: Layout) -> Iterator[Finding]:
         if like in seen:
             continue
         seen.add(like)
-        yield Finding(
+        yield ExceededLimit(
             "web",
             (part.name,),
             web,
@@ -144,7 +144,7 @@ def _web_advice(layout: Layout, part: Part, first: str, second: str, web: float)
     return f"Use another sheet: sheet.bridge_mm = {mm(max(web, 0.0))} if the material allows it."
 
 
-def _bed(layout: Layout) -> Iterator[Finding]:
+def _bed(layout: Layout) -> Iterator[ExceededLimit]:
     bed = sorted(layout.build_file.sheet.bed)
     for part in layout.parts:
         x0, y0, x1, y1 = part.outline.bounds
@@ -152,7 +152,7 @@ def _bed(layout: Layout) -> Iterator[Finding]:
         if size[0] <= bed[0] + _EQUAL and size[1] <= bed[1] + _EQUAL:
             continue
         far = int(size[1] > bed[1] + _EQUAL)
-        yield Finding(
+        yield ExceededLimit(
             "bed",
             (part.name,),
             size[far],
@@ -165,7 +165,7 @@ def _bed(layout: Layout) -> Iterator[Finding]:
         )
 
 
-def _bands(layout: Layout) -> Iterator[Finding]:
+def _bands(layout: Layout) -> Iterator[ExceededLimit]:
     most = layout.build_file.band.largest_stretch
     for path in layout.bands:
         cell = layout.cells[path.cell].cell
@@ -173,7 +173,7 @@ def _bands(layout: Layout) -> Iterator[Finding]:
         name = f"band {path.number + 1} of cell {path.cell + 1}"
         reach = band_range(cell, path.number)
         if band.rest_length == 0.0:
-            yield Finding(
+            yield ExceededLimit(
                 "stretch",
                 (name,),
                 math.inf,
@@ -184,7 +184,7 @@ def _bands(layout: Layout) -> Iterator[Finding]:
             )
             continue
         if band.two_sided and reach.shortest < band.rest_length - _EQUAL:
-            yield Finding(
+            yield ExceededLimit(
                 "stretch",
                 (name,),
                 reach.shortest / band.rest_length,
@@ -197,7 +197,7 @@ def _bands(layout: Layout) -> Iterator[Finding]:
             )
         stretch = reach.longest / band.rest_length
         if stretch > most * (1.0 + 1e-9):
-            yield Finding(
+            yield ExceededLimit(
                 "stretch",
                 (name,),
                 stretch,
@@ -210,7 +210,7 @@ def _bands(layout: Layout) -> Iterator[Finding]:
             )
 
 
-def _hooks(layout: Layout) -> Iterator[Finding]:
+def _hooks(layout: Layout) -> Iterator[ExceededLimit]:
     """Bearing stress in the plate around a hook, and bending of the hook."""
     build_file = layout.build_file
     thick, width = build_file.sheet.thickness, build_file.hook.diameter
@@ -232,19 +232,19 @@ def _hooks(layout: Layout) -> Iterator[Finding]:
         ):
             if stress <= allowed:
                 continue
-            yield Finding(
+            yield ExceededLimit(
                 "hook",
                 (f"block-{block}-top",),
                 stress,
                 allowed,
                 "Pa",
-                f"block-{block}-top, hook {hole}: {force:.3g} N of bands make {1e-6 * stress:.3g} "
-                f"MPa in {what}, and {key_of(*key.split('__'))} allows {1e-6 * allowed:.3g}.",
+                f"block-{block}-top, hook {hole}: {force:.3g} N of bands make {mpa(stress)} "
+                f"MPa in {what}, and {key_of(*key.split('__'))} allows {mpa(allowed)}.",
                 f"Use softer bands, of {100.0 * allowed / stress:.3g} % of this stiffness or less.",
             )
 
 
-def _joints(layout: Layout, path: Path) -> Iterator[Finding]:
+def _joints(layout: Layout, path: Path) -> Iterator[ExceededLimit]:
     """Stress in levers, plates and pins from the largest force of a lever in the cycle."""
     build_file = layout.build_file
     pin, thick = build_file.pin.diameter, build_file.sheet.thickness
@@ -264,19 +264,19 @@ def _joints(layout: Layout, path: Path) -> Iterator[Finding]:
             if stress <= allowed:
                 continue
             key = "pin.strength_MPa" if check == "pin" else "sheet.strength_MPa"
-            yield Finding(
+            yield ExceededLimit(
                 check,
                 parts,
                 stress,
                 allowed,
                 "Pa",
-                f"{parts[0]}: a force of {force:.3g} N makes {1e-6 * stress:.3g} MPa in {where}, "
-                f"and {key} allows {1e-6 * allowed:.3g}.",
+                f"{parts[0]}: a force of {force:.3g} N makes {mpa(stress)} MPa in {where}, "
+                f"and {key} allows {mpa(allowed)}.",
                 f"Use softer bands, of {100.0 * allowed / stress:.3g} % of this stiffness or less.",
             )
 
 
-def _travel(layout: Layout, path: Path | None) -> Iterator[Finding]:
+def _travel(layout: Layout, path: Path | None) -> Iterator[ExceededLimit]:
     have = layout.build_file.actuator.travel
     need = layout.chain.full_stroke
     if path is not None and layout.chain.actuator_stiffness > 0.0:
@@ -284,7 +284,7 @@ def _travel(layout: Layout, path: Path | None) -> Iterator[Finding]:
         need = max(need, float(np.ptp(path.drive)))
     if need > have * (1.0 + 1e-9):
         least = rounded_up(need, 1e-3)
-        yield Finding(
+        yield ExceededLimit(
             "travel",
             ("drive-bar",),
             need,
@@ -297,12 +297,12 @@ def _travel(layout: Layout, path: Path | None) -> Iterator[Finding]:
         )
 
 
-def _force(layout: Layout, path: Path) -> Iterator[Finding]:
+def _force(layout: Layout, path: Path) -> Iterator[ExceededLimit]:
     have = layout.build_file.actuator.force
     need = abs(path.peak_force)
     if need > have:
         least = rounded_up(need, 0.01)
-        yield Finding(
+        yield ExceededLimit(
             "force",
             ("drive-bar",),
             need,

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from stepwell.base import Vec2
-from stepwell.build.build_file import BuildFile
+from stepwell.build.build_file import BuildFile, mm
 from stepwell.build.contour import Contour
 from stepwell.build.hooks import SAME, on_grid
 from stepwell.build.part import Hole, Part
@@ -42,11 +42,6 @@ class Fastener:
 
 Levels = list[tuple[float, float, float]]
 BOTTOM, SPACER, TOP = "bottom", "spacer", "top"
-
-
-def mm(value: float) -> str:
-    """A length [m] in mm for names of sizes."""
-    return f"{1e3 * value:.4g}"
 
 
 def ends(block: BlockPlan, build_file: BuildFile) -> tuple[float, float]:

@@ -4,10 +4,10 @@ import math
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from stepwell.base import InputError, Vec2, require
+from stepwell.base import InputError, Vec2
 from stepwell.build import hooks
-from stepwell.build.build_file import BuildFile
-from stepwell.build.hooks import Placed
+from stepwell.build.build_file import BuildFile, mm
+from stepwell.build.hooks import HookedBand
 from stepwell.mechanism import Cell, Chain
 
 INNER, OUTER = "p", "q"
@@ -34,7 +34,7 @@ class CellPlan:
     front: float
     half: float
     back: float
-    bands: tuple[Placed, ...] = field(repr=False)
+    bands: tuple[HookedBand, ...] = field(repr=False)
 
     @property
     def hooks(self) -> dict[str, tuple[Vec2, ...]]:
@@ -78,7 +78,6 @@ def plans(
             the joints and the other block.
     """
     cells = tuple(_cell_plan(cell, i, build_file) for i, cell in enumerate(chain.levers))
-    require("cells", len(cells), "the chain has")
     blocks = [BlockPlan(0, -1.0, ((cells[0], INNER, 0.0),))]
     for i, cell in enumerate(cells):
         seats = [(cell, OUTER, 0.0)]
@@ -102,9 +101,9 @@ def _cell_plan(cell: Cell, number: int, build_file: BuildFile) -> CellPlan:
     if front <= 0.0:
         name = cell.name or f"cell {number + 1}"
         raise InputError(
-            f"{name}: lever {1e3 * cell.lever:.4g} mm and limit {math.degrees(cell.limit):.4g} "
-            f"degrees leave {2e3 * least:.3g} mm between the joints of its two blocks at the "
-            f"stops, and stop.gap_mm is {1e3 * stop.gap:.3g}: use a longer lever or a smaller θc."
+            f"{name}: lever {mm(cell.lever)} mm and limit {math.degrees(cell.limit):.4g} "
+            f"degrees leave {mm(2.0 * least)} mm between the joints of its two blocks at the "
+            f"stops, and stop.gap_mm is {mm(stop.gap)}: use a longer lever or a smaller θc."
         )
     if slotted:
         front = min(front, max(edge, build_file.lever.width / 2.0))

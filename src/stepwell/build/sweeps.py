@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stepwell.base import ByValue, Floats
-from stepwell.build.bodies import Body, Freedom, Piece, Poses, area, bodies_of, freedom, layers
+from stepwell.build.bodies import Freedom, Piece, Poses, RigidBody, area, bodies_of, freedom, layers
 from stepwell.build.layouts import Layout
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ class Collision(ByValue):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sweep(ByValue):
+class MotionSweep(ByValue):
     """Result of a sweep over all angles of all cells.
 
     Attributes:
@@ -94,7 +94,7 @@ class Sweep(ByValue):
     poses: int
 
 
-def sweep(layout: Layout, progress: Callable[[int, int], None] | None = None) -> Sweep:
+def sweep(layout: Layout, progress: Callable[[int, int], None] | None = None) -> MotionSweep:
     """Compare all bodies of a layout over all angles of its cells.
 
     The angles of all cells are independent here, so all reachable states are among them. Of the
@@ -126,7 +126,7 @@ def sweep(layout: Layout, progress: Callable[[int, int], None] | None = None) ->
     nearest: dict[tuple[str, str], Clearance] = {}
     for one in sorted(clearances, key=lambda one: one.distance):
         nearest.setdefault(one.parts, one)
-    return Sweep(
+    return MotionSweep(
         free=not deepest and not undecided,
         collisions=deepest,
         undecided=tuple(undecided),
@@ -158,7 +158,7 @@ class Compared:
     poses: int = 0
 
 
-def compare(layout: Layout, a: Body, b: Body) -> Iterator[Compared]:
+def compare(layout: Layout, a: RigidBody, b: RigidBody) -> Iterator[Compared]:
     """Results for two bodies, one for each layer in which both have parts."""
     moves: Freedom | None = None
     seen: set[Any] = set()
@@ -217,14 +217,16 @@ class Distances:
     """Distances of two bodies in one layer: one stands, shrunk a little, the other moves."""
 
     layout: Layout
-    still: Body
-    moving: Body
+    still: RigidBody
+    moving: RigidBody
     pieces: tuple[list[Piece], list[Piece]]  # of both
     still_area: "shapely.Geometry | None"
     rings: list[Floats]
 
     @classmethod
-    def of(cls, layout: Layout, a: Body, b: Body, low: float, high: float) -> "Distances | None":
+    def of(
+        cls, layout: Layout, a: RigidBody, b: RigidBody, low: float, high: float
+    ) -> "Distances | None":
         """For two bodies between two heights; None if one has nothing there."""
         import shapely
 
@@ -293,12 +295,12 @@ def lines_of(ends: Floats) -> Any:
     return np.asarray(shapely.linestrings(ends))
 
 
-def _joint(body: Body) -> tuple[int, int] | None:
+def _joint(body: RigidBody) -> tuple[int, int] | None:
     """The joint on whose pins a body turns."""
     return (body.number, body.index) if body.kind == "lever" else None
 
 
-def _own_hook(piece: Piece, band: Body) -> bool:
+def _own_hook(piece: Piece, band: RigidBody) -> bool:
     assert band.path is not None
     ends = zip((band.number, band.number + 1), band.path.holes, strict=True)
     return any(
@@ -333,7 +335,7 @@ def _piece_pairs(distances: Distances) -> Iterator[tuple[Piece, Piece]]:
     )
 
 
-def _band_piece(body: Body) -> Piece:
+def _band_piece(body: RigidBody) -> Piece:
     from stepwell.build.contour import Contour
 
     assert body.path is not None
@@ -353,8 +355,8 @@ def _depths(
     layout: Layout,
     moves: Freedom,
     rows: Floats,
-    first: tuple[Body, Piece],
-    second: tuple[Body, Piece],
+    first: tuple[RigidBody, Piece],
+    second: tuple[RigidBody, Piece],
 ) -> tuple[Floats, Floats]:
     """The rows at which two pieces overlap, and by how much [m]."""
     import shapely
@@ -369,7 +371,7 @@ def _depths(
     return rows[chosen][deep], depths[deep]
 
 
-def _placed(poses: Poses, body: Body, piece: Piece) -> Any:
+def _placed(poses: Poses, body: RigidBody, piece: Piece) -> Any:
     """The areas of a piece at all poses."""
     import shapely
 

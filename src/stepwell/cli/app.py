@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from stepwell.base import __version__, described
-from stepwell.cli import about, atlas, checks, design, lab, motion, robots, show, sweep
+from stepwell.cli import about, atlas, build, checks, design, lab, motion, robots, show, sweep
 from stepwell.cli.options import grouped
 from stepwell.cli.screen import EXIT_CODES, PIPE_CLOSED, Commands, styled
 from stepwell.crash import leave
@@ -18,7 +18,7 @@ from stepwell.crash import leave
 # The groups of `stepwell --help`, in this order.
 _GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
     "Analysis": (motion.run, motion.map_, motion.graph, motion.program),
-    "Design": (about.new, about.presets, design.design, design.reprogram),
+    "Design": (about.new, about.presets, design.design, design.reprogram, build.build),
     "Tolerances and measurements": (checks.check, checks.yield_, lab.commands),
     "Robots": (robots.commands, robots.walk, robots.maze, robots.export, robots.view),
     "Parameter studies": (sweep.commands, atlas.commands),

@@ -18,7 +18,7 @@ def check(
         "TARGET",
     ),
     *,
-    within: given.ToleranceOptions,
+    within: given.BuildTolerances,
     data: Data = None,
     sampling: given.Sampling,
     output: Output,
@@ -35,7 +35,7 @@ def check(
     from stepwell.design import check
 
     text, chain = read_chain(design)
-    spread = within.tolerances(chain.measure)
+    spread = within.of(chain)
     output.check_output_folder("check", design=text)
     calibrated = None
     if data is not None:
@@ -71,7 +71,7 @@ class CountedOptions(Group):
 
 def yield_(
     design: Design,
-    within: given.ToleranceOptions,
+    within: given.BuildTolerances,
     counted: CountedOptions,
     data: Data = None,
     *,
@@ -89,7 +89,7 @@ def yield_(
     from stepwell.design import survival, yields
 
     text, chain = read_chain(design)
-    spread = within.tolerances(chain.measure)
+    spread = within.of(chain)
     output.check_output_folder("yield", design=text)
     counted.refuse_two()
     calibrated = None

@@ -93,6 +93,12 @@ class Parts(Group):
         "X:Y",
         parser=point,
     )
+    build: str | None = option(
+        "Build file (TOML) or its preset, such as acrylic-3mm: its grid of holes replaces --holes, "
+        "--origin, and --x and --y unless given.",
+        f"--build {given.BUILD_FILE}",
+        autocompletion=given.materials,
+    )
     bands: list[str] | None = option(
         "Available band: paper, robot or antennas; stiffness [N/m], rest length and tolerance [%]; "
         "or a design file with bands, or band.toml of lab band. May be repeated.",
@@ -120,19 +126,36 @@ class Parts(Group):
         kinds = [one for text in self.elements or () for one in elements_of(text)]
         self._refuse_combinations(kinds)
         levers = [from_unit(lever, "mm") for lever in self.levers or ()] or [PAPER_LEVER]
+        usual, holes = usual_box(max(levers), self.place), self.holes
+        box = self._box(usual) if self.x or self.y else None
+        if self.build is not None:
+            grid = self._grid(self.build)
+            holes = to_unit(grid.pitch, "mm")
+            across = (-grid.depth, 0.0) if self.place is Free.P else (0.0, grid.depth)
+            ends = {"left": across[0], "right": across[1], "bottom": -grid.side, "top": grid.side}
+            box = self._box(replace(usual, **ends))
         return {
-            "within": self._box(usual_box(max(levers), self.place)) if self.x or self.y else None,
+            "within": box,
             "free": self.place.value,
             "elements": kinds,
             "force_scale": (self.force_scale.start, self.force_scale.stop),
             "travel_scale": (self.travel_scale.start, self.travel_scale.stop),
-            "holes": None if self.holes is None else from_unit(self.holes, "mm"),
+            "holes": None if holes is None else from_unit(holes, "mm"),
             "origin": tuple(from_unit(one, "mm") for one in self.origin or (0.0, 0.0)),
             "bands": [one for text in self.bands or ["paper"] for one in bands_of(text)],
             "lever": levers,
             "equal_levers": not self.mixed_levers,
             "unusual": self.unusual,
         }
+
+    def _grid(self, build: str) -> Any:
+        """The grid of holes of a build file."""
+        from stepwell.build import load_build_file
+
+        if self.holes or self.origin or self.elements:
+            raise wrong("--build", "cannot be combined with --holes, --origin or --element.")
+        with usable("--build"):
+            return load_build_file(build).grid
 
     def _refuse_combinations(self, kinds: list[Any]) -> None:
         if kinds and (self.x or self.y or self.holes or self.bands or self.levers):

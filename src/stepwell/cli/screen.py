@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 import threading
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
@@ -136,7 +137,14 @@ def report(
         return
     _print_folded(terminal(account, full=full))
     if names:
-        show_lines("", f"Written into {out}: {', '.join(names)}")
+        show_lines("", f"Written into {out}: {', '.join(_by_folder(names))}")
+
+
+def _by_folder(names: Sequence[str]) -> list[str]:
+    """Names of files, those in inner folders as the folder and their number."""
+    inner = Counter(name.partition("/")[0] for name in names if "/" in name)
+    folders = [f"{name}/ ({count} files)" for name, count in inner.items()]
+    return [*(name for name in names if "/" not in name), *folders]
 
 
 def show_lines(*lines: str) -> None:

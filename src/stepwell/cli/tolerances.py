@@ -109,6 +109,36 @@ class ToleranceOptions(DesignTolerances):
     travel_tolerance: TravelTolerance = 0.0
 
 
+BUILD_FILE = "FILE|PRESET"
+
+
+def materials(incomplete: str) -> list[str]:
+    """Presets of build files with this beginning."""
+    from stepwell.build import build_presets
+
+    return [name for name in build_presets() if name.startswith(incomplete)]
+
+
+class BuildTolerances(ToleranceOptions):
+    """All tolerances of a chain, or the errors of a build."""
+
+    build: str | None = option(
+        "Build file (TOML) or its preset, such as acrylic-3mm: the errors of its holes, joints, "
+        "stops and bands replace all tolerances.",
+        f"--build {BUILD_FILE}",
+        autocompletion=materials,
+    )
+
+    def of(self, chain: sw.Chain) -> Tolerances:
+        """The tolerances of a chain, or those of its parts."""
+        if self.build is None:
+            return self.tolerances(chain.measure)
+        from stepwell.build import layout, load_build_file, tolerances_of
+
+        with usable("--build"):
+            return tolerances_of(layout(chain, load_build_file(self.build)))
+
+
 Data = Annotated[
     Path | None,
     typer.Option(

@@ -17,7 +17,7 @@ from stepwell.design.plane import Boundary, BoundaryKind, Method
 from stepwell.design.tolerances.draws import DEFAULT_TOLERANCES, Draws, Tolerances
 
 if TYPE_CHECKING:
-    from stepwell.design.checks import Check, Measurement, Verdict, check, verdict_of
+    from stepwell.design.checks import Check, Measurement, Verdict, check, measurement, verdict_of
     from stepwell.design.map_boundaries import boundaries, parameter_boundaries
     from stepwell.design.maps import MapView, parameter_map, transition_map
     from stepwell.design.run import Run
@@ -100,7 +100,7 @@ sys.modules[__name__].__class__ = _CallablePackage
 
 # The first cycle needs a margin; other modules are imported at first use.
 _LATE = {
-    "checks": ("Check", "Measurement", "Verdict", "check", "verdict_of"),
+    "checks": ("Check", "Measurement", "Verdict", "check", "measurement", "verdict_of"),
     "map_boundaries": ("boundaries", "parameter_boundaries"),
     "maps": ("MapView", "parameter_map", "transition_map"),
     "run": ("Run",),

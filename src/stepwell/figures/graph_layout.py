@@ -245,7 +245,7 @@ _ROUND = 7.0
 _BOWS = (0.0, 8.0, -8.0, 16.0, -16.0, 24.0, -24.0)
 
 
-class Layout:
+class GraphLayout:
     """Nodes in columns by the sum of their digits, in mm from the lower left corner.
 
     On a sheet of a given size [mm], all graphs with this number of two-phase cells have the same

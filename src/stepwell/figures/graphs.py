@@ -83,7 +83,7 @@ class _Drawing:
         self.program, self.cells = program, graph.cells
         self.strokes = [] if program is None else graph_layout.followed(graph, program)
         self.reduced = graph_layout.folded(graph, [stroke[-1] for stroke in self.strokes])
-        self.layout = graph_layout.Layout(self.reduced, graph.cells, size)
+        self.layout = graph_layout.GraphLayout(self.reduced, graph.cells, size)
         loop = graph.reading.main_loop
         self.in_loop = {*loop.up, *loop.down}
         self.loop_ways = self._between([loop.up, loop.down])

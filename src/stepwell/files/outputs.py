@@ -26,6 +26,12 @@ _OF_COMMANDS = {
     "map": ("map.nc map.json boundaries.csv", "map"),
     "program": ("design.toml program.csv program.json", "program"),
     "design": ("design.toml design.json yield.csv", "holes force-plane"),
+    # The folders parts, sheets and template have files of their own names.
+    "build": (
+        "design.toml build.toml build.json parts.csv bands.csv coupon.dxf coupon.svg coupon.txt "
+        "guide.html guide.pdf template-A4.pdf template-letter.pdf",
+        "layers",
+    ),
     "check": ("design.toml check.json", ""),
     "yield": ("design.toml yield.json yield.csv survival.json", "yield force-plane"),
     "reprogram": ("design.toml reprogram.json way.csv", ""),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,11 +16,12 @@ from stepwell import figures, mechanism
 from stepwell.accounts import Account
 from stepwell.base import InputError, have, write_netcdf
 from stepwell.design import LONGEST_FOLLOWED, Margin, Yield, boundaries, transition_map
-from stepwell.files import WrittenProgram, dumps, rig_toml, with_program
+from stepwell.files import OUTPUTS, WrittenProgram, dumps, rig_toml, with_program
 from stepwell.reports.write import Content, Contents, Draw, Progress, boundary_rows, design_text
 from stepwell.studio import replay
 
 if TYPE_CHECKING:
+    from stepwell.build import Build
     from stepwell.design import Check, Design, MapView, Reprogramming, Run, Survival
 
 # Nodes along an axis of a map, and its half width as a multiple of the margin.
@@ -101,6 +102,23 @@ def _check(check: Check, account: Account) -> Contents:
     on_page = _of_yield(check.yield_) if isinstance(check.yield_, Yield) else {}
     motion = _replay(chain, chain, MOST_PLAYED)
     return Contents("check", "check.json", files, on_page=on_page, motion=motion)
+
+
+def _build(
+    made: Build, account: Account, files: Mapping[str, str | bytes] | None = None
+) -> Contents:
+    """Contents of a build: `files` to cut and assemble it, the design and the build file."""
+    from stepwell.build import build_files, dumps_build_file
+
+    written: dict[str, Content] = {
+        "design.toml": design_text(account),
+        "build.toml": dumps_build_file(made.build_file),
+        **(build_files(made) if files is None else files),
+    }
+    draws: dict[str, Draw] = {"layers": partial(figures.layers, made)}
+    motion = _replay(made.chain, made.chain, MOST_PLAYED)
+    names = {*OUTPUTS["build"], *written}
+    return Contents("build", "build.json", written, draws, motion=motion, names=names)
 
 
 def _design(design: Design, account: Account) -> Contents:
@@ -304,6 +322,7 @@ CONTENTS: dict[str, Callable[..., Contents]] = {
     "Atlas": _atlas,
     "BandFit": _band,
     "Batch": _batch,
+    "Build": _build,
     "Calibration": _calibration,
     "Check": _check,
     "Comparison": _comparison,

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 Folder = str | os.PathLike[str]
 Progress = Callable[[int, int], None]
-Content = str | Callable[[Path], object]
+Content = str | bytes | Callable[[Path], object]
 Draw = Callable[..., "Figure"]
 
 FIGURES = (".svg", ".png", ".pdf")
@@ -43,6 +43,7 @@ class Contents:
     draws: Mapping[str, Draw] = field(default_factory=dict)  # On the page, and .png and .svg.
     on_page: Mapping[str, Draw] = field(default_factory=dict)
     motion: Callable[[], str] | None = None  # Raises StepwellError without an animation.
+    names: Iterable[str] | None = None  # Of possible files; those of OUTPUTS by default.
     film: Callable[[Path, Progress | None], None] | None = None  # Adds a video to a folder.
 
 
@@ -101,16 +102,21 @@ def _written(
     }
     for name in contents.draws:
         files |= {f"{name}{end}": partial(sw.figures.save, drawn[name]) for end in (".png", ".svg")}
-    with staged_folder(folder, contents.command, account.record, force=force) as draft:
+    names, record = contents.names, account.record
+    with staged_folder(folder, contents.command, record, names=names, force=force) as draft:
         for done, (name, content) in enumerate(files.items(), 1):
+            (draft / name).parent.mkdir(exist_ok=True)
             if isinstance(content, str):
                 base.write_atomic(draft / name, content)
+            elif isinstance(content, bytes):
+                (draft / name).write_bytes(content)
             else:
                 content(draft / name)
             base.notify(progress, done, len(files))
         if contents.film is not None:
             contents.film(draft, progress)
-        return tuple(sorted(file.name for file in draft.iterdir()))
+        every = sorted(file for file in draft.rglob("*") if file.is_file())
+        return tuple(file.relative_to(draft).as_posix() for file in every)
 
 
 def _motion(account: Account, contents: Contents) -> str:

@@ -1,15 +1,15 @@
 """The assembly guide: a picture for each step, and what to measure at the end; HTML and PDF."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 from xml.sax.saxutils import escape
 
-from stepwell.base import Vec2
+from stepwell.base import Vec2, grouped
 from stepwell.build.exports.before import Expected, expected
 from stepwell.build.exports.page import PAPERS, Page, Pen, broken, pdf_bytes, width_of
-from stepwell.build.exports.picture import LIFT, NEW_METAL, NEW_PLATE, PLATE, View
+from stepwell.build.exports.picture import LIFT, NEW_METAL, NEW_PLATE, PLATE, ObliqueView
 from stepwell.build.exports.sheets import MARGIN, CutSheet
-from stepwell.build.exports.steps import Step, steps_of
+from stepwell.build.exports.steps import AssemblyStep, steps_of
 from stepwell.build.layouts import Layout
 from stepwell.build.part import Part
 from stepwell.build.plates import Fastener
@@ -17,15 +17,17 @@ from stepwell.build.plates import Fastener
 # Edge of a page; size of a step's picture and of a sheet's map at most [mm].
 _EDGE = 12.0
 _PICTURE, _MAP = (186.0, 128.0), (186.0, 70.0)
+# Width of a plate in plan at most [mm].
+_PLAN = 84.0
 _GREY, _RED = "#606060", "#c00000"
 _BEFORE = "Before you pull"
 _INTRO = (
-    "Bands off for the travels; then hook the bands in and measure the rest. A kitchen scale at "
-    "the drive shows grams."
+    "Measure the travels without bands, then hook the bands in and measure the rest. A kitchen "
+    "scale at the drive shows grams."
 )
 
 
-class Shown(NamedTuple):
+class PicturedStep(NamedTuple):
     """A step with its pictures.
 
     Attributes:
@@ -34,7 +36,7 @@ class Shown(NamedTuple):
         maps: of the sheets with the new parts, or the new fasteners at full size; and captions.
     """
 
-    step: Step
+    step: AssemblyStep
     picture: Page
     maps: tuple[tuple[Page, str], ...]
 
@@ -48,14 +50,16 @@ class Guide(NamedTuple):
         steps: from the lowest layer upwards.
         whole: the picture of the finished mechanism.
         checks: what to measure before the first pull.
+        intro: what to read before measuring.
         draft: why it is a draft; empty if all checks passed.
     """
 
     title: str
     about: str
-    steps: tuple[Shown, ...]
+    steps: tuple[PicturedStep, ...]
     whole: Page
     checks: tuple[Expected, ...]
+    intro: str
     draft: str
 
 
@@ -65,6 +69,7 @@ def guide(
     *,
     title: str,
     sequence: str | None = None,
+    first: str = "",
     draft: str = "",
 ) -> Guide:
     """The guide to assemble a layout.
@@ -74,17 +79,18 @@ def guide(
         sheets: on which the parts are cut.
         title: of the mechanism.
         sequence: of its states, such as "00>10>11>01>00", for the last page.
+        first: the most useful measurement, a sentence.
         draft: why it is a draft, for every page; empty if it is none.
     """
     # All cells in state 0, as the mechanism lies on a table after it was pushed together.
-    view = View(layout, layout.angles("0" * len(layout.cells)), _PICTURE)
+    view = ObliqueView(layout, layout.angles("0" * len(layout.cells)), _PICTURE)
     before: list[object] = []
     shown = []
     for step in steps_of(layout):
         # Screws come from below, and the first plates lie on the table.
         lift = 0.0 if step.kind == "screw" or not before else LIFT
         picture = view.picture(before, step.new, lift)
-        shown.append(Shown(step, picture, tuple(_maps(step, sheets))))
+        shown.append(PicturedStep(step, picture, tuple(_maps(step, layout, sheets))))
         before += [*step.new, *step.hidden]
     sheet = layout.build_file.sheet
     about = (
@@ -92,10 +98,11 @@ def guide(
         f"{sum(one.use != 'head' for one in layout.fasteners)} fasteners, {len(layout.bands)} bands"
     )
     checks = tuple(expected(layout, sequence))
-    return Guide(title, about, tuple(shown), view.picture(before, ()), checks, draft)
+    intro = f"{_INTRO} {first}".rstrip()
+    return Guide(title, about, tuple(shown), view.picture(before, ()), checks, intro, draft)
 
 
-def _maps(step: Step, sheets: Sequence[CutSheet]) -> list[tuple[Page, str]]:
+def _maps(step: AssemblyStep, layout: Layout, sheets: Sequence[CutSheet]) -> list[tuple[Page, str]]:
     """Where the new parts are on their sheets, or the new fasteners at full size."""
     names = {one.name for one in step.new if isinstance(one, Part)}
     maps = [
@@ -104,7 +111,45 @@ def _maps(step: Step, sheets: Sequence[CutSheet]) -> list[tuple[Page, str]]:
         if names & {part.name for part in sheet.parts}
     ]
     sizes = {one.size: one for one in step.new if isinstance(one, Fastener)}
+    if step.kind == "hook":
+        maps += _hook_plans(layout, [one for one in step.new if isinstance(one, Fastener)])
     return maps + [(_full_size(one), f"{size}, at full size") for size, one in sizes.items()]
+
+
+def _hook_plans(layout: Layout, hooks: Sequence[Fastener]) -> Iterator[tuple[Page, str]]:
+    """The plates from above, the holes of the hooks in colour with their names."""
+    for block, same in grouped((one.block, one) for one in hooks).items():
+        names = {one.name for one in same}
+        for part in layout.parts:
+            if layout.body[part.name] == ("block", block) and part.base == same[0].low:
+                caption = f"{part.name} from above: {', '.join(sorted(names))}"
+                yield _plan(part, names), caption
+
+
+def _plan(part: Part, names: set[str]) -> Page:
+    x0, y0, x1, y1 = (1e3 * one for one in part.outline.bounds)
+    scale = min(1.0, _PLAN / (x1 - x0))
+    page = Page(scale * (x1 - x0) + 1.0, scale * (y1 - y0) + 1.0)
+    at = 0.5 - scale * x0, 0.5 - scale * y0
+    page.contours([part.outline], at, Pen(PLATE.line, "#ffffff", 0.2), scale)
+    for hole in part.holes:
+        new = hole.name in names
+        pen = Pen(NEW_METAL.line, NEW_METAL.side) if new else Pen(PLATE.line, None, 0.1)
+        page.contours([hole.contour], at, pen, scale)
+    for hole in part.holes:
+        if hole.name in names:
+            x, y = (a + 1e3 * scale * b for a, b in zip(at, hole.centre, strict=True))
+            top = y + 500.0 * scale * hole.diameter + 0.5
+            half = width_of(hole.name, 2.6, bold=True) / 2.0 + 0.4
+            behind = [
+                (x - half, top),
+                (x + half, top),
+                (x + half, top + 2.6),
+                (x - half, top + 2.6),
+            ]
+            page.line(behind, Pen(None, "#ffffff"), closed=True)
+            page.text((x, top + 0.4), hole.name, 2.6, anchor="middle", bold=True)
+    return page
 
 
 def _map(sheet: CutSheet, names: set[str]) -> Page:
@@ -203,6 +248,7 @@ def _title_page(content: Guide, size: Vec2) -> Page:
 
 def _how_to_read(content: Guide) -> tuple[str, ...]:
     return (
+        "Cut the coupon first, and enter its kerf and fits in the build file: see coupon.txt.",
         f"Assembly in {len(content.steps)} steps, from the lowest layer upwards. New parts are "
         "orange, new fasteners blue, new bands red; dashed lines lead to their places.",
         "Marks are engraved: the number of the block with B, S or T for its bottom, spacer and top "
@@ -246,7 +292,7 @@ def _check_pages(content: Guide, size: Vec2) -> list[Page]:
             pages.append(_page(content, size, _BEFORE))
             y = size[1] - _EDGE - 16.0
             if len(pages) == 1:
-                y = pages[0].paragraph((_EDGE, y), _INTRO, total, 3.6) - 4.0
+                y = pages[0].paragraph((_EDGE, y), content.intro, total, 3.6) - 4.0
         page = pages[-1]
         for x, lines in zip(_COLUMNS, cells, strict=True):
             for i, line in enumerate(lines):
@@ -295,7 +341,9 @@ def guide_html(content: Guide) -> str:
             for page, caption in shown.maps
         )
         rows.append(f'<div class="maps">{maps}</div></section>')
-    rows.append(f"<section>{draft}<h2>{_BEFORE}</h2><p>{escape(_INTRO)}</p><table><thead><tr>")
+    rows.append(
+        f"<section>{draft}<h2>{_BEFORE}</h2><p>{escape(content.intro)}</p><table><thead><tr>"
+    )
     rows += [f'<th scope="col">{head}</th>' for head in _HEADS]
     rows.append("</tr></thead><tbody>")
     for check in content.checks:

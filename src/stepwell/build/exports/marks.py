@@ -82,7 +82,7 @@ def width_of(text: str, height: float) -> float:
     return height / _HIGH * (_ADVANCE * len(text) - _GAP)
 
 
-class Place(NamedTuple):
+class MarkPlace(NamedTuple):
     """Where a mark is on its part: centre [m], height [m], and angle [rad]."""
 
     centre: Vec2
@@ -91,7 +91,7 @@ class Place(NamedTuple):
 
 
 @lru_cache(maxsize=512)
-def place_of(part: Part) -> Place | None:
+def place_of(part: Part) -> MarkPlace | None:
     """The place of the part's mark, clear of edges and openings; None if there is none.
 
     The largest letters that fit, as near to the middle of the part as possible.
@@ -118,7 +118,7 @@ def place_of(part: Part) -> Place | None:
                 fits = shapely.contains(room, boxes)
                 if fits.any():
                     first = int(np.argmax(fits))
-                    return Place((float(a[first]), float(b[first])), height, angle)
+                    return MarkPlace((float(a[first]), float(b[first])), height, angle)
     return None
 
 

@@ -68,7 +68,7 @@ class Solid:
         return self.level, self.low, -self.at[1]
 
 
-class View:
+class ObliqueView:
     """The oblique view of a layout at some angles, scaled to fit a width and a height [mm]."""
 
     def __init__(self, layout: Layout, angles: Sequence[float], size: Vec2):

@@ -1,15 +1,9 @@
 """Parts nested on sheets of a machine's bed, grouped by material and thickness."""
 
-import json
 import math
-import subprocess
-import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from pathlib import Path
-from time import monotonic
-from typing import Any
 
 from stepwell.base import InputError, Shows, Vec2, check, need, notify
 from stepwell.build.exports import nester
@@ -21,8 +15,8 @@ from stepwell.build.part import Part
 Place = tuple[float, float, float]
 # Edge of a sheet that is left free, gap between parts, length of the bar [m].
 MARGIN, GAP, BAR = 0.005, 0.002, 0.100
-# Time for starting the nester, added to its limit [s]; distance of arcs from chords in nesting [m].
-_START, _SAGITTA = 10.0, 5e-5
+# Distance of arcs from chords in nesting [m].
+_SAGITTA = 5e-5
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,44 +150,15 @@ def _nested(
         "seed": seed,
         "shapes": [(1e3 * part.outline.ring(_SAGITTA)).tolist() for part in parts],
     }
-    answer = _asked(json.dumps(asked), seconds, progress)
-    if answer is None:
+    found = nester.places(asked, lambda spent: notify(progress, min(spent, seconds), seconds))
+    notify(progress, seconds, seconds)
+    if found is None:
         return None
-    turned = [(x / 1e3, y / 1e3, math.radians(angle)) for x, y, angle in answer["places"]]
+    turned = [(x / 1e3, y / 1e3, math.radians(angle)) for x, y, angle in found]
     boxes = [part.outline.moved(*at).bounds for part, at in zip(parts, turned, strict=True)]
     left, low = min(box[0] for box in boxes), min(box[1] for box in boxes)
     places = [(x - left + MARGIN, y - low + MARGIN, angle) for x, y, angle in turned]
     return places if _apart(parts, places) else None
-
-
-def _asked(text: str, seconds: float, progress: Shows | None) -> Any:
-    """The answer of the nester; None if it ended with an error or took too long."""
-    begun = monotonic()
-    process = subprocess.Popen(
-        [sys.executable, "-P", str(Path(nester.__file__))],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
-    )
-    given: str | None = text
-    try:
-        while True:
-            try:
-                answer, _ = process.communicate(given, timeout=0.1)
-                break
-            except subprocess.TimeoutExpired:
-                given = None
-                spent = monotonic() - begun
-                notify(progress, min(spent, 0.99 * seconds), seconds)
-                if spent > 2.0 * seconds + _START:
-                    return None
-    finally:
-        if process.poll() is None:
-            process.kill()
-            process.wait()
-    notify(progress, seconds, seconds)
-    return json.loads(answer) if process.returncode == 0 else None
 
 
 def _apart(parts: Sequence[Part], places: Sequence[Place]) -> bool:

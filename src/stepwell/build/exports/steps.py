@@ -12,18 +12,18 @@ Item = Part | Fastener | BandPath
 
 # Order of items whose lower faces have one height.
 _RANKS = {"shim": 0, "block": 1, "lever": 2, "bar": 3, "pin": 4, "screw": 5, "hook": 6, "nut": 7}
-# Instructions by kind; {what} are the names of the new items.
+# Instructions by kind; {what} are the new items.
 _TEXTS = {
-    "block": "Put {what} in place, marks up.",
-    "lever": "Put {what} on their pins, marks up. Each must turn without force.",
-    "bar": "Lay {what} in its place. Its slot takes the drive pin.",
-    "pin": "Press {what} into their holes from above, until they are flush with the lower face.",
-    "screw": "Put {what} through their holes from below. The plates stand on the heads.",
-    "shim": "Put {what} on their pins and screws.",
-    "hook": "Press {what} into the named holes of the top plates.",
-    "nut": "Turn {what} on their screws until the plates do not move, not tighter.",
-    "band": "Hook {what} over their hooks.",
-    "cap": "Push {what} on the hooks, above the bands.",
+    "block": "Put in place, marks up: {what}.",
+    "lever": "Put on the pins, marks up: {what}. Each lever must turn without force.",
+    "bar": "Lay in place, the slot over the drive pin: {what}.",
+    "pin": "Press into the holes from above, flush with the lower face: {what}.",
+    "screw": "Put through the holes from below: {what}. The plates stand on the heads.",
+    "shim": "Put on the pins and screws: {what}.",
+    "hook": "Press into the named holes of the top plates: {what}.",
+    "nut": "Turn on the screws until the plates do not move, no tighter: {what}.",
+    "band": "Hook over two hooks each: {what}.",
+    "cap": "Push on the hooks, above the bands: {what}.",
 }
 _TITLES = {
     "lever": "Levers",
@@ -36,9 +36,17 @@ _TITLES = {
     "band": "Bands",
     "cap": "Caps",
 }
+# Plates by a word of their names.
+_PLATES = {
+    "stop": "stop plates",
+    "foot": "feet",
+    "bottom": "bottom plates",
+    "spacer": "spacers",
+    "top": "top plates",
+}
 
 
-class Step(NamedTuple):
+class AssemblyStep(NamedTuple):
     """One step of the assembly.
 
     Attributes:
@@ -58,7 +66,7 @@ class Step(NamedTuple):
     hidden: tuple[Item, ...] = ()
 
 
-def steps_of(layout: Layout) -> list[Step]:
+def steps_of(layout: Layout) -> list[AssemblyStep]:
     """All steps: of each layer shims, plates and levers, then what stands in its holes."""
     items: list[tuple[float, int, str, Item]] = []
     for part in layout.parts:
@@ -81,29 +89,27 @@ def _order(row: tuple[float, int, str, Item]) -> tuple[float, int, str]:
     return row[:3]
 
 
-def _step(layout: Layout, kind: str, new: tuple[Item, ...], hidden: tuple[Item, ...]) -> Step:
+def _step(
+    layout: Layout, kind: str, new: tuple[Item, ...], hidden: tuple[Item, ...]
+) -> AssemblyStep:
     parts = [one for one in new if isinstance(one, Part)]
     fasteners = [one for one in new if isinstance(one, Fastener)]
     bands = [one for one in new if isinstance(one, BandPath)]
     if parts:
         what = _listed([f"{one.name} ({one.mark})" if one.mark else one.name for one in parts])
-        # Plates of a layer have one kind, the last word of their names.
-        kinds = dict.fromkeys(one.name.split("-")[-1] for one in parts)
-        title = _TITLES.get(kind) or f"{' and '.join(kinds).capitalize()} plates"
+        words = {word for one in parts for word in one.name.split("-")}
+        plates = _listed([text for word, text in _PLATES.items() if word in words] or ["parts"])
+        title = _TITLES.get(kind, plates[0].upper() + plates[1:])
         details: list[str] = []
     elif fasteners:
-        what = _counted(len(fasteners), kind)
+        what = counted(len(fasteners), kind)
         title = _TITLES.get(kind, kind.capitalize())
         details = [*_fastener_lines(fasteners)]
     else:
-        what, title = _counted(len(bands), "band"), _TITLES["band"]
+        what, title = counted(len(bands), "band"), _TITLES["band"]
         details = [*_band_lines(layout, bands)]
-    text = _TEXTS.get(kind, "Add {what}.").format(what=what)
-    return Step(title, kind, text, tuple(details), new, hidden)
-
-
-def _counted(count: int, kind: str) -> str:
-    return "the " + counted(count, kind) if count == 1 else f"all {count} {kind}s"
+    text = _TEXTS.get(kind, "Add: {what}.").format(what=what)
+    return AssemblyStep(title, kind, text, tuple(details), new, hidden)
 
 
 def _listed(names: list[str]) -> str:

@@ -193,10 +193,11 @@ def _hole(page: Page, hole: Hole, at: Vec2) -> None:
     x, y = at[0] + 1e3 * hole.centre[0], at[1] + 1e3 * hole.centre[1]
     radius = 500.0 * hole.diameter
     page.circle((x, y), radius, _FINE)
-    reach = radius + 0.7
+    # Short crosses and small names: grids have 2 mm between their holes.
+    reach = radius + 0.3
     page.line([(x - reach, y), (x + reach, y)], Pen(width=0.08))
     page.line([(x, y - reach), (x, y + reach)], Pen(width=0.08))
-    page.text((x + 0.75 * radius, y + 0.8 * radius), hole.name, 1.5)
+    page.text((x, y + radius + 0.5), hole.name, 1.4, anchor="middle")
 
 
 def _dimensions(page: Page, part: Part, at: Vec2) -> None:

@@ -150,7 +150,7 @@ _CUT = 4.0  # standard deviations at which the normal distribution ends
 _AT_ONCE = 2**18  # numbers in a chunk, which fits into the processor's cache
 
 
-class Part(NamedTuple):
+class SampledPart(NamedTuple):
     """An independent parameter: its cell, its tolerance, and the columns of its numbers."""
 
     cell: int  # 0 the innermost
@@ -173,10 +173,10 @@ class Draws(base.ByValue):
     left: float = 1.0
 
     @property
-    def parts(self) -> dict[str, Part]:
+    def parts(self) -> dict[str, SampledPart]:
         """Every part that has a tolerance, by its name, such as "outer.d"."""
         b, n, t = self.bands, len(self.chain), self.tolerances
-        parts: dict[str, Part] = {}
+        parts: dict[str, SampledPart] = {}
         names, first, scale = self.chain.names, 0, self.scales
         for i, cell in enumerate(self.chain.cells):
             name = names[i] if names.count(names[i]) == 1 else i + 1
@@ -194,7 +194,7 @@ class Draws(base.ByValue):
                 )
             for what, tolerance, columns in (*own, ("friction", "friction", [6 * b + n + i])):
                 if getattr(t, tolerance) > 0:
-                    parts[f"{name}.{what}"] = Part(i, what, tolerance, columns)
+                    parts[f"{name}.{what}"] = SampledPart(i, what, tolerance, columns)
         return parts
 
     @property

@@ -343,7 +343,7 @@ def _assumptions(tally: OutcomeCounter, n: int, drawing: sequences.Cycle | None)
     yield "the nominal design is a tie" if drawing and drawing.degenerate else ""
 
 
-def parts_of(counted: Yield | survival.Survival) -> dict[str, draws.Part]:
+def parts_of(counted: Yield | survival.Survival) -> dict[str, draws.SampledPart]:
     """The varied parts of a yield by their names, such as "outer.stiffness"."""
     return Draws(counted.chain, counted.tolerances, counted.seed).parts
 

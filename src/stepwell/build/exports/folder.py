@@ -1,11 +1,11 @@
-"""All files of a build in one folder: drawings, meshes, sheets, coupon, template, lists, guide."""
+"""All files of a build, by name: drawings, meshes, sheets, coupon, template, lists, guide."""
 
-import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from stepwell.base import InputError, Shows, need
 from stepwell.build.builds import Build
+from stepwell.build.exports.before import first_measurement
 from stepwell.build.exports.coupon import coupon
 from stepwell.build.exports.cutting import cutting
 from stepwell.build.exports.dxf import Version, dxf_text
@@ -16,7 +16,6 @@ from stepwell.build.exports.sheets import CutSheet, sheets
 from stepwell.build.exports.solids import mesh_of, step_bytes, stl_bytes, threemf_bytes
 from stepwell.build.exports.svg import svg_text
 from stepwell.build.exports.template import template_page, template_pages
-from stepwell.files import staged_folder
 
 DRAFT = "DRAFT"
 Files = dict[str, str | bytes]
@@ -45,7 +44,7 @@ class FileOptions:
 def build_files(
     build: Build, options: FileOptions | None = None, *, progress: Shows | None = None
 ) -> Mapping[str, str | bytes]:
-    """Names and contents of all files of a build.
+    """Names and contents of all files of a build; `stepwell.reports.write` writes them.
 
     Args:
         build: parts, fasteners and bands.
@@ -76,44 +75,16 @@ def build_files(
     files |= _coupon_files(build, options, draft)
     files |= _template_files(build, draft)
     files["parts.csv"], files["bands.csv"] = parts_csv(build, nested), bands_csv(build)
-    title = build.chain.title or "Chain"
-    sequence = None if build.cycle is None else str(build.cycle.sequence)
-    content = guide(build.layout, nested, title=title, sequence=sequence, draft=draft)
+    content = guide(
+        build.layout,
+        nested,
+        title=build.chain.title or "Chain",
+        sequence=None if build.cycle is None else str(build.cycle.sequence),
+        first=first_measurement(build.yield_),
+        draft=draft,
+    )
     files["guide.html"], files["guide.pdf"] = guide_html(content), guide_pdf(content)
     return dict(_named(files, draft))
-
-
-def write_build(
-    build: Build,
-    folder: str | os.PathLike[str],
-    options: FileOptions | None = None,
-    *,
-    progress: Shows | None = None,
-    force: bool = False,
-) -> tuple[str, ...]:
-    """Write all files of a build into a folder, completely or not at all.
-
-    Args:
-        build, options, progress: as for `build_files`.
-        folder: made if missing; earlier files of the same command are replaced.
-        force: overwrite existing files of others too.
-
-    Returns:
-        The names of the files.
-
-    Raises:
-        ValueError: as for `build_files`; nothing is written.
-        OverwriteError: an existing file is not from this function; nothing has changed.
-        OSError: the folder cannot be written; nothing has changed.
-    """
-    files = build_files(build, options, progress=progress)
-    with staged_folder(folder, "build", names=files, force=force) as draft:
-        for name, content in files.items():
-            place = draft / name
-            place.parent.mkdir(exist_ok=True)
-            data = content.encode("utf-8") if isinstance(content, str) else content
-            place.write_bytes(data)
-    return tuple(files)
 
 
 def _draft(build: Build, options: FileOptions) -> str:

@@ -1,0 +1,79 @@
+"""`stepwell build`: from a design to parts, drawings and an assembly guide."""
+
+from dataclasses import replace
+from typing import Any
+
+import stepwell as sw
+from stepwell.cli.options import Design, Group, Output, flag, option, read_chain
+from stepwell.cli.screen import answered, progress, usable, warn
+from stepwell.cli.tolerances import BUILD_FILE, materials
+
+
+class FileChoice(Group):
+    """Which files are written."""
+
+    nest: float = option(
+        "Time limit of the nesting on sheets [s]; 0 sets the parts in rows.",
+        "SECONDS",
+        default=10.0,
+        min=0,
+        max=600,
+    )
+    r12: bool = flag("Write DXF files of the old release R12.", "--r12")
+    step: bool = flag("Write STEP files too; they need the extra `step`.", "--step")
+    draft: bool = flag("Write files although checks failed; each says DRAFT.", "--draft")
+
+
+def build(
+    design: Design,
+    material: str = option(
+        "Build file (TOML), or the name of a preset: acrylic-3mm, plywood-3mm, pla-3mm.",
+        f"--material {BUILD_FILE}",
+        default="acrylic-3mm",
+        autocompletion=materials,
+    ),
+    samples: int | None = option(
+        "Number of Monte Carlo samples of the yield.", "N", min=1, show_default="2000"
+    ),
+    target: str | None = option(
+        "Target of the yield: a sequence such as 00>10>11>01>00; the cycle of the nominal design "
+        "by default.",
+        "TARGET",
+    ),
+    *,
+    choice: FileChoice,
+    output: Output,
+) -> None:
+    """Compute the solid parts of a design, and check that they move free of each other.
+
+    The result contains the sweep over all angles, exceeded limits with a way out, masses, bands
+    with their hooks, and the yield within the errors of the build file. With --out, drawings (DXF,
+    SVG), meshes (STL, 3MF), nested sheets, coupon, drilling template, parts list and assembly guide
+    are written into a folder. If the design cannot be built, nothing is written without --draft and
+    the exit code is 3.
+
+    Example: stepwell build preset:paper-forward --out parts
+    """
+    from stepwell.build import FileOptions, build, build_files, load_build_file
+
+    if choice.step:
+        sw.base.need("step")
+    text, chain = read_chain(design)
+    output.check_output_folder("build", design=text)
+    with usable("--material"):
+        build_file = load_build_file(material)
+    more: dict[str, Any] = {} if samples is None else {"samples": samples}
+    with usable(design), progress("sweep") as tell:
+        made = build(chain, build_file, target=target, progress=tell, **more)
+    possible = made.can_be_built
+    if output.out is not None and not possible and not choice.draft:
+        warn(f"{output.out}: nothing is written, because checks failed; --draft writes drafts.")
+        output = replace(output, out=None)
+    how: dict[str, Any] = {}
+    if output.out is not None:
+        version = "R12" if choice.r12 else "R2010"
+        options = FileOptions(version, choice.step, choice.nest, draft=choice.draft)
+        with usable(design), progress("nesting") as tell:
+            how["files"] = build_files(made, options, progress=tell)
+    output.report(made, text, design, how=how)
+    answered(possible)
