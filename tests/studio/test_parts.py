@@ -107,10 +107,12 @@ def test_the_files_are_those_of_the_command_and_drafts_need_the_word():
     chain = chains.pair()
     made = build.build(chain, ACRYLIC)
     files = build.build_files(made, build.FileOptions(nest=0.0))
-    assert names_in(ask("parts_files", chain, seconds=0)) == list(files)
+    own = {"design.toml", "build.toml", "build.json", "report.html"}
+    assert {*names_in(ask("parts_files", chain, seconds=0))} == own | {*files}
     says(refusal("parts_files", chains.steep(), seconds=0), "lever-1a", "1.16 mm", "draft")
     drafts = names_in(ask("parts_files", chains.steep(), seconds=0, draft=True))
-    assert drafts and all(name.rpartition("/")[2].startswith("DRAFT-") for name in drafts)
+    marked = {name for name in drafts if name.rpartition("/")[2].startswith("DRAFT-")}
+    assert marked and {*drafts} - marked == own
 
 
 @pytest.mark.parametrize("kind", ["parts", "build", "parts_files"])
@@ -119,7 +121,7 @@ def test_elements_long_chains_and_paths_are_refused(kind: str):
     assert isinstance(element, sw.Chain)
     says(refusal(kind, element), "Element", "no levers")
     nine = sw.Chain([chains.cell((-10, 0), (2 * i, 0)) for i in range(1, 10)])
-    says(refusal(kind, nine), "9 cells", "8 cells")
+    says(refusal(kind, nine), "9 cells", "at most 8")
     for name in ("acrylic", "/etc/passwd"):
         says(refusal(kind, chains.pair(), material=name), name, "acrylic-3mm")
 

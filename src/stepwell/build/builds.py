@@ -177,7 +177,7 @@ def build(
     samples: int = SAMPLES,
     target: str | Iterable[str] | None = None,
     progress: base.Progress = None,
-    swept: Sweep | None = None,
+    swept: MotionSweep | None = None,
 ) -> Build:
     """The solid parts of a chain of lever cells in layers, swept over its whole motion.
 

@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 
 from stepwell import files, statics
-from stepwell.base import ExtraError, Ints
-from stepwell.build.layouts import MOST_CELLS
+from stepwell.base import ExtraError, Ints, most
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 from stepwell.studio.ask import PageDesign, View
@@ -53,7 +52,7 @@ def _entry(name: str, title: str) -> dict[str, Any]:
         group = "paper"
     entry = {"name": name, "title": title, "kind": kind, "group": group, "cells": len(cells)}
     # Of lever cells; whether they can be built is computed when the panel opens.
-    parts = kind == "chain" and group != "elements" and len(cells) <= MOST_CELLS
+    parts = kind == "chain" and group != "elements" and len(cells) <= most("built_cells")
     return {**entry, "parts": parts}
 
 

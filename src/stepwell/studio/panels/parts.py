@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import zipfile
 from collections.abc import Iterator, Mapping
 from functools import cache
@@ -15,6 +16,7 @@ from stepwell.base import InputError, Vec2, need, to_unit
 from stepwell.build.drive import drive_place
 from stepwell.build.exports import svg
 from stepwell.build.seats import offsets
+from stepwell.files import dumps
 from stepwell.studio.ask import Ask, PageDesign, View
 
 USUAL = "acrylic-3mm"
@@ -97,7 +99,7 @@ _LONGEST_NESTING = 60.0
 
 
 def answer_parts_files(design: PageDesign, ask: Ask) -> View:
-    """The bytes of a ZIP file with the files of `stepwell build --out`.
+    """The bytes of a ZIP file with the files of `stepwell build --out`, its page without pictures.
 
     If checks failed, `draft` is needed; each file then says so. `seconds` limits the nesting.
     """
@@ -107,8 +109,15 @@ def answer_parts_files(design: PageDesign, ask: Ask) -> View:
     ask.close()
     made = build.build(chain, build_file)
     options = build.FileOptions(nest=seconds, draft=draft)
-    data = _zipped(build.build_files(made, options, progress=ask.report))
-    return View({"suffix": "zip"}, {"file": np.frombuffer(data, np.uint8)})
+    account, parts = accounts.account(made), build.build_files(made, options, progress=ask.report)
+    files = {
+        "report.html": accounts.page(account),
+        "build.json": json.dumps(account.record, indent=2, allow_nan=False) + "\n",
+        "build.toml": build.dumps_build_file(build_file),
+        "design.toml": dumps(chain),
+        **parts,
+    }
+    return View({"suffix": "zip"}, {"file": np.frombuffer(_zipped(files), np.uint8)})
 
 
 def _zipped(files: Mapping[str, str | bytes]) -> bytes:
