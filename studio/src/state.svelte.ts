@@ -103,6 +103,8 @@ class Studio {
   /** Pitch of the holes that anchors snap to [mm]; 0 is none. */
   pitch = $state(0);
   gallery = $state(false);
+  /** Name of the panel behind the chosen tab; "" for the first. */
+  tab = $state("");
   /** Why the last file or link was not opened. */
   unread = $state("");
   /** Designs kept in this browser, the newest first. */

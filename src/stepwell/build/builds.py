@@ -177,6 +177,7 @@ def build(
     samples: int = SAMPLES,
     target: str | Iterable[str] | None = None,
     progress: base.Progress = None,
+    swept: MotionSweep | None = None,
 ) -> Build:
     """The solid parts of a chain of lever cells in layers, swept over its whole motion.
 
@@ -186,6 +187,7 @@ def build(
         samples: number of samples of the yield.
         target: sequence or states that count as success; by default the sequence of the design.
         progress: called with (done, total) pairs of parts of the sweep.
+        swept: the sweep of this chain and material, if it is known.
 
     Returns:
         The build; its `findings` contain collisions and exceeded limits, each with a way out.
@@ -198,7 +200,7 @@ def build(
     base.need("build")
     build_file = material if isinstance(material, BuildFile) else load_build_file(material)
     layout = lay(chain, build_file)
-    swept = sweep(layout, progress)
+    swept = swept or sweep(layout, progress)
     try:
         cycle: Cycle | None = sequences.cycle(chain)
         path = cycle.path

@@ -24,6 +24,7 @@ FILES = {
     "designs": ("export", "gallery", "open", "replay", "text", "thumbnails"),
     "maps": ("border", "jump", "map", "map_followed", "parameters"),
     "motion": ("cells", "evaluate", "graph", "margin", "program"),
+    "parts": ("build", "parts", "parts_files"),
     "recordings": ("element", "measured"),
     "robots": ("arena", "arenas", "maze", "predict", "robot", "robot_numbers", "walk"),
     "studies": (
@@ -36,9 +37,9 @@ _PANELS = {kind: file for file, kinds in FILES.items() for kind in kinds}
 # Panels that each have a process of their own, which the page can cancel; `ask.report` reports
 # progress. All others take milliseconds.
 LONG = {
-    *("atlas", "border", "element", "export", "graph", "jump", "map", "map_followed", "margin"),
-    *("maze", "measured", "predict", "program", "replay", "study", "study_csv", "study_design"),
-    *("study_estimate", "thumbnails", "walk", "wish", "yield"),
+    *("atlas", "border", "build", "element", "export", "graph", "jump", "map", "map_followed"),
+    *("margin", "maze", "measured", "parts_files", "predict", "program", "replay", "study"),
+    *("study_csv", "study_design", "study_estimate", "thumbnails", "walk", "wish", "yield"),
 }
 # Panels whose processes belong to the server.
 OWN = {"studies", "study_begin", "study_stop"}

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from stepwell import files, statics
-from stepwell.base import ExtraError, Ints
+from stepwell.base import ExtraError, Ints, most
 from stepwell.mechanism import Chain
 from stepwell.robot import Robot
 from stepwell.studio.ask import PageDesign, View
@@ -34,7 +34,7 @@ _GROUPS = ("paper", "further", "elements", "robots")
 
 @cache
 def listed() -> list[dict[str, Any]]:
-    """Name, title, kind, group and number of cells of each design, in the order of the page."""
+    """Name, title, kind, group, number of cells, and whether it has parts, of each design."""
     entries = [_entry(name, title) for name, title in files.presets().items()]
     return sorted(entries, key=lambda one: _GROUPS.index(one["group"]))
 
@@ -50,7 +50,10 @@ def _entry(name: str, title: str) -> dict[str, Any]:
         group = "elements"
     elif name.startswith("paper-"):
         group = "paper"
-    return {"name": name, "title": title, "kind": kind, "group": group, "cells": len(cells)}
+    entry = {"name": name, "title": title, "kind": kind, "group": group, "cells": len(cells)}
+    # Of lever cells; whether they can be built is computed when the panel opens.
+    parts = kind == "chain" and group != "elements" and len(cells) <= most("built_cells")
+    return {**entry, "parts": parts}
 
 
 # Samples of a motion in a small picture, in addition to the ends of its branches.

@@ -8,6 +8,7 @@ import map from "./map";
 import measured from "./measured";
 import mechanism from "./mechanism";
 import motion from "./motion";
+import parts from "./parts";
 import prediction from "./prediction";
 import program from "./program";
 import robot from "./robot";
@@ -41,6 +42,7 @@ export const panels: Panel[] = [
   program,
   map,
   wish,
+  parts,
   measured,
   study,
   atlas,
