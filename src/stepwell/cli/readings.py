@@ -99,9 +99,7 @@ class ReadingOptions(Group):
             batch = read()
         warn_readings(batch.recordings)
         if self.save_reading and reading.given():
-            folders = [Path(one.source).parent for one in batch.recordings]
-            for folder in dict.fromkeys(folders):
-                warn(f"{sw.lab.save_reading(reading, folder)}: written.")
+            _save_reading(reading, batch)
         return batch
 
     def recordings(
@@ -143,6 +141,12 @@ def columns_text(error: LabError) -> str:
         for row in rows
     )
     return "\n".join([f"Columns of {error.name}:", *lines])
+
+
+def _save_reading(reading: Reading, batch: Batch) -> None:
+    folders = [Path(one.source).parent for one in batch.recordings]
+    for folder in dict.fromkeys(folders):
+        warn(f"{sw.lab.save_reading(reading, folder)}: written.")
 
 
 def _open_signs(batch: Batch) -> tuple[str, tuple[str, ...]] | None:

@@ -160,14 +160,7 @@ def measure_element(
     least = 0.0 if noise is None else check.positive("noise", noise, unit)
     drop = 0.0 if least_drop is None else check.positive("least_drop", least_drop, unit)
     _refuse_few(recording, least)
-    if other := recording.other_flip:
-        why = next((line for line in recording.reading if line.startswith("signs")), "signs: open")
-        raise LabError(
-            recording.source,
-            f"the work does not decide the signs, on which phases and energies depend ({why}): "
-            f"give flip = 'none' or '{other}' (--flip none or --flip {other}).",
-            flips=("none", other),
-        )
+    _refuse_open_signs(recording)
     trim = not (stops if isinstance(stops, bool) else stops[0])
     try:
         halves, notes = _halves(recording, half)
@@ -209,6 +202,17 @@ def measure_element(
 
 
 _Rows = tuple[Floats, Floats]
+
+
+def _refuse_open_signs(recording: Recording) -> None:
+    if other := recording.other_flip:
+        why = next((line for line in recording.reading if line.startswith("signs")), "signs: open")
+        raise LabError(
+            recording.source,
+            f"the work does not decide the signs, on which phases and energies depend ({why}): "
+            f"give flip = 'none' or '{other}' (--flip none or --flip {other}).",
+            flips=("none", other),
+        )
 
 
 def _curve(fit: Fit) -> Floats:

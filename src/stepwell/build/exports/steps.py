@@ -95,12 +95,10 @@ def _step(
     parts = [one for one in new if isinstance(one, Part)]
     fasteners = [one for one in new if isinstance(one, Fastener)]
     bands = [one for one in new if isinstance(one, BandPath)]
+    details: list[str] = []
     if parts:
         what = _listed([f"{one.name} ({one.mark})" if one.mark else one.name for one in parts])
-        words = {word for one in parts for word in one.name.split("-")}
-        plates = _listed([text for word, text in _PLATES.items() if word in words] or ["parts"])
-        title = _TITLES.get(kind, plates[0].upper() + plates[1:])
-        details: list[str] = []
+        title = _TITLES.get(kind, _plates(parts))
     elif fasteners:
         what = counted(len(fasteners), kind)
         title = _TITLES.get(kind, kind.capitalize())
@@ -110,6 +108,13 @@ def _step(
         details = [*_band_lines(layout, bands)]
     text = _TEXTS.get(kind, "Add: {what}.").format(what=what)
     return AssemblyStep(title, kind, text, tuple(details), new, hidden)
+
+
+def _plates(parts: Iterable[Part]) -> str:
+    """Title of a step with plates, such as "Spacer plates"."""
+    words = {word for one in parts for word in one.name.split("-")}
+    plates = _listed([text for word, text in _PLATES.items() if word in words] or ["parts"])
+    return plates[0].upper() + plates[1:]
 
 
 def _listed(names: list[str]) -> str:
