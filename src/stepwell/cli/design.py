@@ -130,10 +130,7 @@ class Parts(Group):
         box = self._box(usual) if self.x or self.y else None
         if self.build is not None:
             grid = self._grid(self.build)
-            holes = to_unit(grid.pitch, "mm")
-            across = (-grid.depth, 0.0) if self.place is Free.P else (0.0, grid.depth)
-            ends = {"left": across[0], "right": across[1], "bottom": -grid.side, "top": grid.side}
-            box = self._box(replace(usual, **ends))
+            holes, box = to_unit(grid.pitch, "mm"), self._box(self._reach(grid, usual))
         return {
             "within": box,
             "free": self.place.value,
@@ -147,6 +144,11 @@ class Parts(Group):
             "equal_levers": not self.mixed_levers,
             "unusual": self.unusual,
         }
+
+    def _reach(self, grid: Any, usual: Any) -> Any:
+        """The box of anchors on the grid of a build file."""
+        left, right = (-grid.depth, 0.0) if self.place is Free.P else (0.0, grid.depth)
+        return replace(usual, left=left, right=right, bottom=-grid.side, top=grid.side)
 
     def _grid(self, build: str) -> Any:
         """The grid of holes of a build file."""

@@ -93,8 +93,7 @@ class ReadingOptions(Group):
             batch = read()
         elif unclear:
             warn(columns_text(unclear[0]))
-        single = len(paths) == 1 and paths[0].is_file() and reading.flip is None
-        if single and _asks() and (signs := _open_signs(batch)):
+        if reading.flip is None and _asks() and (signs := _open_signs(paths, batch)):
             reading = replace(reading, flip=asked_flip(*signs))
             batch = read()
         warn_readings(batch.recordings)
@@ -149,8 +148,10 @@ def _save_reading(reading: Reading, batch: Batch) -> None:
         warn(f"{sw.lab.save_reading(reading, folder)}: written.")
 
 
-def _open_signs(batch: Batch) -> tuple[str, tuple[str, ...]] | None:
+def _open_signs(paths: Sequence[Path], batch: Batch) -> tuple[str, tuple[str, ...]] | None:
     """Why the signs of a single file are open, and its values of `flip`; None if they are not."""
+    if len(paths) != 1 or not paths[0].is_file():
+        return None
     for error in batch.refused:
         return (str(error), error.flips) if error.flips else None
     for one in batch.recordings:

@@ -9,7 +9,7 @@ from matplotlib.patches import Circle, PathPatch
 from matplotlib.path import Path
 
 from stepwell.base import Floats, InputError, Vec2
-from stepwell.build import Build, Collision, Contour, Layout, Part
+from stepwell.build import Build, Collision, Contour, Fastener, Layout, Part
 from stepwell.figures.common import legends, marks, sheet, style
 
 # Chords of drawn arcs are at most this far off [m].
@@ -136,18 +136,16 @@ class _Drawing:
         for part in self.layout.parts:
             if part.layer == (highest if layer is None else layer):
                 self._part(ax, part, plain=layer is None)
-        low, high = (0.0, np.inf) if layer is None else self._heights(layer)
         for one in self.layout.fasteners:
-            wanted = one.use == "hook" or (one.use == "nut" and layer is None)
-            inside = one.low < high - 1e-6 and one.high > low + 1e-6
-            if (layer is None and wanted) or (layer is not None and inside and one.use != "shim"):
+            if one.use in ("hook", "nut") if layer is None else self._stands_in(one, layer):
                 self._fastener(ax, one.block, one.centre, one.diameter)
         if layer is None:
             self._bands(ax)
 
-    def _heights(self, layer: int) -> tuple[float, float]:
-        base = next(part.base for part in self.layout.parts if part.layer == layer)
-        return base, base + self.layout.stack.thickness
+    def _stands_in(self, one: Fastener, layer: int) -> bool:
+        low = next(part.base for part in self.layout.parts if part.layer == layer)
+        high = low + self.layout.stack.thickness
+        return one.use != "shim" and one.low < high - 1e-6 and one.high > low + 1e-6
 
     def _part(self, ax: Axes, part: Part, *, plain: bool) -> None:
         # Openings run the other way round, so that they stay empty.
