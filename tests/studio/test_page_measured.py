@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from chromium import nothing_found
 from lab.exports import xlsx
 from lab.machine import export, pair
 from stepwell import files, lab
@@ -129,7 +130,7 @@ DROPPED = """([name, text]) => {
 
 
 def test_a_file_dropped_anywhere_is_read_as_the_lab_reads_it_and_becomes_an_element(
-    page: Page, tmp_path: Path
+    page: Page, tmp_path: Path, axe: str
 ):
     x = np.linspace(0, 20, 300)
     force = 0.5 * np.sin(x / 20 * 2 * np.pi) + 0.05 * x
@@ -141,6 +142,7 @@ def test_a_file_dropped_anywhere_is_read_as_the_lab_reads_it_and_becomes_an_elem
     page.evaluate(DROPPED, [file.name, file.read_text()])
     table = page.get_by_role("table", name="Columns of clip.csv")
     expect(table).to_be_visible(timeout=60_000)
+    nothing_found(page, axe, "[role=tabpanel]")
     # What the file leaves open is asked with a field for it.
     expect(page.get_by_role("alert")).to_contain_text("could both be the stroke")
     page.get_by_label("Column of the stroke").select_option("1")
