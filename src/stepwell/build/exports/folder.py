@@ -29,7 +29,7 @@ class FileOptions:
     Args:
         dxf: "R2010", or "R12" for old programs.
         step: STEP files too; they need build123d.
-        nest: time limit of the nesting of each material [s], from 1; 0 sets parts in rows.
+        nest: time limit of the nesting of each material [s]; 0 sets parts in rows.
         seed: of the nesting.
         bands: available bands, such as measured ones; bands.csv names those that suit.
         draft: write files although findings are left; each name begins with DRAFT- and each file
