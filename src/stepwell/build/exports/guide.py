@@ -20,6 +20,8 @@ _PICTURE, _MAP = (186.0, 128.0), (186.0, 70.0)
 # Width of a plate in plan at most [mm].
 _PLAN = 84.0
 _GREY, _RED = "#606060", "#c00000"
+# The page loads nothing and runs nothing.
+_POLICY = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
 _BEFORE = "Before you pull"
 _INTRO = (
     "Measure the travels without bands, then hook the bands in and measure the rest. A kitchen "
@@ -329,6 +331,7 @@ def guide_html(content: Guide) -> str:
     rows = [
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">',
         f"<title>{escape(title)}</title><style>{_STYLE}</style></head><body><main>",
         f"{draft}<h1>{escape(content.title)}</h1><p class='about'>{escape(content.about)}</p>",
         _svg(content.whole, "The assembled mechanism"),
