@@ -11,12 +11,14 @@ from ezdxf.filemanagement import read as read_dxf
 
 import stepwell as sw
 from build import chains
-from facts import refuses
+from facts import refuses, says
 from stepwell import reports
 from stepwell.base import InputError
 from stepwell.build import FileOptions, Layout, build, build_files, layout, load_build_file
 from stepwell.build.exports.cutting import cutting
 from stepwell.build.exports.dxf import dxf_text
+from stepwell.build.exports.parts_list import bands_csv
+from stepwell.design import BandType
 from stepwell.mechanism import Cell
 
 ROWS = FileOptions(nest=0)
@@ -107,6 +109,19 @@ def test_the_bands_list_has_forces_for_a_kitchen_scale(pair, files):
         assert float(named["length_state_0_mm"]) == pytest.approx(1e3 * length, abs=0.01)
         assert float(named["force_state_0_N"]) == pytest.approx(force, abs=1e-3)
         assert float(named["pull_state_0_g"]) == pytest.approx(force / 9.80665e-3, abs=0.1)
+
+
+def test_available_bands_that_pull_as_the_design_are_named(pair):
+    kinds = (
+        BandType(28.5 * 1.04, 0.010, name="stiff.toml"),
+        BandType(28.5, 0.012, name="long.toml"),
+        BandType(28.5 * 1.3, 0.010, name="hard.toml"),
+    )
+    head, *rows = bands_csv(pair, kinds).splitlines()
+    assert head.endswith(",available")
+    # 2 mm of 21.6 mm of extension are 9 %, within two standard deviations of 5 %.
+    says(rows[0], "stiff.toml (+4.0 %)", "long.toml (-9.2 %)")
+    assert "hard.toml" not in rows[0]
 
 
 def circles(text: str) -> list[tuple[float, float]]:

@@ -81,8 +81,6 @@ def test_materials_and_thicknesses_have_sheets_of_their_own():
 def test_a_part_larger_than_the_bed_is_refused_before_nesting():
     with refuses(InputError, "block-1-top-0", "32 x 32 mm", "30 x 200 mm", "bed_mm"):
         sheets(MANY, (0.030, 0.200), seconds=5)
-    with refuses(InputError, "seconds = 0.5", "1 or more"):
-        sheets(MANY, (0.2, 0.2), seconds=0.5)
 
 
 def test_a_sheet_has_its_edge_and_a_bar_of_100_mm_as_guides():

@@ -62,6 +62,15 @@ def test_drafts_are_named_and_end_with_code_3(stepwell, steep):
     assert "parts/DRAFT-lever-1a.dxf" in names(Path("parts"))
 
 
+def test_available_bands_that_suit_are_named_in_the_list_of_bands(stepwell):
+    Path("red.toml").write_text("band = { rest_length_mm = 10, stiffness_N_per_m = 29 }\n", "utf-8")
+    options = ("--out", "parts", "--band", "red.toml", "--band", "40:10")
+    result = stepwell("build", "preset:paper-cell-10-0", *QUICK, *options)
+    assert result.exit_code == 0, result.output
+    (row,) = Path("parts/bands.csv").read_text("utf-8").splitlines()[1:]
+    assert row.endswith(",red.toml (+1.8 %)")
+
+
 def test_another_material_and_a_target_change_the_result(stepwell):
     Path("own.toml").write_text('base = "plywood-3mm"\n[sheet]\nthickness_mm = 4\n', "utf-8")
     result = stepwell(

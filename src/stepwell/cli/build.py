@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 import stepwell as sw
+from stepwell.cli.design import bands_of
 from stepwell.cli.options import Design, Group, Output, flag, option, read_chain
 from stepwell.cli.screen import answered, progress, usable, warn
 from stepwell.cli.tolerances import BUILD_FILE, materials
@@ -19,9 +20,19 @@ class FileChoice(Group):
         min=0,
         max=600,
     )
+    bands: list[str] | None = option(
+        "Available band, named in bands.csv if its forces are those of the design: paper, robot or "
+        "antennas; stiffness [N/m] and rest length; or band.toml of lab band. May be repeated.",
+        "--band NAME|K:LENGTH[:PERCENT]",
+    )
     r12: bool = flag("Write DXF files of the old release R12.", "--r12")
     step: bool = flag("Write STEP files too; they need the extra `step`.", "--step")
     draft: bool = flag("Write files although checks failed; each says DRAFT.", "--draft")
+
+
+def _named(band: Any, text: str) -> Any:
+    """A type of band with a name for lists: its own, or what was given for it."""
+    return band if band.name else replace(band, name=text)
 
 
 def build(
@@ -58,6 +69,7 @@ def build(
 
     if choice.step:
         sw.base.need("step")
+    bands = [_named(band, text) for text in choice.bands or () for band in bands_of(text)]
     text, chain = read_chain(design)
     output.check_output_folder("build", design=text)
     with usable("--material"):
@@ -72,7 +84,9 @@ def build(
     how: dict[str, Any] = {}
     if output.out is not None:
         version = "R12" if choice.r12 else "R2010"
-        options = FileOptions(version, choice.step, choice.nest, draft=choice.draft)
+        options = FileOptions(
+            version, choice.step, choice.nest, bands=tuple(bands), draft=choice.draft
+        )
         with usable(design), progress("nesting") as tell:
             how["files"] = build_files(made, options, progress=tell)
     output.report(made, text, design, how=how)

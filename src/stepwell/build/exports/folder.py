@@ -16,6 +16,7 @@ from stepwell.build.exports.sheets import CutSheet, sheets
 from stepwell.build.exports.solids import mesh_of, step_bytes, stl_bytes, threemf_bytes
 from stepwell.build.exports.svg import svg_text
 from stepwell.build.exports.template import template_page, template_pages
+from stepwell.design import BandType
 
 DRAFT = "DRAFT"
 Files = dict[str, str | bytes]
@@ -28,8 +29,9 @@ class FileOptions:
     Args:
         dxf: "R2010", or "R12" for old programs.
         step: STEP files too; they need build123d.
-        nest: time limit of the nesting of each material [s], from 1; 0 sets parts in rows.
+        nest: time limit of the nesting of each material [s]; 0 sets parts in rows.
         seed: of the nesting.
+        bands: available bands, such as measured ones; bands.csv names those that suit.
         draft: write files although findings are left; each name begins with DRAFT- and each file
             says so.
     """
@@ -38,6 +40,7 @@ class FileOptions:
     step: bool = False
     nest: float = 10.0
     seed: int = 0
+    bands: tuple[BandType, ...] = ()
     draft: bool = False
 
 
@@ -74,7 +77,10 @@ def build_files(
         files |= _sheet_files(one, kerf, options, draft)
     files |= _coupon_files(build, options, draft)
     files |= _template_files(build, draft)
-    files["parts.csv"], files["bands.csv"] = parts_csv(build, nested), bands_csv(build)
+    files["parts.csv"], files["bands.csv"] = (
+        parts_csv(build, nested),
+        bands_csv(build, options.bands),
+    )
     content = guide(
         build.layout,
         nested,

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from stepwell.base import GRAVITY, csv_text, grouped
 from stepwell.build.builds import BandUse, Build
 from stepwell.build.exports.sheets import CutSheet
+from stepwell.design import BandType
 
 PARTS_HEAD = ("what", "name", "mark", "quantity", "size", "material", "mass_g", "sheet")
 BANDS_HEAD = (
@@ -24,7 +25,10 @@ BANDS_HEAD = (
     "stretch",
     "largest_stretch",
     "of_the_pack_mm",
+    "available",
 )
+# Available bands count if their forces deviate by at most this many standard deviations.
+_WITHIN = 2.0
 
 
 def parts_csv(build: Build, sheets: Sequence[CutSheet] = ()) -> str:
@@ -56,12 +60,16 @@ def _fastener_rows(build: Build) -> Iterator[tuple[str, ...]]:
         yield use, size, "", str(len(same)), size, "", "", ""
 
 
-def bands_csv(build: Build) -> str:
-    """Rubber bands: lengths, and forces as on a kitchen scale, in both states of their cells."""
-    return csv_text(BANDS_HEAD, [_band_row(build, one) for one in build.bands])
+def bands_csv(build: Build, available: Sequence[BandType] = ()) -> str:
+    """Rubber bands: lengths, and forces as on a kitchen scale, in both states of their cells.
+
+    The last column has the names of the available bands whose forces in both states are those of
+    the design within two standard deviations of the stiffness, with the larger deviation.
+    """
+    return csv_text(BANDS_HEAD, [_band_row(build, one, available) for one in build.bands])
 
 
-def _band_row(build: Build, one: BandUse) -> tuple[str, ...]:
+def _band_row(build: Build, one: BandUse, available: Sequence[BandType]) -> tuple[str, ...]:
     band = build.layout.cells[one.cell].cell.bands[one.number]
     states = (
         value
@@ -80,4 +88,21 @@ def _band_row(build: Build, one: BandUse) -> tuple[str, ...]:
         f"{one.stretch:.3f}",
         f"{build.build_file.band.largest_stretch:.3f}",
         " or ".join(f"{1e3 * length:g}" for length in one.fits),
+        " or ".join(_suitable(build, one, available)),
     )
+
+
+def _suitable(build: Build, one: BandUse, available: Sequence[BandType]) -> Iterator[str]:
+    """Names of the available bands that pull as the design's, each with its deviation."""
+    most = _WITHIN * build.build_file.tolerance.stiffness
+    for kind in available:
+        band = kind.between((0.0, 0.0), (0.0, 0.0))
+        # Slack bands have no force to compare.
+        off = [
+            float(band.tension(length)) / force - 1.0
+            for length, force in zip(one.lengths, one.tensions, strict=True)
+            if force > 0.0
+        ]
+        worst = max(off, key=abs, default=0.0)
+        if abs(worst) <= most:
+            yield f"{kind.name or f'{kind.stiffness:g} N/m'} ({100.0 * worst:+.1f} %)"

@@ -84,9 +84,9 @@ def sheets(
     Args:
         parts: with finished sizes.
         bed: width and height of the machine's bed [m].
-        seconds: time limit of the nesting of each material, from 1; 0 sets parts in rows instead,
-            which is quick and the same every time. Nesting improves until its time ends, so two
-            runs may differ.
+        seconds: time limit of the nesting of each material, rounded up; 0 sets parts in rows
+            instead, which is quick and the same every time. Nesting improves until its time ends,
+            so two runs may differ.
         seed: of the nesting.
         progress: called with the time spent and the limit [s].
 
@@ -98,8 +98,6 @@ def sheets(
     for part in parts:
         _require_room(part, bed)
     seconds = check.not_negative("seconds", seconds, "s")
-    if 0.0 < seconds < 1.0:
-        raise InputError(f"seconds = {seconds} s: must be 0 for rows, or 1 or more.")
     made: list[CutSheet] = []
 
     def kind(part: Part) -> tuple[str, float]:
