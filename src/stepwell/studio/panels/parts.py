@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from stepwell import accounts, build
+from stepwell import accounts
 from stepwell.base import InputError, Vec2, need, to_unit
+from stepwell.build import BuildFile, Layout, Part, build_file as files, builds, layouts, sweeps
 from stepwell.build.drive import drive_place
 from stepwell.build.exports import svg
 from stepwell.build.seats import offsets
@@ -40,7 +41,7 @@ def answer_parts(design: PageDesign, ask: Ask) -> View:
     """
     build_file = _material(ask)
     ask.close()
-    layout = build.layout(design.chain, build_file)
+    layout = layouts.layout(design.chain, build_file)
     header = {
         "materials": _materials(),
         "layers": _layers(layout),
@@ -85,13 +86,13 @@ def answer_build(design: PageDesign, ask: Ask) -> View:
     chain, build_file = design.chain, _material(ask)
     ask.close()
     need("build")
-    swept = build.sweep(build.layout(chain, build_file), ask.report)
+    swept = sweeps.sweep(layouts.layout(chain, build_file), ask.report)
     overlaps = [
         {"parts": one.parts, "angles_deg": np.degrees(one.angles).tolist()}
         for one in swept.collisions
     ]
     ask.show(View({"sweep": {"free": swept.free}, "overlaps": overlaps}))
-    account = accounts.account(build.build(chain, build_file, swept=swept))
+    account = accounts.account(builds.build(chain, build_file, swept=swept))
     return View({**account.record, "answer": account.answer, "overlaps": overlaps})
 
 
@@ -103,54 +104,56 @@ def answer_parts_files(design: PageDesign, ask: Ask) -> View:
 
     If checks failed, `draft` is needed; each file then says so. `seconds` limits the nesting.
     """
+    from stepwell.build import FileOptions, build_files
+
     chain, build_file = design.chain, _material(ask)
     seconds = ask.number("seconds", 0.0, _LONGEST_NESTING, 10.0)
     draft = ask.switch("draft", default=False)
     ask.close()
-    made = build.build(chain, build_file)
-    options = build.FileOptions(nest=seconds, draft=draft)
-    account, parts = accounts.account(made), build.build_files(made, options, progress=ask.report)
-    files = {
+    made = builds.build(chain, build_file)
+    options = FileOptions(nest=seconds, draft=draft)
+    account, parts = accounts.account(made), build_files(made, options, progress=ask.report)
+    every = {
         "report.html": accounts.page(account),
         "build.json": json.dumps(account.record, indent=2, allow_nan=False) + "\n",
-        "build.toml": build.dumps_build_file(build_file),
+        "build.toml": files.dumps_build_file(build_file),
         "design.toml": dumps(chain),
         **parts,
     }
-    return View({"suffix": "zip"}, {"file": np.frombuffer(_zipped(files), np.uint8)})
+    return View({"suffix": "zip"}, {"file": np.frombuffer(_zipped(every), np.uint8)})
 
 
-def _zipped(files: Mapping[str, str | bytes]) -> bytes:
+def _zipped(every: Mapping[str, str | bytes]) -> bytes:
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as packed:
-        for name, content in files.items():
+        for name, content in every.items():
             # Without a time, so that equal builds are equal files.
             packed.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
     return file.getvalue()
 
 
-def _material(ask: Ask) -> build.BuildFile:
+def _material(ask: Ask) -> BuildFile:
     """The requested preset; a path is none."""
-    name, presets = ask.text("material", 100, USUAL), build.build_presets()
+    name, presets = ask.text("material", 100, USUAL), files.build_presets()
     if name not in presets:
         raise InputError(f"ask.material = {name!r}: must be {', '.join(presets)}.")
     return _preset(name)
 
 
 @cache
-def _preset(name: str) -> build.BuildFile:
-    return build.loads_build_file(build.preset_text(name), name)
+def _preset(name: str) -> BuildFile:
+    return files.loads_build_file(files.preset_text(name), name)
 
 
 def _materials() -> list[dict[str, str]]:
-    return [{"name": name, "title": _preset(name).title} for name in build.build_presets()]
+    return [{"name": name, "title": _preset(name).title} for name in files.build_presets()]
 
 
 def _mm(place: Vec2) -> list[float]:
     return [to_unit(one, "mm") for one in place]
 
 
-def _layers(layout: build.Layout) -> list[dict[str, Any]]:
+def _layers(layout: Layout) -> list[dict[str, Any]]:
     """Role, name and z of each layer, from below."""
     stack, used = layout.stack, {part.layer: part for part in layout.parts}
     roles = [role for role in _LAYERS if getattr(stack, role) is not None]
@@ -165,7 +168,7 @@ def _layers(layout: build.Layout) -> list[dict[str, Any]]:
     ]
 
 
-def _part(layout: build.Layout, part: build.Part) -> dict[str, Any]:
+def _part(layout: Layout, part: Part) -> dict[str, Any]:
     left, bottom, right, top = part.outline.bounds
     return {
         "name": part.name,
@@ -182,7 +185,7 @@ def _part(layout: build.Layout, part: build.Part) -> dict[str, Any]:
     }
 
 
-def _fasteners(layout: build.Layout) -> Iterator[dict[str, Any]]:
+def _fasteners(layout: Layout) -> Iterator[dict[str, Any]]:
     for one in layout.fasteners:
         if one.use != "shim":
             yield {
@@ -195,7 +198,7 @@ def _fasteners(layout: build.Layout) -> Iterator[dict[str, Any]]:
             }
 
 
-def _box(layout: build.Layout) -> list[float]:
+def _box(layout: Layout) -> list[float]:
     """Left, bottom, right, top [mm] of all parts over all angles of all cells."""
     limits = np.array([one.cell.limit for one in layout.cells])
     # A block is farthest along the stroke at stops, across it at stops or midway.
