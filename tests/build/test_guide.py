@@ -96,10 +96,11 @@ def test_every_step_with_parts_shows_their_places_on_the_sheet(content):
 
 def test_the_pdf_has_a_page_for_each_step_and_the_values_to_measure(content):
     document = pypdfium2.PdfDocument(guide_pdf(content))
-    texts = [page.get_textpage().get_text_range() for page in document]
+    texts = [page.get_textpage().get_text_bounded() for page in document]
     assert len(texts) >= len(content.steps) + 2
     for number, shown in enumerate(content.steps, 1):
-        assert f"Step {number} of {len(content.steps)}: {shown.step.title}" in texts[number]
+        heading = f"Step {number} of {len(content.steps)}: {shown.step.title}"
+        assert sum(heading in text for text in texts) == 1
     assert "Before you pull" in texts[-1]
     assert "20.00" in texts[-1] and "41.23" in texts[-1]
     assert all("DRAFT: too thin" in text for text in texts)
@@ -155,3 +156,14 @@ def test_tolerances_of_forces_grow_with_the_errors_of_the_bands(layouts):
 def test_the_pictures_of_the_page_are_those_of_this_version():
     for name, text in pictures().items():
         assert (FOLDER / name).read_text("utf-8") == text, "python tests/docs/build_pictures.py"
+
+
+def test_maps_without_room_come_on_further_pages():
+    made = layout(chains.eight(), ACRYLIC)
+    nested = sheets(made.parts, made.build_file.sheet.bed, seconds=0)
+    content = guide(made, nested, title="Eight")
+    document = pypdfium2.PdfDocument(guide_pdf(content))
+    text = "".join(page.get_textpage().get_text_bounded() for page in document)
+    for block in range(9):
+        assert f"block-{block}-top from above" in " ".join(text.split())
+    assert "continued" in text

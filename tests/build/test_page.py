@@ -65,7 +65,7 @@ def test_equal_pages_have_equal_pdf_files_with_embedded_fonts():
     assert pdf_bytes([made], "lever") == pdf_bytes([made], "lever")
     document = pypdfium2.PdfDocument(pdf_bytes([made, made], "lever"))
     assert len(document) == 2
-    assert "3.1 mm ± 0.05, 45°" in document[0].get_textpage().get_text_range()
+    assert "3.1 mm ± 0.05, 45°" in document[0].get_textpage().get_text_bounded()
     assert b"/FontFile2" in pdf_bytes([made], "lever")
     assert b"/PrintScaling /None" in pdf_bytes([made], "lever")
 

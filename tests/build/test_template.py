@@ -58,7 +58,7 @@ def _wide(row: np.ndarray, width: float) -> bool:
 
 def test_every_hole_is_listed_from_the_corner_of_the_part():
     content = pdf_bytes(template_pages([block()]), "template")
-    text = pypdfium2.PdfDocument(content)[0].get_textpage().get_text_range()
+    text = pypdfium2.PdfDocument(content)[0].get_textpage().get_text_bounded()
     words = text.split()
     x0, y0, *_ = block().outline.bounds
     for hole in block().holes:

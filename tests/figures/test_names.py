@@ -58,6 +58,7 @@ def of_chains(name: str) -> Iterator[partial[object]]:
     yield partial(figures.unit_cell_energy, chain.cells)
     cell = sw.Cell(sw.Band(p=(-0.010, 0.0), q=(0.010, 0.0)), name=name)
     yield partial(figures.labelled_cell, cell)
+    yield partial(figures.layers, sw.build(chain, samples=20))
     yield partial(figures.labelled_chain, chain)
     yield partial(figures.holes, chain)
     yield partial(
@@ -142,8 +143,8 @@ def robots():
 
 @pytest.mark.slow
 def test_every_figure_of_a_chain_draws_names_as_text(chains):
-    # A transition graph calls cells by their places, and one cell with its letters has no name.
-    assert sum(check(draw, ALL) > 0 for draw in chains) == len(chains) - 2
+    # A transition graph and layers call cells by their places; a lettered cell has no name.
+    assert sum(check(draw, ALL) > 0 for draw in chains) == len(chains) - 3
 
 
 @pytest.mark.slow

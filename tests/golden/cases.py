@@ -783,10 +783,48 @@ WRONG = [
     ),
 ]
 
+_STEEP = "[chain]\nlever_mm = 30\nlimit_deg = 70\n[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n"
+# Of the folder, the files of parts and sheets are read by tests/build.
+BUILDS = [
+    Case(
+        "build/pair",
+        (
+            "build preset:paper-forward --samples 50",
+            "build preset:paper-forward --samples 50 --json",
+        ),
+        shown=True,
+        slow=True,
+    ),
+    Case(
+        "build/collides",
+        ("build steep.toml --json", "build steep.toml --nest 0 --out out"),
+        given={"steep.toml": _STEEP},
+        slow=True,
+    ),
+    Case(
+        "build/written",
+        (
+            "build preset:paper-cell-10-0 --material own.toml --samples 20 --target '0>1>0' --r12 "
+            "--draft --nest 0 --out out",
+        ),
+        given={"own.toml": 'base = "plywood-3mm"\n[lever]\nwidth_mm = 9\n'},
+        slow=True,
+    ),
+    Case(
+        "build/errors",
+        (
+            "yield preset:paper-outer-15 --build plywood-3mm --samples 100 --json",
+            "check preset:paper-outer-15 --build plywood-3mm --samples 100 --json",
+            f"design '{_BACK}' --build acrylic-3mm --samples 20 --json",
+        ),
+        slow=True,
+    ),
+]
+
 CASES: dict[str, Case] = {
     case.name: case
     for case in (
         *RUNS, *MAPS, *GRAPHS, *PROGRAMS, *DESIGNED, *YIELDS, *CHECKS, *REPROGRAMS, *ELEMENTS,
-        *FILES, *LABS, *ROBOTS, *STUDIES, *PAPER, *HELP, *WRONG,
+        *FILES, *LABS, *ROBOTS, *STUDIES, *PAPER, *HELP, *WRONG, *BUILDS,
     )
 }  # fmt: skip

@@ -145,7 +145,16 @@ def _entry(
             found.records.append(written)
         if str(written.get("schema")).startswith("stepwell.folder/"):
             inside = (folder / name).parent
-            found.folders.append((written, {one.name for one in inside.iterdir()}))
+            found.folders.append(
+                (
+                    written,
+                    {
+                        one.relative_to(inside).as_posix()
+                        for one in inside.rglob("*")
+                        if one.is_file()
+                    },
+                )
+            )
         elif record is None:
             record = written
         elif written != {key: part for key, part in record.items() if key != "files"}:

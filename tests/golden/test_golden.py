@@ -29,6 +29,7 @@ _EVERYWHERE = {"--force", "--full"}
 # Options of a reading beside the keys that a design has.
 _READING = ("force_column", "save_reading")
 _NOT_FROZEN = {
+    "build --step",  # needs build123d
     "demo",
     "demo --out",
     "demo --no-open",
@@ -44,8 +45,8 @@ _NOT_FROZEN = {
 _OTHER_NUMBERS = {"files/presets", "help/pages"}
 # The page of a run shows how many of those built do it, and the bands, which its record does not;
 # that of a design the energy lost in its cycle; those of walks the settings of the simulation among
-# the assumptions.
-_OTHER_PAGES = {"run", "elements", "design", "walk", "maze"}
+# the assumptions. The guide of a build has its own numbers.
+_OTHER_PAGES = {"build", "run", "elements", "design", "walk", "maze"}
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,8 @@ def build_schema(shape: Shape) -> Schema:
         *yields.CHAIN,
         *keys(can_be_built=bool, build_file=(str, "build_file.title")),
         *base.read_off(keys(material=str, thickness="mm"), "build_file.sheet"),
-        *keys(mass="g", fastener_mass="g"),
+        *keys(mass="g", fastener_mass="g", stroke=("mm", "chain.full_stroke")),
+        Quantity("peak_force", "N", read=lambda made: made.cycle and made.cycle.peak_force),
         Quantity("block_masses", "g", holds=[float]),
         Quantity("findings", holds=[_FINDING]),
         Quantity("parts", holds=[_PART], read=_parts),
@@ -107,7 +108,7 @@ _COLLISION: Schema = (
     *keys(states=[str], overlap="mm"),
 )
 _SWEEP: Schema = (
-    *keys(free=bool, pairs=int, poses=int),
+    *keys(free=bool, pairs=int),
     Quantity("collisions", holds=[_COLLISION]),
     Quantity("undecided", holds=[[str]]),
     Quantity("clearances", holds=[_CLEARANCE]),
@@ -200,7 +201,7 @@ def _sweep_words(made: Build) -> str:
     swept = made.sweep
     pairs = counted(swept.pairs, "pair")
     if swept.free:
-        return f"no overlap of {pairs} of bodies at any angles, proved with {swept.poses} poses"
+        return f"no overlap of {pairs} of bodies at any angles, which is proved"
     if swept.collisions:
         first: Collision = swept.collisions[0]
         overlaps = counted(len(swept.collisions), "overlap")

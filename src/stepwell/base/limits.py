@@ -22,7 +22,6 @@ class Limit(NamedTuple):
 # reasons.
 LIMITS = {
     "cells": Limit(10_000, "cells in a chain"),
-    "built_cells": Limit(8, "cells of a build"),
     "bands": Limit(100, "bands on a cell"),
     "rows": Limit(10_000, "rows of a table"),
     "turns": Limit(10_000, "turning points"),
@@ -46,6 +45,7 @@ LIMITS = {
     "relays": Limit(20, "cells of which all 2^N states are sorted"),
     "walked": Limit(1_000_000, "nodes of a walk"),
     "branches": Limit(5000, "branches of a transition graph"),
+    "built_cells": Limit(8, "cells of a build"),
 }
 
 

@@ -20,6 +20,8 @@ _PICTURE, _MAP = (186.0, 128.0), (186.0, 70.0)
 # Width of a plate in plan at most [mm].
 _PLAN = 84.0
 _GREY, _RED = "#606060", "#c00000"
+# The page loads nothing and runs nothing.
+_POLICY = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
 _BEFORE = "Before you pull"
 _INTRO = (
     "Measure the travels without bands, then hook the bands in and measure the rest. A kitchen "
@@ -139,17 +141,16 @@ def _plan(part: Part, names: set[str]) -> Page:
     for hole in part.holes:
         if hole.name in names:
             x, y = (a + 1e3 * scale * b for a, b in zip(at, hole.centre, strict=True))
-            top = y + 500.0 * scale * hole.diameter + 0.5
-            half = width_of(hole.name, 2.6, bold=True) / 2.0 + 0.4
-            behind = [
-                (x - half, top),
-                (x + half, top),
-                (x + half, top + 2.6),
-                (x - half, top + 2.6),
-            ]
-            page.line(behind, Pen(None, "#ffffff"), closed=True)
-            page.text((x, top + 0.4), hole.name, 2.6, anchor="middle", bold=True)
+            _label(page, (x, y + 500.0 * scale * hole.diameter + 0.9), hole.name, "#ffffff")
     return page
+
+
+def _label(page: Page, at: Vec2, text: str, behind: str) -> None:
+    """A short bold text, centred above `at` [mm] on a ground of its own."""
+    (x, y), half = at, width_of(text, 2.7, bold=True) / 2.0 + 0.4
+    corners = [(x - half, y - 0.4), (x + half, y - 0.4), (x + half, y + 2.4), (x - half, y + 2.4)]
+    page.line(corners, Pen(None, behind), closed=True)
+    page.text(at, text, 2.7, anchor="middle", bold=True)
 
 
 def _map(sheet: CutSheet, names: set[str]) -> Page:
@@ -171,12 +172,7 @@ def _map(sheet: CutSheet, names: set[str]) -> Page:
         if part.name in names and part.mark:
             x0, y0, x1, y1 = contours[0].bounds
             middle = 500.0 * scale * (x0 + x1), 500.0 * scale * (y0 + y1) - 1.0
-            half = width_of(part.mark, 2.8, bold=True) / 2.0 + 0.6
-            x, y = middle
-            behind = [(x - half, y - 0.7), (x + half, y - 0.7)]
-            behind += [(x + half, y + 2.7), (x - half, y + 2.7)]
-            page.line(behind, Pen(None, NEW_PLATE.top), closed=True)
-            page.text(middle, part.mark, 2.8, anchor="middle", bold=True, colour=NEW_PLATE.line)
+            _label(page, middle, part.mark, NEW_PLATE.top)
     return page
 
 
@@ -209,8 +205,12 @@ def guide_pages(content: Guide, paper: str = "A4") -> list[Page]:
         picture = shown.picture
         y -= picture.height + 4.0
         page.insert(picture, ((page.width - picture.width) / 2.0, y))
-        _place_maps(page, shown.maps, y - 6.0)
+        left = _place_maps(page, shown.maps, y - 6.0)
         pages.append(page)
+        while left:
+            more = f"Step {number} of {count}: {shown.step.title}, continued"
+            pages.append(_page(content, size, more))
+            left = _place_maps(pages[-1], left, size[1] - _EDGE - 16.0)
     pages += _check_pages(content, size)
     for number, page in enumerate(pages, 1):
         at = page.width - _EDGE, _EDGE - 5.0
@@ -257,21 +257,25 @@ def _how_to_read(content: Guide) -> tuple[str, ...]:
     )
 
 
-def _place_maps(page: Page, maps: Sequence[tuple[Page, str]], top: float) -> None:
-    """Small pictures side by side, with captions, in rows from `top` [mm] down."""
+Maps = Sequence[tuple[Page, str]]
+
+
+def _place_maps(page: Page, maps: Maps, top: float) -> Maps:
+    """Small pictures in rows from `top` [mm] down, with captions; returns those without room."""
     x, y, tall = _EDGE, top, 0.0
-    for picture, caption in maps:
+    for i, (picture, caption) in enumerate(maps):
         width = max(picture.width, 40.0) + 8.0
-        if x > _EDGE and x + width > page.width - _EDGE:
+        if x > _EDGE and x + width > page.width - _EDGE + 8.0:
             x, y, tall = _EDGE, y - tall - 8.0, 0.0
-        if y - picture.height - 6.0 < _EDGE:
-            break
         lines = broken(caption, width - 4.0, 2.8)
-        for i, line in enumerate(lines):
-            page.text((x, y - 3.9 * i), line, 2.8, colour=_GREY)
         under = 3.9 * (len(lines) - 1) + 2.0
+        if y - under - picture.height < _EDGE:
+            return maps[i:]
+        for j, line in enumerate(lines):
+            page.text((x, y - 3.9 * j), line, 2.8, colour=_GREY)
         page.insert(picture, (x, y - under - picture.height))
         x, tall = x + width, max(tall, picture.height + under)
+    return ()
 
 
 _COLUMNS = (0.0, 66.0, 98.0, 122.0)  # left edges [mm]
@@ -281,24 +285,27 @@ _HEADS = ("What to measure", "Expected", "Tolerance", "If it is off")
 def _check_pages(content: Guide, size: Vec2) -> list[Page]:
     """The table of values to measure, on as many pages as it needs."""
     pages: list[Page] = []
-    y = 0.0
-    total = size[0] - 2.0 * _EDGE
+    total, y = size[0] - 2.0 * _EDGE, 0.0
     widths = [b - a - 3.0 for a, b in zip(_COLUMNS, (*_COLUMNS[1:], total), strict=True)]
-    for row in (_HEADS, *content.checks):
-        bold = row is _HEADS
+
+    def add(row: Sequence[str], *, bold: bool = False) -> float:
         cells = [broken(w, room, 2.8, bold=bold) for w, room in zip(row, widths, strict=True)]
-        high = max(map(len, cells)) * 3.9 + 2.2
-        if not pages or y - high < _EDGE:
+        for x, lines in zip(_COLUMNS, cells, strict=True):
+            for i, line in enumerate(lines):
+                pages[-1].text((_EDGE + x, y - 3.9 * i), line, 2.8, bold=bold)
+        below = y - 3.9 * max(map(len, cells)) - 2.2
+        ends = (_EDGE, below + 2.6), (_EDGE + total, below + 2.6)
+        pages[-1].line(ends, Pen("#b0b0b0", None, 0.15))
+        return below
+
+    for check in content.checks:
+        if not pages or y < _EDGE + 16.0:
             pages.append(_page(content, size, _BEFORE))
             y = size[1] - _EDGE - 16.0
             if len(pages) == 1:
                 y = pages[0].paragraph((_EDGE, y), content.intro, total, 3.6) - 4.0
-        page = pages[-1]
-        for x, lines in zip(_COLUMNS, cells, strict=True):
-            for i, line in enumerate(lines):
-                page.text((_EDGE + x, y - 3.9 * i), line, 2.8, bold=bold)
-        y -= high
-        page.line([(_EDGE, y + 2.6), (_EDGE + total, y + 2.6)], Pen("#b0b0b0", None, 0.15))
+            y = add(_HEADS, bold=True)
+        y = add(check)
     return pages
 
 
@@ -324,6 +331,7 @@ def guide_html(content: Guide) -> str:
     rows = [
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">',
         f"<title>{escape(title)}</title><style>{_STYLE}</style></head><body><main>",
         f"{draft}<h1>{escape(content.title)}</h1><p class='about'>{escape(content.about)}</p>",
         _svg(content.whole, "The assembled mechanism"),

@@ -223,14 +223,17 @@ def _draw(canvas: "Canvas", path: Any, pen: Pen) -> None:
 def _write(
     canvas: "Canvas", x: float, y: float, text: str, size: float, look: dict[str, Any]
 ) -> None:
-    font = _font(bold=look["bold"])
     shift = {"start": 0.0, "middle": 0.5, "end": 1.0}[look["anchor"]]
+    left = -shift * width_of(text, size, bold=look["bold"]) if shift else 0.0
+    canvas.setFont(_font(bold=look["bold"]), size)
+    canvas.setFillColor(_colour(look["colour"]))
+    if not look["angle"]:
+        canvas.drawString(x + left, y, text)
+        return
     canvas.saveState()
     canvas.translate(x, y)
     canvas.rotate(look["angle"])
-    canvas.setFont(font, size)
-    canvas.setFillColor(_colour(look["colour"]))
-    canvas.drawString(-shift * width_of(text, size, bold=look["bold"]), 0.0, text)
+    canvas.drawString(left, 0.0, text)
     canvas.restoreState()
 
 

@@ -5,6 +5,7 @@ import math
 import tempfile
 import zipfile
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 from xml.sax.saxutils import quoteattr
@@ -26,6 +27,7 @@ class Mesh(NamedTuple):
     triangles: Ints
 
 
+@lru_cache(maxsize=256)
 def mesh_of(part: Part) -> Mesh:
     """The part as a closed mesh, its lower face at z = 0.
 
@@ -91,10 +93,9 @@ def threemf_bytes(
     objects, items = [], []
     for number, (part, place) in enumerate(zip(parts, places, strict=True), 1):
         mesh = mesh_of(part)
-        corners = "".join(
-            f'<vertex x="{a:.6f}" y="{b:.6f}" z="{c:.6f}"/>' for a, b, c in 1e3 * mesh.corners
-        )
-        triangles = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in mesh.triangles)
+        rows = (1e3 * mesh.corners).tolist(), mesh.triangles.tolist()
+        corners = "".join(f'<vertex x="{a:.6f}" y="{b:.6f}" z="{c:.6f}"/>' for a, b, c in rows[0])
+        triangles = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in rows[1])
         objects.append(
             f'<object id="{number}" type="model" name={quoteattr(part.name)}><mesh>'
             f"<vertices>{corners}</vertices><triangles>{triangles}</triangles></mesh></object>"
