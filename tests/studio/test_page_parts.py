@@ -7,7 +7,7 @@ import pytest
 
 import stepwell as sw
 from build import chains
-from stepwell import build
+from stepwell.build import layout, loads_build_file, preset_text
 from stepwell.files import dumps, tables_in
 from stepwell.studio.motion import drawn
 from studio.browser import Opened, begun, drag, output
@@ -55,13 +55,13 @@ def places(page: Page) -> dict[str, list[float]]:
 def test_the_parts_follow_the_stroke(parts: Page):
     chain = sw.preset("paper-forward")
     assert isinstance(chain, sw.Chain)
-    layout = build.layout(chain, build.loads_build_file(build.preset_text("acrylic-3mm")))
+    made = layout(chain, loads_build_file(preset_text("acrylic-3mm")))
     path = drawn(chain.cycle().path)
     for k in (0, 60, len(path.drive) - 20):
         parts.get_by_role("slider", name="Stroke").fill(str(k))
         angles = [float(cell.angle(path.travel[k, i])) for i, cell in enumerate(chain.levers)]
         shown = places(parts)
-        for name, (x, y, angle) in layout.frames(angles).items():
+        for name, (x, y, angle) in made.frames(angles).items():
             expected = [1e3 * x, 1e3 * y, angle * 57.29577951308232]
             assert shown[name] == pytest.approx(expected, abs=1e-6), name
 

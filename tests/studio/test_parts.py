@@ -4,6 +4,7 @@ import io
 import json
 import math
 import zipfile
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -13,15 +14,21 @@ from hypothesis import given, settings, strategies as st
 import stepwell as sw
 from build import chains
 from facts import says
-from stepwell import build
 from stepwell.accounts import account
+from stepwell.build import (
+    FileOptions,
+    build_files,
+    layout,
+    loads_build_file,
+    preset_text as build_text,
+)
 from stepwell.files import dumps, preset_text, presets, tables_in
 from stepwell.studio.aside import answered
 from stepwell.studio.ask import Ask, View
 from stepwell.studio.message import Message, unpacked
 from studio.pages import Answer
 
-ACRYLIC = build.loads_build_file(build.preset_text("acrylic-3mm"))
+ACRYLIC = loads_build_file(build_text("acrylic-3mm"))
 
 
 def ask(kind: str, chain: sw.Chain, **keys: Any) -> Answer:
@@ -35,11 +42,11 @@ def refusal(kind: str, chain: sw.Chain, **keys: Any) -> str:
 
 def test_the_shapes_are_those_of_the_layout():
     header, blocks = ask("parts", chains.slotted())
-    layout = build.layout(chains.slotted(), ACRYLIC)
+    made = layout(chains.slotted(), ACRYLIC)
     assert [one["role"] for one in header["layers"]] == ["stop", "bottom", "middle", "top"]
-    assert [one["name"] for one in header["parts"]] == [part.name for part in layout.parts]
+    assert [one["name"] for one in header["parts"]] == [part.name for part in made.parts]
     rows = iter(blocks["holes"])
-    for number, (one, part) in enumerate(zip(header["parts"], layout.parts, strict=True)):
+    for number, (one, part) in enumerate(zip(header["parts"], made.parts, strict=True)):
         assert one["mass_g"] == pytest.approx(1e3 * part.mass(ACRYLIC.sheet.density))
         assert one["path"].count("Z") == 1 + len(part.cutouts)
         for hole in part.holes:
@@ -48,21 +55,23 @@ def test_the_shapes_are_those_of_the_layout():
             np.testing.assert_allclose(next(rows), expected, atol=1e-9)
     assert next(rows, None) is None
     drawn = {one["name"] for one in header["fasteners"]}
-    assert not {one.use for one in layout.fasteners if one.use != "shim"} - {
+    assert not {one.use for one in made.fasteners if one.use != "shim"} - {
         name.split()[0] for name in drawn
     }
 
 
-BOXES = {name: ask("parts", getattr(chains, name)()).header["box_mm"] for name in ("pair", "mixed")}
+@cache
+def box(name: str) -> list[float]:
+    return ask("parts", getattr(chains, name)()).header["box_mm"]
 
 
 @settings(max_examples=30, deadline=None)
 @given(st.sampled_from(["pair", "mixed"]), st.lists(st.floats(-1, 1), min_size=3, max_size=3))
 def test_the_box_holds_all_parts_at_any_angles(name: str, parts: list[float]):
-    layout = build.layout(getattr(chains, name)(), ACRYLIC)
-    frames = layout.frames([k * c.cell.limit for k, c in zip(parts, layout.cells, strict=False)])
-    left, bottom, right, top = BOXES[name]
-    for part in layout.parts:
+    made = layout(getattr(chains, name)(), ACRYLIC)
+    frames = made.frames([k * c.cell.limit for k, c in zip(parts, made.cells, strict=False)])
+    left, bottom, right, top = box(name)
+    for part in made.parts:
         x, y, angle = frames[part.name]
         x0, y0, x1, y1 = (1e3 * one for one in part.outline.moved(x, y, angle).bounds)
         assert min(x0 - left, y0 - bottom, right - x1, top - y1) > -1e-6
@@ -76,7 +85,7 @@ def test_the_sweep_comes_first_and_then_the_record_of_the_command():
     header, _ = unpacked(data)
     (first,) = shown
     assert first.header == {"sweep": {"free": True}, "overlaps": []}
-    made = account(build.build(chain))
+    made = account(sw.build(chain))
     record = json.loads(json.dumps(made.record))
     for key in ("can_be_built", "parts", "bands", "findings", "sweep", "yield", "notes"):
         assert header[key] == record[key], key
@@ -89,8 +98,8 @@ def test_a_collision_has_a_pose_at_which_its_parts_overlap():
     (one,) = header["overlaps"]
     assert header["can_be_built"] is False
     assert header["findings"][0]["parts"] == one["parts"] == ["lever-1a", "lever-1b"]
-    layout = build.layout(chain, ACRYLIC)
-    frames = layout.frames(np.radians(one["angles_deg"]))
+    made = layout(chain, ACRYLIC)
+    frames = made.frames(np.radians(one["angles_deg"]))
     (ax, ay, angle), (bx, by, _) = (frames[name] for name in one["parts"])
     # The distance of two parallel levers, below their width.
     apart = abs((bx - ax) * math.sin(angle) - (by - ay) * math.cos(angle))
@@ -105,8 +114,8 @@ def names_in(answer: Answer) -> list[str]:
 
 def test_the_files_are_those_of_the_command_and_drafts_need_the_word():
     chain = chains.pair()
-    made = build.build(chain, ACRYLIC)
-    files = build.build_files(made, build.FileOptions(nest=0.0))
+    made = sw.build(chain, ACRYLIC)
+    files = build_files(made, FileOptions(nest=0.0))
     own = {"design.toml", "build.toml", "build.json", "report.html"}
     assert {*names_in(ask("parts_files", chain, seconds=0))} == own | {*files}
     says(refusal("parts_files", chains.steep(), seconds=0), "lever-1a", "1.16 mm", "draft")

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from stepwell.build.builds import BandUse, Build, build
     from stepwell.build.contour import Contour
     from stepwell.build.exports.folder import FileOptions, build_files
+    from stepwell.build.exports.svg import contour_path
     from stepwell.build.layouts import BandPath, Layout, layout
     from stepwell.build.limits import ExceededLimit
     from stepwell.build.part import Hole, Part
@@ -44,6 +45,7 @@ __all__ = [
     "build_files",
     "build_presets",
     "build_yield",
+    "contour_path",
     "dumps_build_file",
     "layout",
     "load_build_file",
@@ -75,6 +77,7 @@ _LATE = {
     "builds": ("BandUse", "Build", "build"),
     "contour": ("Contour",),
     "exports.folder": ("FileOptions", "build_files"),
+    "exports.svg": ("contour_path",),
     "layouts": ("BandPath", "Layout", "layout"),
     "limits": ("ExceededLimit",),
     "part": ("Hole", "Part"),

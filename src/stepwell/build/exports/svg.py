@@ -149,6 +149,11 @@ def path_data(steps: Iterable[Step], top: float) -> str:
     return "".join(words)
 
 
+def contour_path(contour: Contour) -> str:
+    """Path data of SVG [mm], y down, of a contour [m] in its own frame."""
+    return path_data(contour_steps(contour), 0.0)
+
+
 def plain(value: float) -> str:
     """A length [mm] to a tenth of a micrometre."""
     return f"{value:.4f}".rstrip("0").rstrip(".") if abs(value) >= 5e-5 else "0"

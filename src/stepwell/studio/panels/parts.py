@@ -11,11 +11,21 @@ from typing import Any
 
 import numpy as np
 
-from stepwell import accounts, build
+from stepwell import accounts
 from stepwell.base import InputError, Vec2, need, to_unit
-from stepwell.build.drive import drive_place
-from stepwell.build.exports import svg
-from stepwell.build.seats import offsets
+from stepwell.build import (
+    BuildFile,
+    Layout,
+    Part,
+    build,
+    build_presets,
+    contour_path,
+    dumps_build_file,
+    layout as layout_of,
+    loads_build_file,
+    preset_text,
+    sweep,
+)
 from stepwell.files import dumps
 from stepwell.studio.ask import Ask, PageDesign, View
 
@@ -40,7 +50,9 @@ def answer_parts(design: PageDesign, ask: Ask) -> View:
     """
     build_file = _material(ask)
     ask.close()
-    layout = build.layout(design.chain, build_file)
+    layout = layout_of(design.chain, build_file)
+    # At angles of 0 a lever points across the stroke: the step to the next block is the offset.
+    blocks = layout.positions(np.zeros(len(layout.cells)))
     header = {
         "materials": _materials(),
         "layers": _layers(layout),
@@ -59,14 +71,14 @@ def answer_parts(design: PageDesign, ask: Ask) -> View:
         ],
         "joints": [
             {
-                "offset_mm": to_unit(offset, "mm"),
+                "offset_mm": to_unit(float(offset), "mm"),
                 "lever_mm": to_unit(one.cell.lever, "mm"),
                 "side": one.side,
             }
-            for one, offset in zip(layout.cells, offsets(layout.blocks), strict=True)
+            for one, offset in zip(layout.cells, np.diff(blocks[:, 0]), strict=True)
         ],
         "half_mm": to_unit(build_file.lever.spacing / 2.0, "mm"),
-        "bar_mm": _mm((drive_place(layout.cells, build_file)[0], layout.bar_y)),
+        "bar_mm": _mm((_bar(layout), layout.bar_y)),
         "box_mm": _box(layout),
     }
     holes = [
@@ -85,13 +97,13 @@ def answer_build(design: PageDesign, ask: Ask) -> View:
     chain, build_file = design.chain, _material(ask)
     ask.close()
     need("build")
-    swept = build.sweep(build.layout(chain, build_file), ask.report)
+    swept = sweep(layout_of(chain, build_file), ask.report)
     overlaps = [
         {"parts": one.parts, "angles_deg": np.degrees(one.angles).tolist()}
         for one in swept.collisions
     ]
     ask.show(View({"sweep": {"free": swept.free}, "overlaps": overlaps}))
-    account = accounts.account(build.build(chain, build_file, swept=swept))
+    account = accounts.account(build(chain, build_file, swept=swept))
     return View({**account.record, "answer": account.answer, "overlaps": overlaps})
 
 
@@ -103,54 +115,56 @@ def answer_parts_files(design: PageDesign, ask: Ask) -> View:
 
     If checks failed, `draft` is needed; each file then says so. `seconds` limits the nesting.
     """
+    from stepwell.build import FileOptions, build_files
+
     chain, build_file = design.chain, _material(ask)
     seconds = ask.number("seconds", 0.0, _LONGEST_NESTING, 10.0)
     draft = ask.switch("draft", default=False)
     ask.close()
-    made = build.build(chain, build_file)
-    options = build.FileOptions(nest=seconds, draft=draft)
-    account, parts = accounts.account(made), build.build_files(made, options, progress=ask.report)
-    files = {
+    made = build(chain, build_file)
+    options = FileOptions(nest=seconds, draft=draft)
+    account, parts = accounts.account(made), build_files(made, options, progress=ask.report)
+    every = {
         "report.html": accounts.page(account),
         "build.json": json.dumps(account.record, indent=2, allow_nan=False) + "\n",
-        "build.toml": build.dumps_build_file(build_file),
+        "build.toml": dumps_build_file(build_file),
         "design.toml": dumps(chain),
         **parts,
     }
-    return View({"suffix": "zip"}, {"file": np.frombuffer(_zipped(files), np.uint8)})
+    return View({"suffix": "zip"}, {"file": np.frombuffer(_zipped(every), np.uint8)})
 
 
-def _zipped(files: Mapping[str, str | bytes]) -> bytes:
+def _zipped(every: Mapping[str, str | bytes]) -> bytes:
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as packed:
-        for name, content in files.items():
-            # Without a time, so that equal builds are equal files.
+        for name, content in every.items():
+            # Without a time, so that equal builds are equal
             packed.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
     return file.getvalue()
 
 
-def _material(ask: Ask) -> build.BuildFile:
+def _material(ask: Ask) -> BuildFile:
     """The requested preset; a path is none."""
-    name, presets = ask.text("material", 100, USUAL), build.build_presets()
+    name, presets = ask.text("material", 100, USUAL), build_presets()
     if name not in presets:
         raise InputError(f"ask.material = {name!r}: must be {', '.join(presets)}.")
     return _preset(name)
 
 
 @cache
-def _preset(name: str) -> build.BuildFile:
-    return build.loads_build_file(build.preset_text(name), name)
+def _preset(name: str) -> BuildFile:
+    return loads_build_file(preset_text(name), name)
 
 
 def _materials() -> list[dict[str, str]]:
-    return [{"name": name, "title": _preset(name).title} for name in build.build_presets()]
+    return [{"name": name, "title": _preset(name).title} for name in build_presets()]
 
 
 def _mm(place: Vec2) -> list[float]:
     return [to_unit(one, "mm") for one in place]
 
 
-def _layers(layout: build.Layout) -> list[dict[str, Any]]:
+def _layers(layout: Layout) -> list[dict[str, Any]]:
     """Role, name and z of each layer, from below."""
     stack, used = layout.stack, {part.layer: part for part in layout.parts}
     roles = [role for role in _LAYERS if getattr(stack, role) is not None]
@@ -165,7 +179,7 @@ def _layers(layout: build.Layout) -> list[dict[str, Any]]:
     ]
 
 
-def _part(layout: build.Layout, part: build.Part) -> dict[str, Any]:
+def _part(layout: Layout, part: Part) -> dict[str, Any]:
     left, bottom, right, top = part.outline.bounds
     return {
         "name": part.name,
@@ -176,13 +190,11 @@ def _part(layout: build.Layout, part: build.Part) -> dict[str, Any]:
         "height_mm": to_unit(top - bottom, "mm"),
         "mass_g": to_unit(part.mass(layout.build_file.sheet.density), "g"),
         # Round holes apart: in the sweep they count as solid.
-        "path": "".join(
-            svg.path_data(svg.contour_steps(one), 0.0) for one in (part.outline, *part.cutouts)
-        ),
+        "path": "".join(map(contour_path, (part.outline, *part.cutouts))),
     }
 
 
-def _fasteners(layout: build.Layout) -> Iterator[dict[str, Any]]:
+def _fasteners(layout: Layout) -> Iterator[dict[str, Any]]:
     for one in layout.fasteners:
         if one.use != "shim":
             yield {
@@ -195,7 +207,13 @@ def _fasteners(layout: build.Layout) -> Iterator[dict[str, Any]]:
             }
 
 
-def _box(layout: build.Layout) -> list[float]:
+def _bar(layout: Layout) -> float:
+    """x of the drive bar from the last block [m], the same at all angles."""
+    still = [0.0] * len(layout.cells)
+    return layout.frames(still)["drive-bar"][0] - float(layout.positions(still)[-1, 0])
+
+
+def _box(layout: Layout) -> list[float]:
     """Left, bottom, right, top [mm] of all parts over all angles of all cells."""
     limits = np.array([one.cell.limit for one in layout.cells])
     # A block is farthest along the stroke at stops, across it at stops or midway.
@@ -203,7 +221,7 @@ def _box(layout: build.Layout) -> list[float]:
     origin = np.zeros((1, 2))
     low = np.concatenate([origin, np.cumsum(steps.min(axis=0), axis=0)])
     high = np.concatenate([origin, np.cumsum(steps.max(axis=0), axis=0)])
-    bar = drive_place(layout.cells, layout.build_file)[0]
+    bar = _bar(layout)
     corners: list[Vec2] = []
     for part in layout.parts:
         kind, *number = layout.body[part.name]
