@@ -1,5 +1,6 @@
 """Pictures of the studio for the pages: `python tests/docs/screenshots.py` takes them anew.
 
+With a folder as argument it writes pictures of all sizes and schemes there, to be looked at.
 Each carries in itself what could be read on the page when it was taken, so that a test can tell
 whether it is still what a visitor sees.
 """
@@ -17,6 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "docs" / "img" / "studio"
 SCHEMES = ("light", "dark")
 SIZE = (1280, 800)
+SIZES = (SIZE, (1920, 1080), (390, 844))
 # What a visitor can press or read as a heading, in the order of the page.
 LABELS = """
 () => [...document.querySelectorAll("h1, h2, h3, button, [role=tab], [role=status][aria-label]")]
@@ -25,9 +27,9 @@ LABELS = """
 """
 
 
-def taken(browser: Browser, address: str, scheme: str) -> bytes:
+def taken(browser: Browser, address: str, scheme: str, size: tuple[int, int] = SIZE) -> bytes:
     """The studio with the paper's forward leg, as a PNG that carries its labels."""
-    wide, high = SIZE
+    wide, high = size
     page = browser.new_page(
         viewport={"width": wide, "height": high},
         color_scheme="dark" if scheme == "dark" else "light",
@@ -63,13 +65,16 @@ if __name__ == "__main__":
     from chromium import CHROMIUM, QUIET
     from studio.browser import served
 
-    FOLDER.mkdir(parents=True, exist_ok=True)
+    into, sizes = (Path(sys.argv[1]), SIZES) if sys.argv[1:] else (FOLDER, (SIZE,))
+    into.mkdir(parents=True, exist_ok=True)
     with (
         tempfile.TemporaryDirectory() as folder,
         served(Path(folder), "paper-forward") as studio,
         sync_playwright() as playwright,
     ):
         chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=list(QUIET))
-        for one in SCHEMES:
-            (FOLDER / f"{one}.png").write_bytes(taken(chromium, studio, one))
+        for size in sizes:
+            for one in SCHEMES:
+                name = f"{one}-{size[0]}.png" if sys.argv[1:] else f"{one}.png"
+                (into / name).write_bytes(taken(chromium, studio, one, size))
         chromium.close()
