@@ -143,7 +143,7 @@ def robots():
 
 @pytest.mark.slow
 def test_every_figure_of_a_chain_draws_names_as_text(chains):
-    # A transition graph and layers call cells by their places; one cell with its letters has no name.
+    # A transition graph and layers call cells by their places; a lettered cell has no name.
     assert sum(check(draw, ALL) > 0 for draw in chains) == len(chains) - 3
 
 
