@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 Version = Literal["R2010", "R12"]
 # Layers in cutting order, each with its AutoCAD colour; laser programs order their work by either.
 LAYERS = {"ENGRAVE": 5, "CUT_INSIDE": 1, "CUT_OUTSIDE": 3, "GUIDE": 8}
+_SILENT = logging.NullHandler()
 # The one layer of a part's file, for cutting services.
 CUT = "CUT"
 
@@ -68,7 +69,7 @@ def _document(version: Version, layers: Iterable[str]) -> "Drawing":
     from ezdxf.filemanagement import new
 
     # The header of R12 has no units, of which ezdxf would warn on standard error.
-    logging.getLogger("ezdxf").addHandler(logging.NullHandler())
+    logging.getLogger("ezdxf").addHandler(_SILENT)
     document = new(version, units=units.MM)
     document.header["$MEASUREMENT"] = 1
     for name in layers:
