@@ -24,7 +24,8 @@ class HookedBand(NamedTuple):
 
     Anchors (x, y) [m] of a seat: x along the stroke from the midpoint of its joints, y across, away
     from the other block. `shift` is the vector [m] added to p and q in the frame of the cell, which
-    leaves d and so the motion as they are. `level` counts from 0, the lowest.
+    leaves d and so the motion as they are. `level` counts from 0, the lowest. `fits` is False if no
+    shift puts both anchors on the plates, clear of pins.
     """
 
     number: int
@@ -32,6 +33,7 @@ class HookedBand(NamedTuple):
     outer: Vec2
     shift: Vec2
     level: int
+    fits: bool = True
 
 
 class Seat(NamedTuple):
@@ -104,11 +106,12 @@ def place_bands(cell: Cell, build_file: BuildFile, seats: tuple[Seat, Seat]) -> 
     taken: tuple[list[Vec2], list[Vec2]] = ([], [])
     placed: list[HookedBand] = []
     for number, band in enumerate(cell.bands):
-        shift = _shift(band, seats, taken, pitch) or (0.0, 0.0)
+        free = _shift(band, seats, taken, pitch)
+        shift = free or (0.0, 0.0)
         inner, outer = inner_place(band, shift), outer_place(band, shift)
         taken[0].append(inner)
         taken[1].append(outer)
-        placed.append(HookedBand(number, inner, outer, shift, 0))
+        placed.append(HookedBand(number, inner, outer, shift, 0, free is not None))
     return _levels(cell, placed, build_file)
 
 
@@ -125,6 +128,9 @@ def _shift(
     shifts = _shifts(pitch)
     # Anchors off the grid gain nothing from whole pitches: the shortest shift is tried first.
     ordered: Iterable[Vec2] = shifts if gridded else sorted(shifts, key=lambda v: math.hypot(*v))
+    # At last the shift that puts both hooks equally far from the faces.
+    even = -(band.p[0] + band.q[0]) / 2.0
+    ordered = [*ordered, *((even, along) for across, along in shifts if across == 0.0)]
     return next(
         (v for v in ordered if free(inner_place(band, v), 0) and free(outer_place(band, v), 1)),
         None,
