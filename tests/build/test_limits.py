@@ -56,6 +56,14 @@ def test_bands_that_push_or_have_no_rest_length_are_no_rubber_bands():
     says(str(found(with_bands(chains.pair(), rest_length=0.0), "stretch")[0]), "rest length is 0")
 
 
+def test_a_band_whose_hooks_lie_off_both_blocks_gets_the_least_distance_that_fits():
+    off = sw.Chain([chains.cell((5, 0), (0, 0), 13.0, 45.0)])
+    one = found(off, "anchor")[0]
+    # Both hooks reach the faces less half a hook and a web: r cos θc - 3 - 3 mm.
+    says(str(one), "band 1 of cell 1", "-5 mm", "q_x - p_x", "-3.1 mm")
+    assert not found(sw.Chain([chains.cell((3.1, 0), (0, 0), 13.0, 45.0)]), "anchor")
+
+
 def test_a_web_between_joint_and_face_that_is_too_thin_asks_for_longer_levers():
     short = sw.Chain([chains.cell((-10, 0), (10, 0), 8.0, 45.0)])
     one = found(short, "web")[0]

@@ -6,6 +6,7 @@ from itertools import combinations, product
 import numpy as np
 import pytest
 import shapely
+from hypothesis import Phase, given, settings, strategies as st
 from shapely import affinity
 
 import stepwell as sw
@@ -20,9 +21,10 @@ ACRYLIC = load_build_file("acrylic-3mm")
 
 def solids_of(made):
     """Name, body, area, heights of parts and fasteners, each in the frame of its body."""
+    # Holes of a part that breaks a limit may cross its outline.
     solids = [
-        (part.name, made.body[part.name], part.polygon(4e-6), part.base, part.top)
-        for part in made.parts
+        (p.name, made.body[p.name], shapely.make_valid(p.polygon(4e-6)), p.base, p.top)
+        for p in made.parts
     ]
     for one in made.fasteners:
         shape = shapely.Point(one.centre).buffer(one.diameter / 2, quad_segs=32)
@@ -57,7 +59,7 @@ def overlaps(made, angles, bodies=None):
             path = next(p for p in made.bands if ("band", p.cell, p.number) == ring[1])
             if hook[0].split()[-1] in path.holes and hook[1][1] in (path.cell, path.cell + 1):
                 continue
-        shared = a[2].intersection(b[2]).buffer(-TOUCH)
+        shared = shapely.intersection(a[2], b[2]).buffer(-TOUCH)
         if not shared.is_empty:
             found[a[0], b[0]] = shared.area
     return found
@@ -151,6 +153,51 @@ def test_the_bound_on_motion_holds_between_random_poses(name):
             )
         change = np.abs(np.subtract(*gaps))
         assert np.all(change <= np.abs(first - second) @ moves.reach + 1e-9)
+
+
+@st.composite
+def any_chains(draw):
+    """Chains with other levers, limits, anchors and numbers of bands in each cell."""
+    cells = []
+    for _ in range(draw(st.integers(1, 3))):
+        bands = [
+            chains.band(
+                (draw(st.floats(-20, 5)), draw(st.floats(-15, 15))),
+                (draw(st.floats(-5, 25)), draw(st.floats(-15, 15))),
+                stiffness=28.5,
+            )
+            for _ in range(draw(st.integers(1, 3)))
+        ]
+        lever, limit = draw(st.floats(13, 35)), draw(st.floats(20, 68))
+        cells.append(sw.Cell(bands, lever=1e-3 * lever, limit=math.radians(limit), unusual=True))
+    return sw.Chain(cells)
+
+
+@settings(max_examples=12, phases=[Phase.explicit, Phase.generate])
+@given(chain=any_chains(), seed=st.integers(0, 99))
+def test_the_sweep_of_any_chain_agrees_with_areas_at_random_poses(chain, seed):
+    made = layout(chain, ACRYLIC)
+    result = sweep(made)
+    assert result.undecided == ()
+    bodies = solids_of(made)
+    if result.free:
+        limits = np.array([one.cell.limit for one in made.cells])
+        poses = np.random.default_rng(seed).uniform(-limits, limits, (8, len(limits)))
+        corners = [np.array(signs) * limits for signs in product((-1, 1), repeat=len(limits))]
+        for angles in (*poses, *corners):
+            assert not overlaps(made, angles, bodies)
+    for one in result.collisions:
+        assert overlaps(made, one.angles, bodies), one
+
+
+def test_a_hook_on_a_joint_is_a_longer_pin_that_is_free_too():
+    # q at the second joint of the outer block.
+    made = layout(sw.Chain([chains.cell((-10, 0), (0, 10))]), ACRYLIC)
+    assert made.bands[0].holes == ("pD3", "1b")
+    pins = [f for f in made.fasteners if f.use == "pin" and f.joint and f.block == 1]
+    lengths = {f.name: f.high - f.low for f in pins}
+    assert lengths["1b"] > made.bands[0].high > lengths["1a"]
+    assert sweep(made).free
 
 
 def test_random_poses_of_a_free_chain_never_overlap():

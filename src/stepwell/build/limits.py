@@ -23,7 +23,7 @@ class ExceededLimit(ByValue):
     """A limit that a build exceeds.
 
     Attributes:
-        check: "web", "hole", "bed", "stretch", "bearing", "pin", "lever", "hook", "travel",
+        check: "anchor", "web", "bed", "stretch", "bearing", "pin", "lever", "hook", "travel",
             "force" or "collision".
         parts: names of the parts, bands or cells.
         value, allowed: what it is and the limit, in `unit` (SI).
@@ -56,6 +56,7 @@ def findings(layout: Layout, path: Path | None) -> tuple[ExceededLimit, ...]:
             the travel are checked.
     """
     found = [
+        *_anchors(layout),
         *_webs(layout),
         *_bed(layout),
         *_bands(layout),
@@ -83,6 +84,35 @@ def setting(layout: Layout, name: str, value: float, unit: str) -> str:
 def rounded_up(value: float, step: float = 1e-4) -> float:
     """The next multiple of `step` above a value, so that printed advice is enough."""
     return math.ceil(value / step - 1e-6) * step
+
+
+def _anchors(layout: Layout) -> Iterator[ExceededLimit]:
+    """Bands whose anchors lie off their blocks for every shift of both."""
+    hook, bridge = layout.build_file.hook.diameter, layout.build_file.sheet.bridge
+    for plan in layout.cells:
+        # Both seats reach as far towards the other block.
+        least = -2.0 * (plan.front - hook / 2.0 - bridge)
+        for one in plan.bands:
+            if one.fits:
+                continue
+            across = plan.cell.bands[one.number].d[0]
+            name = f"band {one.number + 1} of cell {plan.number + 1}"
+            short = across < least
+            way = (
+                f"Use anchors with q_x - p_x of {mm(rounded_up(least))} mm or more."
+                if short
+                else "Move an anchor by 1 mm or more, away from other hooks of the cell."
+            )
+            yield ExceededLimit(
+                "anchor",
+                (name,),
+                across,
+                least if short else across,
+                "m",
+                f"{name}: no shift of both anchors puts its hooks on the plates, clear of pins and "
+                f"edges; q_x - p_x is {mm(across)} mm.",
+                way,
+            )
 
 
 def _webs(layout: Layout) -> Iterator[ExceededLimit]:
