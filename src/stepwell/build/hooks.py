@@ -15,6 +15,8 @@ from stepwell.mechanism import Band, Cell
 SAME = 1e-9
 # Largest shift of both anchors of a band, and its step, in pitches of the grid.
 _FARTHEST, _PARTS = 6, 5
+# Shifts of a band that are tried for an order of the bands: the shortest, and of all others.
+_NEAREST, _MOST_TRIED = 20, 80
 # Angles at which bands are compared with hooks for their levels; the sweep proves the result.
 _ANGLES = 91
 
@@ -106,18 +108,28 @@ def place_bands(cell: Cell, build_file: BuildFile, seats: tuple[Seat, Seat]) -> 
     taken: tuple[list[Vec2], list[Vec2]] = ([], [])
     placed: list[HookedBand] = []
     for number, band in enumerate(cell.bands):
-        free = _shift(band, seats, taken, pitch)
-        shift = free or (0.0, 0.0)
-        inner, outer = inner_place(band, shift), outer_place(band, shift)
-        taken[0].append(inner)
-        taken[1].append(outer)
-        placed.append(HookedBand(number, inner, outer, shift, 0, free is not None))
-    return _levels(cell, placed, build_file)
+        free = list(_free_shifts(band, seats, taken, pitch))
+        every = max(1, len(free) // _MOST_TRIED)
+        tried = [*free[:_NEAREST], *free[_NEAREST::every]]
+        ways = [_hooked(number, band, shift) for shift in tried]
+        # Where hooks stand in each other's way, another shift lets the bands lie one above another.
+        one = next((way for way in ways if _stackable([*placed, way], cell, build_file)), None)
+        one = one or (ways[0] if ways else _hooked(number, band, (0.0, 0.0))._replace(fits=False))
+        taken[0].append(one.inner)
+        taken[1].append(one.outer)
+        placed.append(one)
+    order = list(_sorted_upwards(_below(cell, placed, build_file)))
+    return [one._replace(level=order.index(one.number)) for one in placed]
 
 
-def _shift(
+def _hooked(number: int, band: Band, shift: Vec2) -> HookedBand:
+    return HookedBand(number, inner_place(band, shift), outer_place(band, shift), shift, 0)
+
+
+def _free_shifts(
     band: Band, seats: tuple[Seat, Seat], taken: tuple[list[Vec2], list[Vec2]], pitch: float
-) -> Vec2 | None:
+) -> Iterator[Vec2]:
+    """Shifts with both hooks on the plates, clear of pins and other hooks, in order of trial."""
     apart = max(seats[0].hook + seats[0].bridge, seats[0].cap) - SAME
 
     def free(at: Vec2, side: int) -> bool:
@@ -131,14 +143,20 @@ def _shift(
     # At last the shift that puts both hooks equally far from the faces.
     even = -(band.p[0] + band.q[0]) / 2.0
     ordered = [*ordered, *((even, along) for across, along in shifts if across == 0.0)]
-    return next(
-        (v for v in ordered if free(inner_place(band, v), 0) and free(outer_place(band, v), 1)),
-        None,
+    yield from (
+        v for v in ordered if free(inner_place(band, v), 0) and free(outer_place(band, v), 1)
     )
 
 
-def _levels(cell: Cell, placed: list[HookedBand], build_file: BuildFile) -> list[HookedBand]:
-    """The bands with levels: a band that passes a hook of another band lies above that band."""
+def _stackable(placed: list[HookedBand], cell: Cell, build_file: BuildFile) -> bool:
+    """Whether an order of bands exists in which each passes over the hooks in its way."""
+    below = _below(cell, placed, build_file)
+    order = list(_sorted_upwards(below))
+    return all(order.index(other) < order.index(n) for n in below for other in below[n])
+
+
+def _below(cell: Cell, placed: list[HookedBand], build_file: BuildFile) -> dict[int, set[int]]:
+    """For each band the bands that have a hook in its way, and so have to lie below it."""
     below: dict[int, set[int]] = {one.number: set() for one in placed}
     width = build_file.hook.diameter + 2.0 * build_file.band.thickness
     near = (width + build_file.hook.diameter) / 2
@@ -151,8 +169,7 @@ def _levels(cell: Cell, placed: list[HookedBand], build_file: BuildFile) -> list
                 continue
             if any(gap < near for gap in _gaps(band, other, along, across)):
                 below[band.number].add(other.number)
-    order = list(_sorted_upwards(below))
-    return [one._replace(level=order.index(one.number)) for one in placed]
+    return below
 
 
 def _gaps(

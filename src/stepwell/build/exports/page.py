@@ -38,6 +38,16 @@ class Pen:
     dashes: tuple[float, ...] = ()
 
 
+@dataclass(frozen=True, slots=True)
+class Lettering:
+    """Look of a text: "start", "middle" or "end" as its anchor, angle of its line [degrees]."""
+
+    anchor: str = "start"
+    bold: bool = False
+    colour: str = "#000000"
+    angle: float = 0.0
+
+
 @dataclass
 class Page:
     """A page; the origin is its lower left corner, y points up, all lengths are in millimetres."""
@@ -45,13 +55,13 @@ class Page:
     width: float
     height: float
     shapes: list[tuple[list[Step], Pen]] = field(default_factory=list)
-    texts: list[tuple[float, float, str, float, dict[str, Any]]] = field(default_factory=list)
+    texts: list[tuple[float, float, str, float, Lettering]] = field(default_factory=list)
     inserted: list[tuple["Page", Vec2]] = field(default_factory=list)
     # Shapes, texts and pages in the order in which they were added.
     order: list[tuple[str, int]] = field(default_factory=list)
 
     def path(self, steps: list[Step], pen: Pen) -> None:
-        """Add a shape; holes are left open where its paths run the other way round or overlap."""
+        """Add a shape; by the even-odd rule, a path within another leaves a hole."""
         self.order.append(("shape", len(self.shapes)))
         self.shapes.append((steps, pen))
 
@@ -63,38 +73,21 @@ class Page:
         """Add a line through points [mm]."""
         self.path(line_steps(points, closed=closed), pen)
 
-    def lines(self, rings: Iterable[Sequence[Vec2] | Floats], pen: Pen) -> None:
-        """Add closed polygons [mm] as one shape."""
-        self.path([step for ring in rings for step in line_steps(ring, closed=True)], pen)
-
     def circle(self, centre: Vec2, radius: float, pen: Pen) -> None:
         """Add a circle [mm]."""
         self.contours([Contour.circle((0.0, 0.0), 1e-3 * radius)], centre, pen)
 
-    def text(
-        self,
-        at: Vec2,
-        text: str,
-        size: float = 3.2,
-        *,
-        anchor: str = "start",
-        bold: bool = False,
-        colour: str = "#000000",
-        angle: float = 0.0,
-    ) -> None:
+    def text(self, at: Vec2, text: str, size: float = 3.2, **look: Any) -> None:
         """Add a line of text.
 
         Args:
             at: start, middle or end of its base line [mm].
             text: one line.
             size: of the font [mm].
-            anchor: "start", "middle" or "end".
-            bold, colour: of the letters.
-            angle: of the base line [degrees].
+            look: as for `Lettering`.
         """
-        look = {"anchor": anchor, "bold": bold, "colour": colour, "angle": angle}
         self.order.append(("text", len(self.texts)))
-        self.texts.append((at[0], at[1], text, size, look))
+        self.texts.append((at[0], at[1], text, size, Lettering(**look)))
 
     def insert(self, other: "Page", at: Vec2) -> None:
         """Add all content of another page, its lower left corner at `at` [mm]."""
@@ -137,13 +130,13 @@ class Page:
 
     def _svg_text(self, i: int) -> str:
         left, up, text, size, look = self.texts[i]
-        x, y, turn = plain(left), plain(self.height - up), look["angle"]
+        x, y, turn = plain(left), plain(self.height - up), look.angle
         turned = f' transform="rotate({-turn:g} {x} {y})"' if turn else ""
-        bold = ' font-weight="bold"' if look["bold"] else ""
+        bold = ' font-weight="bold"' if look.bold else ""
         return (
             f'<text x="{x}" y="{y}" font-family="Verdana, DejaVu Sans, sans-serif" '
-            f'font-size="{plain(size)}" text-anchor="{look["anchor"]}" '
-            f'fill="{look["colour"]}"{bold}{turned}>{escape(text)}</text>'
+            f'font-size="{plain(size)}" text-anchor="{look.anchor}" '
+            f'fill="{look.colour}"{bold}{turned}>{escape(text)}</text>'
         )
 
 
@@ -220,19 +213,17 @@ def _draw(canvas: "Canvas", path: Any, pen: Pen) -> None:
     canvas.drawPath(path, stroke=int(bool(pen.line)), fill=int(bool(pen.fill)), fillMode=0)
 
 
-def _write(
-    canvas: "Canvas", x: float, y: float, text: str, size: float, look: dict[str, Any]
-) -> None:
-    shift = {"start": 0.0, "middle": 0.5, "end": 1.0}[look["anchor"]]
-    left = -shift * width_of(text, size, bold=look["bold"]) if shift else 0.0
-    canvas.setFont(_font(bold=look["bold"]), size)
-    canvas.setFillColor(_colour(look["colour"]))
-    if not look["angle"]:
+def _write(canvas: "Canvas", x: float, y: float, text: str, size: float, look: Lettering) -> None:
+    shift = {"start": 0.0, "middle": 0.5, "end": 1.0}[look.anchor]
+    left = -shift * width_of(text, size, bold=look.bold) if shift else 0.0
+    canvas.setFont(_font(bold=look.bold), size)
+    canvas.setFillColor(_colour(look.colour))
+    if not look.angle:
         canvas.drawString(x + left, y, text)
         return
     canvas.saveState()
     canvas.translate(x, y)
-    canvas.rotate(look["angle"])
+    canvas.rotate(look.angle)
     canvas.drawString(left, 0.0, text)
     canvas.restoreState()
 
