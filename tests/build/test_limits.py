@@ -56,6 +56,19 @@ def test_bands_that_push_or_have_no_rest_length_are_no_rubber_bands():
     says(str(found(with_bands(chains.pair(), rest_length=0.0), "stretch")[0]), "rest length is 0")
 
 
+def test_a_band_that_is_slack_at_all_angles_is_named_with_its_reach():
+    (one,) = found(sw.Chain([sw.Cell(chains.band((-10, 0), (10, 0), rest_length=0.06))]), "slack")
+    assert one.parts == ("band 1 of cell 1",)
+    says(str(one), "slack", "34.14", "60", "below 34.14")
+
+
+def test_a_kerf_as_wide_as_a_hole_names_the_hole_and_both_sizes():
+    (one,) = found(chains.pair(), "kerf", sheet__kerf_y=0.003)
+    assert one.value == one.allowed == 0.003
+    says(str(one), "hole", "3 mm", "sheet.kerf_y_mm")
+    assert not found(chains.pair(), "kerf", sheet__kerf_y=0.0029)
+
+
 def test_a_web_between_joint_and_face_that_is_too_thin_asks_for_longer_levers():
     short = sw.Chain([chains.cell((-10, 0), (10, 0), 8.0, 45.0)])
     one = found(short, "web")[0]
