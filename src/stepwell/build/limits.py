@@ -23,8 +23,8 @@ class ExceededLimit(ByValue):
     """A limit that a build exceeds.
 
     Attributes:
-        check: "web", "kerf", "bed", "slack", "stretch", "bearing", "pin", "lever", "hook", "travel",
-            "force" or "collision".
+        check: "web", "kerf", "bed", "slack", "stretch", "bearing", "pin", "lever", "hook",
+            "travel", "force" or "collision".
         parts: names of the parts, bands or cells.
         value, allowed: what it is and the limit, in `unit` (SI).
         unit: "m", "Pa", "N" or "1".
