@@ -62,6 +62,20 @@ def test_a_band_that_is_slack_at_all_angles_is_named_with_its_reach():
     says(str(one), "slack", "34.14", "60", "below 34.14")
 
 
+@pytest.mark.parametrize(("p", "q", "by"), [(-80, -60, 58), (60, 90, -58)])
+def test_a_hook_beside_its_plate_is_named_with_the_shift_that_puts_it_there(p, q, by):
+    (one,) = found(sw.Chain([sw.Cell(chains.band((p, 0), (q, 0)))]), "web")
+    says(str(one), "not on the", f"Add {by} mm", "band 1 of cell 1")
+    assert one.value < 0.0
+    assert not found(sw.Chain([sw.Cell(chains.band((p + by, 0), (q + by, 0)))]), "web")
+
+
+def test_anchors_that_no_shift_puts_on_their_plates_are_refused_with_the_least_distance():
+    (one, *_) = found(sw.Chain([sw.Cell(chains.band((-10, 0), (-60, 0)))]), "web")
+    says(str(one), "block-1-top", "qX1", "q_x - p_x of -4 mm")
+    assert not found(sw.Chain([sw.Cell(chains.band((-10, 0), (-14, 0)))]), "web")
+
+
 def test_a_kerf_as_wide_as_a_hole_names_the_hole_and_both_sizes():
     (one,) = found(chains.pair(), "kerf", sheet__kerf_y=0.003)
     assert one.value == one.allowed == 0.003

@@ -9,7 +9,7 @@ import numpy as np
 
 from stepwell.base import ByValue, ReadOnly, to_unit
 from stepwell.build.build_file import key_of, mm
-from stepwell.build.layouts import Layout
+from stepwell.build.layouts import BandPath, Layout
 from stepwell.build.loads import band_range, hook_loads, lever_forces
 from stepwell.build.part import Hole, Part
 from stepwell.statics import Path
@@ -106,7 +106,9 @@ def _webs(layout: Layout) -> Iterator[ExceededLimit]:
             web,
             bridge,
             "m",
-            f"{part.name}: the web between {first} and {second} is {mm(web)} mm, and "
+            f"{part.name}: {first} is not on the part, {mm(-web)} mm are beyond its edge."
+            if web < 0.0 and second == "the edge"
+            else f"{part.name}: the web between {first} and {second} is {mm(web)} mm, and "
             f"sheet.bridge_mm asks for {mm(bridge)}.",
             _web_advice(layout, part, first, second, web),
         )
@@ -117,9 +119,12 @@ def _webs_of(part: Part) -> Iterator[tuple[float, str, str]]:
     import shapely
 
     edge = shapely.LinearRing(part.outline.ring(2e-6))
+    plate = shapely.Polygon(edge)
     holes = [(f"hole {hole.name}", hole.centre, hole.diameter / 2.0) for hole in part.holes]
     for name, at, radius in holes:
-        yield float(shapely.distance(edge, shapely.Point(at))) - radius, name, "the edge"
+        away = float(shapely.distance(edge, shapely.Point(at)))
+        on_plate = bool(shapely.contains(plate, shapely.Point(at)))
+        yield (away if on_plate else -away) - radius, name, "the edge"
     for (name, at, radius), (other, to, its) in combinations(holes, 2):
         yield math.dist(at, to) - radius - its, name, other
     for cutout in part.cutouts:
@@ -140,9 +145,34 @@ def _web_advice(layout: Layout, part: Part, first: str, second: str, web: float)
             f"Use levers of {mm(least)} mm or longer in cell {plan.number + 1} of the design, or a "
             f"smaller limit θc."
         )
+    block = int(part.name.split("-")[1]) if part.name.startswith("block") else -1
+    for path in layout.bands:
+        ends = zip((path.cell, path.cell + 1), path.holes, strict=True)
+        if second == "the edge" and (block, first.removeprefix("hole ")) in ends:
+            return _anchor_advice(layout, path)
     if first.startswith("hole") and second.startswith("hole"):
         return f"Move the anchor {mm(rounded_up(bridge - web))} mm or more off the other hole."
     return f"Use another sheet: sheet.bridge_mm = {mm(max(web, 0.0))} if the material allows it."
+
+
+def _anchor_advice(layout: Layout, path: BandPath) -> str:
+    """How the anchors of a band come onto their plates."""
+    build_file, plan = layout.build_file, layout.cells[path.cell]
+    band = plan.cell.bands[path.number]
+    name = f"band {path.number + 1} of cell {path.cell + 1}"
+    hole = build_file.hook.diameter + build_file.pin.plate_fit
+    # Least q_x, and least -p_x, of a hole with a web to the edge that faces the other block.
+    least = hole / 2.0 + build_file.sheet.bridge - plan.front
+    if band.q[0] - band.p[0] < 2.0 * least:
+        return (
+            f"Use anchors of {name} with q_x - p_x of {mm(rounded_up(2.0 * least))} mm or more: no "
+            f"shift of both puts them on their plates."
+        )
+    shift = rounded_up(least - band.q[0]) if band.q[0] < least else -rounded_up(least + band.p[0])
+    return (
+        f"Add {mm(shift)} mm to p_x and to q_x of {name}: only q - p matters, and the motion stays "
+        f"the same."
+    )
 
 
 def _kerf(layout: Layout) -> Iterator[ExceededLimit]:
