@@ -59,6 +59,7 @@ def test_a_file_without_a_base_changes_acrylic(tmp_path):
         ("[sheet]\nbed_mm = [0, 300]\n", ["sheet.bed_mm", "> 0"]),
         ('[sheet]\nmaterial = "../x"\n', ["sheet.material", "../x", "letters"]),
         ("[grid]\npitch_mm = 0.05\n", ["grid.pitch_mm = 0.05", "4.5", "1.5"]),
+        ("[hook]\ndiameter_mm = 3.9271\n", ["grid.pitch_mm = 5", ">= 5.43", "3.927 mm"]),
         ("[grid]\nside_mm = 900\ndepth_mm = 900\n", ["900", "pitch", "at most 1000"]),
         ('base = "acryl"\n', ["base", "acryl", "acrylic-3mm"]),
         ("", ["empty"]),

@@ -1,5 +1,6 @@
 """Build files: sizes of sheet, pins, levers, hooks and bands, and the presets of materials."""
 
+import math
 import os
 import re
 from collections.abc import Mapping
@@ -447,6 +448,11 @@ def _problems(build_file: BuildFile) -> list[str]:
     return problems + _grid_problems(build_file)
 
 
+def _above(length: float) -> str:
+    """A length [m] as a number of millimetres that is not below it."""
+    return f"{math.ceil(to_unit(length, 'mm') * 100.0 - 1e-6) / 100.0:g}"
+
+
 def _grid_problems(build_file: BuildFile) -> list[str]:
     """Whether the holes of the grid leave webs, and are few enough to drill."""
     grid = build_file.grid
@@ -454,7 +460,7 @@ def _grid_problems(build_file: BuildFile) -> list[str]:
     least = hole + build_file.sheet.bridge
     if grid.pitch < least - 1e-12:
         return [
-            f"grid.pitch_mm = {mm(grid.pitch)}: must be >= {mm(least)}, a hole for hooks of "
+            f"grid.pitch_mm = {mm(grid.pitch)}: must be >= {_above(least)}, a hole for hooks of "
             f"{mm(hole)} mm and a web of {mm(build_file.sheet.bridge)} mm."
         ]
     holes = (2 * int(grid.side / grid.pitch) + 1) * (int(grid.depth / grid.pitch) + 1)
