@@ -141,6 +141,15 @@ def test_expected_values_are_those_of_the_mechanism(layouts):
     assert values[-1] == "00 > 10 > 11 > 01 > 00"
 
 
+def test_a_wrong_travel_is_explained_by_what_stops_the_cell():
+    said = [
+        expected(layout(chain, load_build_file("acrylic-3mm")), None)[0].meaning
+        for chain in (chains.pair(), chains.slotted())
+    ]
+    assert ["faces" in one for one in said] == [True, False]
+    assert ["arc slot" in one for one in said] == [False, True]
+
+
 def test_tolerances_of_forces_grow_with_the_errors_of_the_bands(layouts):
     pair = layouts["pair"]
     worse = layout(pair.chain, ACRYLIC.with_lengths(tolerance__stiffness=0.2))

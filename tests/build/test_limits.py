@@ -64,6 +64,25 @@ def test_a_band_whose_hooks_lie_off_both_blocks_gets_the_least_distance_that_fit
     assert not found(sw.Chain([chains.cell((3.1, 0), (0, 0), 13.0, 45.0)]), "anchor")
 
 
+def test_a_band_that_is_slack_at_all_angles_is_named_with_its_reach():
+    (one,) = found(sw.Chain([sw.Cell(chains.band((-10, 0), (10, 0), rest_length=0.06))]), "slack")
+    assert one.parts == ("band 1 of cell 1",)
+    says(str(one), "slack", "34.14", "60", "below 34.14")
+
+
+@pytest.mark.parametrize(("p", "q"), [(-80, -60), (60, 90)])
+def test_hooks_beside_their_plates_are_shifted_onto_them(p, q):
+    made = sw.Chain([sw.Cell(chains.band((p, 0), (q, 0)))])
+    assert not found(made, "anchor") and not found(made, "web")
+
+
+def test_a_kerf_as_wide_as_a_hole_names_the_hole_and_both_sizes():
+    (one,) = found(chains.pair(), "kerf", sheet__kerf_y=0.003)
+    assert one.value == one.allowed == 0.003
+    says(str(one), "hole", "3 mm", "sheet.kerf_y_mm")
+    assert not found(chains.pair(), "kerf", sheet__kerf_y=0.0029)
+
+
 def test_a_web_between_joint_and_face_that_is_too_thin_asks_for_longer_levers():
     short = sw.Chain([chains.cell((-10, 0), (10, 0), 8.0, 45.0)])
     one = found(short, "web")[0]

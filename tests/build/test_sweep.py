@@ -221,3 +221,9 @@ def test_progress_counts_all_pairs():
     sweep(layout(sw.Chain([chains.cell((-10, 0), (10, 0))]), ACRYLIC), lambda *a: calls.append(a))
     assert calls[0] == (0, 15)
     assert len(calls) == 15
+
+
+def test_shims_longer_across_than_their_lever_are_swept():
+    thick = ACRYLIC.with_lengths(pin__diameter=0.0048, sheet__bridge=0.001)
+    made = sweep(layout(sw.Chain([chains.cell((-10, 0), (10, 0), 8.5, 36.0)]), thick))
+    assert any(all("shim" in part for part in one.parts) for one in made.collisions)

@@ -56,6 +56,13 @@ def test_a_design_that_cannot_be_built_writes_nothing_and_ends_with_code_3(stepw
     assert not Path("parts").exists()
 
 
+def test_of_many_findings_the_first_is_on_the_first_screen(stepwell):
+    Path("weak.toml").write_text("[actuator]\ntravel_mm = 20\nforce_N = 0.1\n", "utf-8")
+    result = stepwell("build", "forward.toml", *QUICK, "--material", "weak.toml")
+    assert result.exit_code == 3
+    says(result.stdout, "2 findings", "actuator.travel_mm = 40 instead of 20", "1 more finding")
+
+
 def test_drafts_are_named_and_end_with_code_3(stepwell, steep):
     result = stepwell("build", steep, *QUICK, "--out", "parts", "--draft")
     assert result.exit_code == 3

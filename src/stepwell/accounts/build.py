@@ -175,7 +175,7 @@ def build_account(made: Build, about: About) -> Account:
         level=FULL,
     )
     sections = {
-        "Findings": Notes([str(one) for one in made.findings], CARD),
+        "Findings": Notes([str(one) for one in made.findings], CARD, _first(made)),
         "Notes": Notes(made.notes),
         "Bands": bands,
         "Parts": (parts, Picture("layers", "The parts in their layers, all cells at 0")),
@@ -186,6 +186,13 @@ def build_account(made: Build, about: About) -> Account:
     title, origin = chain.title or "A build", f"{cells_of(chain)}."
     seed = None if sampled is None else sampled.seed
     return Account(made, title, "build/1", verdict, facts, sections, (), origin, seed=seed)
+
+
+def _first(made: Build) -> list[str]:
+    """The first finding and the number of the others, for a screen; empty without others."""
+    first, *others = map(str, made.findings or [""])
+    more = counted(len(others), "more finding")
+    return [first, f"{more}: --full lists all of them."] if others else []
 
 
 # Of every build; the numbers are those of the build file.

@@ -112,9 +112,10 @@ def bodies_of(layout: Layout) -> list[RigidBody]:
     for part in layout.parts:
         one = Piece(part.name, part.outline, part.cutouts, part.base, part.top)
         pieces.setdefault(layout.body[part.name], []).append(one)
+    # Shims of joints no wider than a lever, and than its length, have the room of the lever.
+    widest = min([layout.build_file.lever.width, *(one.cell.lever for one in layout.cells)])
     for one in layout.fasteners:
-        # Shims of a joint turn with its pin and are no wider than the lever.
-        if one.use == "shim" and one.joint is not None:
+        if one.use == "shim" and one.joint is not None and one.diameter <= widest:
             continue
         outline = Contour.circle(one.centre, one.diameter / 2.0)
         name = f"{one.use} {one.name} of block {one.block}"

@@ -1,6 +1,8 @@
 """Build files: sizes of sheet, pins, levers, hooks and bands, and the presets of materials."""
 
+import math
 import os
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
@@ -302,6 +304,8 @@ def _schema() -> type[keys.Keys]:
 
 
 _FOLDER = "presets"
+# Holes of the grid at one pair of joints: files and pictures of more take minutes.
+_MOST_HOLES = 1000
 
 
 @cache
@@ -436,4 +440,34 @@ def _problems(build_file: BuildFile) -> list[str]:
         problems.append("stop.faces_from_deg: must be <= stop.faces_to_deg.")
     if min(sheet.bed) <= 0.0:
         problems.append("sheet.bed_mm: both numbers must be > 0.")
-    return problems
+    if not re.fullmatch(r"\w[\w .+-]*", sheet.material):
+        problems.append(
+            f"sheet.material = {sheet.material!r}: names files, so it must have letters, digits, "
+            f"spaces and . + - _ only, as in acrylic."
+        )
+    return problems + _grid_problems(build_file)
+
+
+def _above(length: float) -> str:
+    """A length [m] as a number of millimetres that is not below it."""
+    return f"{math.ceil(to_unit(length, 'mm') * 100.0 - 1e-6) / 100.0:g}"
+
+
+def _grid_problems(build_file: BuildFile) -> list[str]:
+    """Whether the holes of the grid leave webs, and are few enough to drill."""
+    grid = build_file.grid
+    hole = build_file.hook.diameter + build_file.pin.plate_fit
+    least = hole + build_file.sheet.bridge
+    if grid.pitch < least - 1e-12:
+        return [
+            f"grid.pitch_mm = {mm(grid.pitch)}: must be >= {_above(least)}, a hole for hooks of "
+            f"{mm(hole)} mm and a web of {mm(build_file.sheet.bridge)} mm."
+        ]
+    holes = (2 * int(grid.side / grid.pitch) + 1) * (int(grid.depth / grid.pitch) + 1)
+    if holes > _MOST_HOLES:
+        return [
+            f"grid.side_mm = {mm(grid.side)}, grid.depth_mm = {mm(grid.depth)}: with grid.pitch_mm "
+            f"= {mm(grid.pitch)} these are {holes} holes a cell on each block, and at most "
+            f"{_MOST_HOLES} are drilled: use a larger pitch or a smaller grid."
+        ]
+    return []

@@ -11,7 +11,7 @@ from stepwell.base import ByValue, ReadOnly, to_unit
 from stepwell.build.build_file import key_of, mm
 from stepwell.build.layouts import Layout
 from stepwell.build.loads import band_range, hook_loads, lever_forces
-from stepwell.build.part import Part
+from stepwell.build.part import Hole, Part
 from stepwell.statics import Path
 
 # Lengths that differ by less are equal [m]: arcs are chords here.
@@ -23,8 +23,8 @@ class ExceededLimit(ByValue):
     """A limit that a build exceeds.
 
     Attributes:
-        check: "anchor", "web", "bed", "stretch", "bearing", "pin", "lever", "hook", "travel",
-            "force" or "collision".
+        check: "anchor", "web", "kerf", "bed", "slack", "stretch", "bearing", "pin", "lever",
+            "hook", "travel", "force" or "collision".
         parts: names of the parts, bands or cells.
         value, allowed: what it is and the limit, in `unit` (SI).
         unit: "m", "Pa", "N" or "1".
@@ -58,6 +58,7 @@ def findings(layout: Layout, path: Path | None) -> tuple[ExceededLimit, ...]:
     found = [
         *_anchors(layout),
         *_webs(layout),
+        *_kerf(layout),
         *_bed(layout),
         *_bands(layout),
         *_hooks(layout),
@@ -135,7 +136,9 @@ def _webs(layout: Layout) -> Iterator[ExceededLimit]:
             web,
             bridge,
             "m",
-            f"{part.name}: the web between {first} and {second} is {mm(web)} mm, and "
+            f"{part.name}: {first} is not on the part, {mm(-web)} mm are beyond its edge."
+            if web < 0.0 and second == "the edge"
+            else f"{part.name}: the web between {first} and {second} is {mm(web)} mm, and "
             f"sheet.bridge_mm asks for {mm(bridge)}.",
             _web_advice(layout, part, first, second, web),
         )
@@ -146,9 +149,12 @@ def _webs_of(part: Part) -> Iterator[tuple[float, str, str]]:
     import shapely
 
     edge = shapely.LinearRing(part.outline.ring(2e-6))
+    plate = shapely.Polygon(edge)
     holes = [(f"hole {hole.name}", hole.centre, hole.diameter / 2.0) for hole in part.holes]
     for name, at, radius in holes:
-        yield float(shapely.distance(edge, shapely.Point(at))) - radius, name, "the edge"
+        away = float(shapely.distance(edge, shapely.Point(at)))
+        on_plate = bool(shapely.contains(plate, shapely.Point(at)))
+        yield (away if on_plate else -away) - radius, name, "the edge"
     for (name, at, radius), (other, to, its) in combinations(holes, 2):
         yield math.dist(at, to) - radius - its, name, other
     for cutout in part.cutouts:
@@ -172,6 +178,34 @@ def _web_advice(layout: Layout, part: Part, first: str, second: str, web: float)
     if first.startswith("hole") and second.startswith("hole"):
         return f"Move the anchor {mm(rounded_up(bridge - web))} mm or more off the other hole."
     return f"Use another sheet: sheet.bridge_mm = {mm(max(web, 0.0))} if the material allows it."
+
+
+def _kerf(layout: Layout) -> Iterator[ExceededLimit]:
+    """The narrowest opening of all parts: the beam has to fit into it."""
+    sheet = layout.build_file.sheet
+    kerf = max(sheet.kerf_x, sheet.kerf_y)
+    holes = [(hole.diameter, part.name, f"hole {hole.name}") for part, hole in _holes(layout)]
+    width = layout.build_file.pin.diameter + layout.build_file.pin.lever_fit
+    holes += [(width, part.name, "the slot") for part in layout.parts if part.cutouts]
+    least, part, name = min(holes)
+    if least > kerf + _EQUAL:
+        return
+    key = key_of("sheet", "kerf_x" if sheet.kerf_x == kerf else "kerf_y")
+    yield ExceededLimit(
+        "kerf",
+        (part,),
+        kerf,
+        least,
+        "m",
+        f"{part}: {name} is {mm(least)} mm wide, and {key} is {mm(kerf)}: the beam is as wide as "
+        f"the hole.",
+        f"Use a machine with {key} below {mm(least)}, or larger pins and screws; the coupon shows "
+        f"the kerf.",
+    )
+
+
+def _holes(layout: Layout) -> Iterator[tuple[Part, Hole]]:
+    return ((part, hole) for part in layout.parts for hole in part.holes)
 
 
 def _bed(layout: Layout) -> Iterator[ExceededLimit]:
@@ -211,6 +245,19 @@ def _bands(layout: Layout) -> Iterator[ExceededLimit]:
                 "1",
                 f"{name}: its rest length is 0, and a rubber band has one.",
                 f"Give it rest_length_mm of {mm(rounded_up(reach.longest / most))} or more.",
+            )
+            continue
+        if reach.longest <= band.rest_length:
+            yield ExceededLimit(
+                "slack",
+                (name,),
+                reach.longest,
+                band.rest_length,
+                "m",
+                f"{name}: it is slack at all angles: it reaches {mm(reach.longest)} mm at most, "
+                f"and its rest length is {mm(band.rest_length)} mm.",
+                f"Use a band with a rest length below {mm(reach.longest)} mm, or anchors further "
+                f"apart.",
             )
             continue
         if band.two_sided and reach.shortest < band.rest_length - _EQUAL:

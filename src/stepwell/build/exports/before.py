@@ -79,11 +79,12 @@ def _of_cell(plan: CellPlan, layout: Layout) -> Iterator[Expected]:
     cell, name, errors = plan.cell, f"cell {plan.number + 1}", layout.build_file.tolerance
     # Both ends may be off, one in either direction.
     travel = math.sqrt(2.0) * cell.lever * math.cos(cell.limit) * stop_error(plan, layout)
+    where = "the ends of the arc slot" if plan.slotted else "the faces"
     yield Expected(
         f"Travel of {name} from stop to stop, along the stroke, bands off",
         _mm(cell.full_travel),
         f"±\u00a0{_mm(travel)}",
-        "Longer: faces were cut away; enter the kerf and cut again. Shorter: burrs on the faces.",
+        f"Longer: {where} were cut away; enter the kerf and cut again. Shorter: burrs on them.",
     )
     for number, band in enumerate(cell.bands):
         label = f"band {number + 1} of {name}"
