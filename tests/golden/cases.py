@@ -806,7 +806,7 @@ BUILDS = [
         "build/written",
         (
             "build preset:paper-cell-10-0 --material own.toml --samples 20 --target '0>1>0' --r12 "
-            "--draft --nest 0 --out out",
+            "--draft --nest 0 --band paper --out out",
         ),
         given={"own.toml": 'base = "plywood-3mm"\n[lever]\nwidth_mm = 9\n'},
         slow=True,

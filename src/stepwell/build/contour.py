@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from stepwell.base import Floats, InputError, Vec2, check
+from stepwell.base import UNITS, Floats, InputError, Vec2, check
 
 if TYPE_CHECKING:
     import shapely
 
+# Millimetres in a metre, grams in a kilogram.
+MM, GRAMS = UNITS["mm"].per_si, UNITS["g"].per_si
 # Largest distance of an arc from the chords that stand for it [m].
 SAGITTA = 1e-6
 # Shortest edge of a contour [m]; kerf, cutters and files resolve micrometres.
@@ -64,7 +66,7 @@ class Contour:
             )
 
     def __repr__(self):
-        x0, y0, x1, y1 = (1e3 * one for one in self.bounds)
+        x0, y0, x1, y1 = (MM * one for one in self.bounds)
         arcs = sum(bulge != 0.0 for bulge in self.bulges)
         return (
             f"Contour({len(self.points)} edges, {arcs} of them arcs, x {x0:.4g} to {x1:.4g} mm, "
@@ -107,8 +109,8 @@ class Contour:
         room = length - cuts - np.roll(cuts, -1)
         if (tight := int(np.argmin(room))) >= 0 and room[tight] < -SHORTEST:
             raise InputError(
-                f"edge {tight} of {1e3 * length[tight]:.4g} mm is shorter than the roundings of "
-                f"its corners, {1e3 * (length[tight] - room[tight]):.4g} mm: use smaller radii."
+                f"edge {tight} of {MM * length[tight]:.4g} mm is shorter than the roundings of "
+                f"its corners, {MM * (length[tight] - room[tight]):.4g} mm: use smaller radii."
             )
         points: list[Vec2] = []
         bulges: list[float] = []
@@ -150,8 +152,8 @@ class Contour:
         if not 0.0 < span < math.tau or half >= radius:
             raise InputError(
                 f"slot from {math.degrees(from_angle):.4g} to {math.degrees(to_angle):.4g} degrees "
-                f"of width {2e3 * half:.4g} mm on a radius of {1e3 * radius:.4g} mm: the angles "
-                f"must rise by less than 360 degrees, and the width be less than two radii."
+                f"of width {2.0 * MM * half:.4g} mm on a radius of {MM * radius:.4g} mm: the "
+                f"angles must rise by less than 360 degrees, and the width be less than two radii."
             )
 
         def on(reach: float, angle: float) -> Vec2:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 
 from stepwell.base import InputError, Vec2, check
-from stepwell.build.contour import SHORTEST, Contour, arc
+from stepwell.build.contour import MM, SHORTEST, Contour, arc
 
 # Straight edges and arcs as start, end and bulge.
 Edge = tuple[Vec2, Vec2, float]
@@ -34,7 +34,7 @@ def offset(contour: Contour, dx: float, dy: float) -> Contour:
         return contour
     if dx * dy <= 0.0:
         raise InputError(
-            f"offset of {1e3 * dx:.4g} mm in x and {1e3 * dy:.4g} mm in y: both must be 0, or both "
+            f"offset of {MM * dx:.4g} mm in x and {MM * dy:.4g} mm in y: both must be 0, or both "
             f"of one sign. A kerf has a width in both directions: measure it with the coupon."
         )
     beam = _Beam(dx, dy)
@@ -77,8 +77,8 @@ class _Beam:
             if self.a == self.b:
                 return []
             raise InputError(
-                f"corner at ({1e3 * x:.4g}, {1e3 * y:.4g}) mm has a radius of {1e3 * radius:.4g} "
-                f"mm: a beam with half axes of {1e3 * self.a:.4g} and {1e3 * self.b:.4g} mm does "
+                f"corner at ({MM * x:.4g}, {MM * y:.4g}) mm has a radius of {MM * radius:.4g} "
+                f"mm: a beam with half axes of {MM * self.a:.4g} and {MM * self.b:.4g} mm does "
                 f"not follow it. Use a larger radius."
             )
         normal = 0.0 if span > 0.0 else math.pi
@@ -157,7 +157,7 @@ def _trim(before: list[Edge], after: list[Edge], corner: Vec2) -> None:
                 after[: j + 1] = [_part(after[j], _place(after[j], point), 1.0, point)]
                 return
     raise InputError(
-        f"corner at ({1e3 * corner[0]:.4g}, {1e3 * corner[1]:.4g}) mm has an edge or a gap that is "
+        f"corner at ({MM * corner[0]:.4g}, {MM * corner[1]:.4g}) mm has an edge or a gap that is "
         f"narrower than the beam. Use a smaller kerf or a larger feature."
     )
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import GRAVITY, percent
+from stepwell.build.contour import GRAMS, MM
 from stepwell.build.layouts import Layout
 from stepwell.build.seats import CellPlan
 from stepwell.build.tolerances import stop_error
@@ -106,7 +107,7 @@ def _of_hooks(cell: Cell, band: Band, about: tuple[str, str, float], layout: Lay
     force = float(band.tension(np.array([length]))[0])
     # Two holes, and the stop across the band at most.
     apart = math.hypot(math.sqrt(2.0) * errors.hole, errors.stop)
-    grams = 1e3 * force / GRAVITY
+    grams = GRAMS * force / GRAVITY
     pull = f"{force:.2f}\u00a0N =\u00a0{grams:.0f}\u00a0g" if force > 0.0 else "slack"
     return Expected(
         f"Hook centre to hook centre of {label} in state {state}; pull of the band there",
@@ -129,7 +130,7 @@ def _forces(plan: CellPlan, layout: Layout) -> Iterator[Expected]:
         way = "pull" if value >= 0.0 else "push"
         yield Expected(
             f"Force at which cell {plan.number + 1} leaves state {state}, the other cells held",
-            f"{way}\u00a0{abs(value):.2f}\u00a0N =\u00a0{1e3 * abs(value) / GRAVITY:.0f}\u00a0g",
+            f"{way}\u00a0{abs(value):.2f}\u00a0N =\u00a0{GRAMS * abs(value) / GRAVITY:.0f}\u00a0g",
             f"±\u00a0{spread:.2f}\u00a0N",
             "Too large: a joint rubs or the band is stiff. Too small: wrong hole or weak band.",
         )
@@ -154,4 +155,4 @@ def _spread(cell: Cell, of: Callable[[Cell], float], layout: Layout) -> float:
 
 
 def _mm(value: float) -> str:
-    return f"{1e3 * value:.2f}\u00a0mm"
+    return f"{MM * value:.2f}\u00a0mm"

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from stepwell.base import Vec2, check
-from stepwell.build.contour import Contour
+from stepwell.build.contour import MM, Contour
 from stepwell.build.exports.cutting import Cutting, cutting
 from stepwell.build.exports.marks import Line, stroked
 from stepwell.build.part import Hole, Part
@@ -39,7 +39,7 @@ class Coupon:
     @property
     def reading(self) -> tuple[str, ...]:
         """How to measure the coupon, sentence by sentence."""
-        width, height = (1e3 * side for side in WINDOW)
+        width, height = (MM * side for side in WINDOW)
         return (
             "Cut coupon.dxf or coupon.svg from the same sheet, with the settings for the parts.",
             f"Measure the plug and its window with a calliper: both are drawn {width:g} x "

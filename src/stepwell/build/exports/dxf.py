@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Literal
 
 from stepwell.base import need
-from stepwell.build.contour import Contour
+from stepwell.build.contour import MM, Contour
 from stepwell.build.exports.cutting import Cutting
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def _text(paths: Cutting, version: Version, layered: bool) -> str:
             _contour(space, contour, on[layer])
     if layered:
         _lines(space, paths.guides, "GUIDE")
-    x0, y0, x1, y1 = (1e3 * one for one in paths.bounds)
+    x0, y0, x1, y1 = (MM * one for one in paths.bounds)
     document.header["$EXTMIN"], document.header["$EXTMAX"] = (x0, y0, 0.0), (x1, y1, 0.0)
     text = io.StringIO()
     document.write(text)
@@ -81,10 +81,10 @@ def _contour(space: "Modelspace", contour: Contour, layer: str) -> None:
     on = {"layer": layer}
     if circle := contour.as_circle():
         (x, y), radius = circle
-        space.add_circle((1e3 * x, 1e3 * y), 1e3 * radius, dxfattribs=on)
+        space.add_circle((MM * x, MM * y), MM * radius, dxfattribs=on)
         return
     corners = [
-        (1e3 * x, 1e3 * y, b) for (x, y), b in zip(contour.points, contour.bulges, strict=True)
+        (MM * x, MM * y, b) for (x, y), b in zip(contour.points, contour.bulges, strict=True)
     ]
     if space.doc.dxfversion > "AC1009":
         space.add_lwpolyline(corners, format="xyb", close=True, dxfattribs=on)
@@ -97,4 +97,4 @@ def _lines(
 ) -> None:
     for line in lines:
         for (x0, y0), (x1, y1) in pairwise(line):
-            space.add_line((1e3 * x0, 1e3 * y0), (1e3 * x1, 1e3 * y1), dxfattribs={"layer": layer})
+            space.add_line((MM * x0, MM * y0), (MM * x1, MM * y1), dxfattribs={"layer": layer})

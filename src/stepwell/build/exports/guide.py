@@ -5,6 +5,7 @@ from typing import NamedTuple
 from xml.sax.saxutils import escape
 
 from stepwell.base import Vec2, grouped
+from stepwell.build.contour import MM
 from stepwell.build.exports.before import Expected, expected
 from stepwell.build.exports.page import PAPERS, Page, Pen, broken, pdf_bytes, width_of
 from stepwell.build.exports.picture import LIFT, NEW_METAL, NEW_PLATE, PLATE, ObliqueView
@@ -96,7 +97,7 @@ def guide(
         before += [*step.new, *step.hidden]
     sheet = layout.build_file.sheet
     about = (
-        f"{len(layout.parts)} parts of {1e3 * sheet.thickness:g} mm {sheet.material}, "
+        f"{len(layout.parts)} parts of {MM * sheet.thickness:g} mm {sheet.material}, "
         f"{sum(one.use != 'head' for one in layout.fasteners)} fasteners, {len(layout.bands)} bands"
     )
     checks = tuple(expected(layout, sequence))
@@ -129,7 +130,7 @@ def _hook_plans(layout: Layout, hooks: Sequence[Fastener]) -> Iterator[tuple[Pag
 
 
 def _plan(part: Part, names: set[str]) -> Page:
-    x0, y0, x1, y1 = (1e3 * one for one in part.outline.bounds)
+    x0, y0, x1, y1 = (MM * one for one in part.outline.bounds)
     scale = min(1.0, _PLAN / (x1 - x0))
     page = Page(scale * (x1 - x0) + 1.0, scale * (y1 - y0) + 1.0)
     at = 0.5 - scale * x0, 0.5 - scale * y0
@@ -140,7 +141,7 @@ def _plan(part: Part, names: set[str]) -> Page:
         page.contours([hole.contour], at, pen, scale)
     for hole in part.holes:
         if hole.name in names:
-            x, y = (a + 1e3 * scale * b for a, b in zip(at, hole.centre, strict=True))
+            x, y = (a + MM * scale * b for a, b in zip(at, hole.centre, strict=True))
             _label(page, (x, y + 500.0 * scale * hole.diameter + 0.9), hole.name, "#ffffff")
     return page
 
@@ -161,7 +162,7 @@ def _map(sheet: CutSheet, names: set[str]) -> Page:
     ]
     boxes = [contours[0].bounds for _, contours in placed]
     used = [max(box[2] for box in boxes), max(box[3] for box in boxes)]
-    width, height = (1e3 * min(a + MARGIN, b) for a, b in zip(used, sheet.bed, strict=True))
+    width, height = (MM * min(a + MARGIN, b) for a, b in zip(used, sheet.bed, strict=True))
     scale = min(_MAP[0] / width, _MAP[1] / height, 1.0)
     page = Page(scale * width, scale * height)
     edge = [(0.0, page.height), (0.0, 0.0), (page.width, 0.0)]
@@ -178,7 +179,7 @@ def _map(sheet: CutSheet, names: set[str]) -> Page:
 
 def _full_size(one: Fastener) -> Page:
     """A fastener from the side at full size: what lies on it is the right one."""
-    length, diameter = 1e3 * (one.high - one.low), 1e3 * one.diameter
+    length, diameter = MM * (one.high - one.low), MM * one.diameter
     flat = one.use in ("shim", "nut")
     page = Page(max(length, diameter) + 2.0, diameter + 2.0)
     pen = Pen(NEW_METAL.line, NEW_METAL.top, 0.2)

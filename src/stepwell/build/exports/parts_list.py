@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 
 from stepwell.base import GRAVITY, csv_text, grouped
 from stepwell.build.builds import BandUse, Build
+from stepwell.build.contour import GRAMS, MM
 from stepwell.build.exports.sheets import CutSheet
 from stepwell.design import BandType
 
@@ -40,15 +41,15 @@ def _part_rows(build: Build, sheets: Sequence[CutSheet]) -> Iterator[tuple[str, 
     density = build.build_file.sheet.density
     on = {part.name: sheet.name for sheet in sheets for part in sheet.parts}
     for part in build.layout.parts:
-        x0, y0, x1, y1 = (1e3 * one for one in part.outline.bounds)
+        x0, y0, x1, y1 = (MM * one for one in part.outline.bounds)
         yield (
             "cut part",
             part.name,
             part.mark,
             "1",
-            f"{x1 - x0:.2f} x {y1 - y0:.2f} x {1e3 * part.thickness:g} mm",
+            f"{x1 - x0:.2f} x {y1 - y0:.2f} x {MM * part.thickness:g} mm",
             part.material,
-            f"{1e3 * part.mass(density):.2f}",
+            f"{GRAMS * part.mass(density):.2f}",
             on.get(part.name, ""),
         )
 
@@ -74,20 +75,20 @@ def _band_row(build: Build, one: BandUse, available: Sequence[BandType]) -> tupl
     states = (
         value
         for length, force in zip(one.lengths, one.tensions, strict=True)
-        for value in (f"{1e3 * length:.2f}", f"{force:.3f}", f"{1e3 * force / GRAVITY:.1f}")
+        for value in (f"{MM * length:.2f}", f"{force:.3f}", f"{GRAMS * force / GRAVITY:.1f}")
     )
     return (
         str(one.cell + 1),
         str(one.number + 1),
         f"{one.holes[0]} of block {one.cell}",
         f"{one.holes[1]} of block {one.cell + 1}",
-        f"{1e3 * one.rest_length:.2f}",
+        f"{MM * one.rest_length:.2f}",
         f"{band.stiffness:.4g}",
         *states,
-        f"{1e3 * one.longest:.2f}",
+        f"{MM * one.longest:.2f}",
         f"{one.stretch:.3f}",
         f"{build.build_file.band.largest_stretch:.3f}",
-        " or ".join(f"{1e3 * length:g}" for length in one.fits),
+        " or ".join(f"{MM * length:g}" for length in one.fits),
         " or ".join(_suitable(build, one, available)),
     )
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stepwell.base import Floats, Vec2
-from stepwell.build.contour import Contour, placed
+from stepwell.build.contour import MM, Contour, placed
 from stepwell.build.exports.marks import mark_lines
 from stepwell.build.exports.page import Page, Pen
 from stepwell.build.exports.svg import Step, image_steps, line_steps
@@ -84,9 +84,9 @@ class ObliqueView:
         low, high = flat.min(axis=0), flat.max(axis=0)
         high[1] += _Z[1] * (highest - max(p.top for p in layout.parts) + LIFT)
         low[1] -= _Z[1] * 0.003  # heads of screws
-        self.scale = min(_LARGEST, *(np.array(size) / (1e3 * (high - low))))
-        self.origin = -1e3 * self.scale * low
-        width, height = 1e3 * self.scale * (high - low)
+        self.scale = min(_LARGEST, *(np.array(size) / (MM * (high - low))))
+        self.origin = -MM * self.scale * low
+        width, height = MM * self.scale * (high - low)
         self.size = float(width), float(height)
         # The same for all pictures: shapes of solids, outlines in plan, parts around fasteners.
         self._drawn: dict[Any, list[tuple[list[Step], Pen]]] = {}
@@ -98,7 +98,7 @@ class ObliqueView:
         """(n, 2) places on the picture [mm] of points in plan [m] at a height [m]."""
         x, y = points[:, 0], points[:, 1]
         flat = np.column_stack([x + _Y[0] * y, _Y[1] * y + _Z[1] * z])
-        return 1e3 * self.scale * flat + self.origin
+        return MM * self.scale * flat + self.origin
 
     def picture(
         self, placed_items: Collection[object], new: Collection[object], lift: float = LIFT
@@ -228,7 +228,7 @@ class ObliqueView:
 
     def _image(self, at: tuple[float, float, float], z: float) -> Callable[[Vec2], Vec2]:
         """The map from the plan of a frame [m] at a height [m] to the picture [mm]."""
-        c, s, scale = math.cos(at[2]), math.sin(at[2]), 1e3 * self.scale
+        c, s, scale = math.cos(at[2]), math.sin(at[2]), MM * self.scale
         left, low = float(self.origin[0]), float(self.origin[1])
 
         def image(point: Vec2) -> Vec2:

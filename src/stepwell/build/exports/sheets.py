@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from itertools import groupby
 
 from stepwell.base import InputError, Shows, Vec2, check, need, notify
+from stepwell.build.contour import MM
 from stepwell.build.exports import nester
 from stepwell.build.exports.cutting import NO_KERF, Cutting, cutting, joined
 from stepwell.build.exports.marks import Line, stroked
@@ -59,7 +60,7 @@ class CutSheet:
         )
         text = [
             tuple((x + BAR / 2, dy + y - 0.005) for x, dy in line)
-            for line in stroked(f"{1e3 * BAR:.0f} MM", 0.004)
+            for line in stroked(f"{MM * BAR:.0f} MM", 0.004)
         ]
         return [edge, *bar, *text]
 
@@ -113,7 +114,7 @@ def sheets(
             fits = [_within(*one, bed) for one in zip(left, places, strict=True)]
             made.append(
                 CutSheet(
-                    f"{material}-{1e3 * thickness:g}mm-{number}",
+                    f"{material}-{MM * thickness:g}mm-{number}",
                     bed,
                     tuple(part for part, fit in zip(left, fits, strict=True) if fit),
                     tuple(place for place, fit in zip(places, fits, strict=True) if fit),
@@ -129,9 +130,9 @@ def _require_room(part: Part, bed: Vec2) -> None:
     room = sorted(side - 2.0 * MARGIN for side in bed)
     if any(have < want - 1e-9 for have, want in zip(room, sorted((x1 - x0, y1 - y0)), strict=True)):
         raise InputError(
-            f"part {part.name} of {1e3 * (x1 - x0):.4g} x {1e3 * (y1 - y0):.4g} mm does not fit on "
-            f"the bed of {1e3 * bed[0]:.4g} x {1e3 * bed[1]:.4g} mm with a margin of "
-            f"{1e3 * MARGIN:.3g} mm: name a larger bed_mm, or design smaller parts."
+            f"part {part.name} of {MM * (x1 - x0):.4g} x {MM * (y1 - y0):.4g} mm does not fit on "
+            f"the bed of {MM * bed[0]:.4g} x {MM * bed[1]:.4g} mm with a margin of "
+            f"{MM * MARGIN:.3g} mm: name a larger bed_mm, or design smaller parts."
         )
 
 
@@ -142,17 +143,17 @@ def _nested(
     seconds, seed = limit
     # Rounding of the solver, in single precision, takes some micrometres of the gap.
     asked = {
-        "height": 1e3 * (bed[1] - 2.0 * MARGIN),
-        "gap": 1e3 * GAP,
+        "height": MM * (bed[1] - 2.0 * MARGIN),
+        "gap": MM * GAP,
         "seconds": math.ceil(seconds),
         "seed": seed,
-        "shapes": [(1e3 * part.outline.ring(_SAGITTA)).tolist() for part in parts],
+        "shapes": [(MM * part.outline.ring(_SAGITTA)).tolist() for part in parts],
     }
     found = nester.places(asked, lambda spent: notify(progress, min(spent, seconds), seconds))
     notify(progress, seconds, seconds)
     if found is None:
         return None
-    turned = [(x / 1e3, y / 1e3, math.radians(angle)) for x, y, angle in found]
+    turned = [(x / MM, y / MM, math.radians(angle)) for x, y, angle in found]
     boxes = [part.outline.moved(*at).bounds for part, at in zip(parts, turned, strict=True)]
     left, low = min(box[0] for box in boxes), min(box[1] for box in boxes)
     places = [(x - left + MARGIN, y - low + MARGIN, angle) for x, y, angle in turned]

@@ -13,7 +13,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from stepwell.base import Floats, InputError, Ints, need
-from stepwell.build.contour import Contour, arc
+from stepwell.build.contour import MM, Contour, arc
 from stepwell.build.part import Part
 
 # Largest distance of a mesh from an arc [m], far below what printers resolve.
@@ -38,7 +38,7 @@ def mesh_of(part: Part) -> Mesh:
     from manifold3d import CrossSection, Error
 
     rings = [part.outline.ring(SAGITTA), *(one.ring(SAGITTA)[::-1] for one in part.openings)]
-    solid = CrossSection([1e3 * ring for ring in rings]).extrude(1e3 * part.thickness)
+    solid = CrossSection([MM * ring for ring in rings]).extrude(MM * part.thickness)
     mesh = solid.to_mesh64()
     genus = solid.genus()
     if solid.status() != Error.NoError or genus != len(part.openings):
@@ -51,7 +51,7 @@ def mesh_of(part: Part) -> Mesh:
 
 def stl_bytes(mesh: Mesh, name: str) -> bytes:
     """A binary STL file in millimetres."""
-    facets = 1e3 * mesh.corners[mesh.triangles]
+    facets = MM * mesh.corners[mesh.triangles]
     normals = np.cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     rows = np.zeros(
@@ -93,7 +93,7 @@ def threemf_bytes(
     objects, items = [], []
     for number, (part, place) in enumerate(zip(parts, places, strict=True), 1):
         mesh = mesh_of(part)
-        rows = (1e3 * mesh.corners).tolist(), mesh.triangles.tolist()
+        rows = (MM * mesh.corners).tolist(), mesh.triangles.tolist()
         corners = "".join(f'<vertex x="{a:.6f}" y="{b:.6f}" z="{c:.6f}"/>' for a, b, c in rows[0])
         triangles = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in rows[1])
         objects.append(
@@ -103,7 +103,7 @@ def threemf_bytes(
         x, y, angle = place
         # Rows of the matrix are the images of x, y and z.
         c, s = math.cos(angle), math.sin(angle)
-        numbers = (c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0, 1e3 * x, 1e3 * y, 0.0)
+        numbers = (c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0, MM * x, MM * y, 0.0)
         matrix = " ".join(f"{one:.7g}" for one in numbers)
         items.append(f'<item objectid="{number}" transform="{matrix}"/>')
     model = (
@@ -144,7 +144,7 @@ def step_bytes(part: Part, title: str = "") -> bytes:
     plate = face(part.outline)
     for opening in part.openings:
         plate = plate - face(opening)
-    solid = build123d.extrude(plate, 1e3 * part.thickness, dir=(0, 0, 1))
+    solid = build123d.extrude(plate, MM * part.thickness, dir=(0, 0, 1))
     solid.label = title or part.name
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "part.step"
@@ -156,10 +156,10 @@ def _curve(
     build123d: Any, start: tuple[float, float], end: tuple[float, float], bulge: float
 ) -> Any:
     """An edge in millimetres as a curve of build123d."""
-    ends = [(1e3 * x, 1e3 * y, 0.0) for x, y in (start, end)]
+    ends = [(MM * x, MM * y, 0.0) for x, y in (start, end)]
     if bulge == 0.0:
         return build123d.Edge.make_line(*ends)
     (x, y), radius, first, span = arc(start, end, bulge)
     half = first + span / 2.0
-    middle = (1e3 * (x + radius * math.cos(half)), 1e3 * (y + radius * math.sin(half)), 0.0)
+    middle = (MM * (x + radius * math.cos(half)), MM * (y + radius * math.sin(half)), 0.0)
     return build123d.Edge.make_three_point_arc(ends[0], middle, ends[1])

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from stepwell.base import counted, grouped
+from stepwell.build.contour import MM
 from stepwell.build.layouts import BandPath, Layout
 from stepwell.build.part import Part
 from stepwell.build.plates import Fastener
@@ -136,6 +137,6 @@ def _band_lines(layout: Layout, bands: Iterable[BandPath]) -> Iterable[str]:
     for one in bands:
         rest = layout.cells[one.cell].cell.bands[one.number].rest_length
         yield (
-            f"Band {one.number + 1} of cell {one.cell + 1}: {1e3 * rest:.4g} mm long when slack, "
+            f"Band {one.number + 1} of cell {one.cell + 1}: {MM * rest:.4g} mm long when slack, "
             f"from {one.holes[0]} of block {one.cell} to {one.holes[1]} of block {one.cell + 1}"
         )

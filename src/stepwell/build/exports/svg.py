@@ -6,7 +6,7 @@ from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
 from stepwell.base import Floats, Vec2
-from stepwell.build.contour import Contour, arc
+from stepwell.build.contour import MM, Contour, arc
 from stepwell.build.exports.cutting import Cutting
 from stepwell.build.exports.marks import Line
 
@@ -35,8 +35,8 @@ def svg_text(paths: Cutting, title: str, *, margin: float = 0.0) -> str:
         title: shown by viewers.
         margin: around the paths [m].
     """
-    x0, y0, x1, y1 = (1e3 * one for one in paths.bounds)
-    edge = 1e3 * margin
+    x0, y0, x1, y1 = (MM * one for one in paths.bounds)
+    edge = MM * margin
     at, top = (edge - x0, 0.0), y1 + edge
     width, height = x1 - x0 + 2.0 * edge, y1 - y0 + 2.0 * edge
 
@@ -44,7 +44,7 @@ def svg_text(paths: Cutting, title: str, *, margin: float = 0.0) -> str:
         return [path_data(contour_steps(one, at), top) for one in contours]
 
     def opened(lines: Iterable[Line]) -> list[str]:
-        moved = ([(1e3 * x + at[0], 1e3 * y) for x, y in line] for line in lines)
+        moved = ([(MM * x + at[0], MM * y) for x, y in line] for line in lines)
         return [path_data(line_steps(one), top) for one in moved]
 
     groups = {
@@ -79,7 +79,7 @@ def svg_head(width: float, height: float) -> str:
 
 def contour_steps(contour: Contour, at: Vec2 = (0.0, 0.0), scale: float = 1.0) -> list[Step]:
     """The path of a contour [m] on a page [mm], its origin at `at` [mm]."""
-    factor = 1e3 * scale
+    factor = MM * scale
 
     def on(point: Vec2) -> Vec2:
         return at[0] + factor * point[0], at[1] + factor * point[1]

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from stepwell.base import Vec2, grouped
-from stepwell.build.contour import Contour
+from stepwell.build.contour import MM, Contour
 from stepwell.build.exports.page import PAPERS, Page, Pen
 from stepwell.build.part import Hole, Part
 
@@ -70,7 +70,7 @@ def template_pages(parts: Iterable[Part], paper: str = "A4") -> list[Page]:
 
 def template_page(part: Part) -> Page:
     """One page with a part at full size, as large as the part needs, for SVG."""
-    x0, y0, x1, y1 = (1e3 * one for one in part.outline.bounds)
+    x0, y0, x1, y1 = (MM * one for one in part.outline.bounds)
     width = max(x1 - x0, _BAR) + 2.0 * (_ROOM + _EDGE)
     page = Page(width, y1 - y0 + 2.0 * (_ROOM + _EDGE) + _FOOT + _HEAD)
     _title(page, part.name, part)
@@ -89,8 +89,8 @@ def _blank(paper: Vec2, title: str, part: Part) -> Page:
 def _title(page: Page, title: str, part: Part) -> None:
     x, y = _EDGE, page.height - _EDGE - 4.0
     y = page.paragraph((x, y), title, page.width - 2.0 * _EDGE - 30.0, 3.6, bold=True)
-    x0, y0, x1, y1 = (1e3 * one for one in part.outline.bounds)
-    size = f"{x1 - x0:.2f} x {y1 - y0:.2f} mm, {part.material}, {1e3 * part.thickness:g} mm thick"
+    x0, y0, x1, y1 = (MM * one for one in part.outline.bounds)
+    size = f"{x1 - x0:.2f} x {y1 - y0:.2f} mm, {part.material}, {MM * part.thickness:g} mm thick"
     about = f"{size}. Print at 100 % (actual size)."
     page.text((x, y - 0.5), about, 2.8, colour=_GREY)
 
@@ -108,7 +108,7 @@ def _bar(page: Page) -> None:
 
 def _tiles(one: Alike, paper: Vec2) -> list[Page]:
     """Pages that together show a part; neighbours overlap and have common crosses."""
-    x0, y0, x1, y1 = (1e3 * edge for edge in one.part.outline.bounds)
+    x0, y0, x1, y1 = (MM * edge for edge in one.part.outline.bounds)
     room = paper[0] - 2.0 * _EDGE, paper[1] - 2.0 * _EDGE - _HEAD - _FOOT
     size = x1 - x0 + 2.0 * _ROOM, y1 - y0 + 2.0 * _ROOM
     counts = [
@@ -172,7 +172,7 @@ def _drawing(page: Page, part: Part, at: Vec2, window: Box | None = None) -> Non
 
 
 def _inside(hole: Hole, at: Vec2, window: Box) -> bool:
-    x, y = at[0] + 1e3 * hole.centre[0], at[1] + 1e3 * hole.centre[1]
+    x, y = at[0] + MM * hole.centre[0], at[1] + MM * hole.centre[1]
     edge = 500.0 * hole.diameter + 1.0
     left, low, right, high = window
     return left + edge <= x <= right - edge and low + edge <= y <= high - edge
@@ -182,7 +182,7 @@ def _clipped(page: Page, contour: Contour, at: Vec2, window: Box) -> None:
     """The stretches of a contour within a window [mm]."""
     import shapely
 
-    ring = 1e3 * contour.ring() + at
+    ring = MM * contour.ring() + at
     line = shapely.LinearRing(ring).intersection(shapely.box(*window))
     for piece in shapely.get_parts(line):
         if piece.geom_type == "LineString":
@@ -190,7 +190,7 @@ def _clipped(page: Page, contour: Contour, at: Vec2, window: Box) -> None:
 
 
 def _hole(page: Page, hole: Hole, at: Vec2) -> None:
-    x, y = at[0] + 1e3 * hole.centre[0], at[1] + 1e3 * hole.centre[1]
+    x, y = at[0] + MM * hole.centre[0], at[1] + MM * hole.centre[1]
     radius = 500.0 * hole.diameter
     page.circle((x, y), radius, _FINE)
     # Short crosses and small names: grids have 2 mm between their holes.
@@ -202,7 +202,7 @@ def _hole(page: Page, hole: Hole, at: Vec2) -> None:
 
 def _dimensions(page: Page, part: Part, at: Vec2) -> None:
     """Overall width below the part, height at its right."""
-    x0, y0, x1, y1 = (1e3 * one for one in part.outline.bounds)
+    x0, y0, x1, y1 = (MM * one for one in part.outline.bounds)
     left, right, low, high = at[0] + x0, at[0] + x1, at[1] + y0, at[1] + y1
     pen, gap = Pen(_GREY, None, 0.12), 6.0
     _dimension(page, ((left, low - gap), (right, low - gap)), f"{x1 - x0:.2f}", pen)
@@ -242,9 +242,9 @@ def _hole_list(part: Part) -> list[Row]:
     return [
         (
             hole.name,
-            f"{1e3 * (hole.centre[0] - x0):.2f}",
-            f"{1e3 * (hole.centre[1] - y0):.2f}",
-            f"{1e3 * hole.diameter:.2f}",
+            f"{MM * (hole.centre[0] - x0):.2f}",
+            f"{MM * (hole.centre[1] - y0):.2f}",
+            f"{MM * hole.diameter:.2f}",
             hole.use,
         )
         for hole in part.holes
@@ -253,7 +253,7 @@ def _hole_list(part: Part) -> list[Row]:
 
 def _list_below(page: Page, part: Part, rows: Sequence[Row]) -> list[Row]:
     """The hole list under a drawing, if all of it has room there; what is left."""
-    _, y0, _, y1 = (1e3 * one for one in part.outline.bounds)
+    _, y0, _, y1 = (MM * one for one in part.outline.bounds)
     top = page.height - _EDGE - _HEAD - (y1 - y0) - 2.0 * _ROOM - 2.0
     columns = int((page.width - 2.0 * _EDGE) // _LIST)
     high = math.ceil(len(rows) / columns) + 1
