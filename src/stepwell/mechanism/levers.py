@@ -43,7 +43,7 @@ class Levers:
         length = geometry.band_length(np.sin(theta), np.cos(theta), dx, dy, lever[self._owner])
         self._extension = length - rest
         self._pulls = (self._extension > 0) | (two_sided > 0)
-        self.slack = (length <= rest) & (two_sided == 0)
+        self.slack: Bools = (length <= rest) & (two_sided == 0)
 
     def tension(self) -> Floats:
         """(n, B) tension of every band [N]; zero where slack."""

@@ -53,11 +53,7 @@ def nearest_place(
 # While one cell is edited, the searches of most others stay the same.
 @lru_cache(maxsize=1024)
 def _kept(
-    cell: Simple,
-    conditions: tuple[Neighbour, ...],
-    axes: bytes,
-    one_way: bool,
-    within: float,
+    cell: Simple, conditions: tuple[Neighbour, ...], axes: bytes, one_way: bool, within: float
 ) -> tuple[float, Floats]:
     """The result of `_nearest`."""
     out = np.empty(4)
