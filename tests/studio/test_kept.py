@@ -74,7 +74,7 @@ def test_the_lever_cells_of_a_chain_have_together_the_numbers_of_each_alone():
         chain = any_chain(source, 4)
         travel = source.uniform(0.0, chain.full_travels, (50, 4))
         levers = Levers(chain.cells, travel)
-        angle = [cell.angle(s) for cell, s in zip(chain.cells, travel.T, strict=True)]
+        angle = [cell.angle(s) for cell, s in zip(chain.levers, travel.T, strict=True)]
         energy = [cell.energy_at(s) for cell, s in zip(chain.cells, travel.T, strict=True)]
         bands = [
             (band, band.length(theta, cell.lever))
@@ -95,5 +95,5 @@ def test_a_travel_past_a_stop_is_refused_with_the_text_of_its_cell():
     chain = any_chain(np.random.default_rng(1), 3)
     travel = np.array([chain.full_travels])
     travel[0, 1] *= 1.01
-    with refuses(InputError, "must be between 0 and"):
+    with refuses(InputError, "between 0 and"):
         Levers(chain.cells, travel)
