@@ -330,7 +330,10 @@ def resident(process: int) -> float:
 
 def held(page: "Page", name: str) -> tuple[float, float]:
     """Where an anchor is, the pointer having taken hold of it."""
-    dot = page.get_by_role("button", name=name).locator(".dot").last
+    # "p of cell 1" is also the beginning of "p of cell 10", which may be out of view.
+    exact = page.get_by_role("button", name=name, exact=True)
+    found = exact if exact.count() else page.get_by_role("button", name=name)
+    dot = found.locator(".dot").last
     dot.evaluate("(element) => element.scrollIntoView({ block: 'center' })")
     box = dot.bounding_box()
     assert box is not None

@@ -262,6 +262,9 @@ def read_off(schema: Schema, part: str) -> Schema:
 
 def plain(value: Any, factor: float = 1.0) -> Any:
     """A value in types of JSON: numbers in another unit, None for numbers that are not finite."""
+    if type(value) is float:
+        scaled = value * factor
+        return scaled if math.isfinite(scaled) else None
     if type(value).__module__ == "numpy" and not is_array(value):
         value = value.item()
     if value is None or isinstance(value, str | bool):

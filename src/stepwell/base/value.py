@@ -4,6 +4,7 @@ import math
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
+from functools import cache
 from typing import TYPE_CHECKING, Any, TypeGuard
 
 from stepwell.base.shown import Shown, brief
@@ -94,8 +95,13 @@ def _same_arrays(a: Any, b: Any) -> bool:
 
 def _held(value: Any, *, hashed: bool = False) -> tuple[Any, ...]:
     """The values of the fields that are compared."""
-    count = (one for one in fields(value) if one.compare and not (hashed and one.hash is False))
-    return tuple(getattr(value, field.name) for field in count)
+    return tuple([getattr(value, name) for name in _compared(type(value), hashed)])
+
+
+@cache
+def _compared(kind: Any, hashed: bool) -> tuple[str, ...]:
+    count = (one for one in fields(kind) if one.compare and not (hashed and one.hash is False))
+    return tuple(one.name for one in count)
 
 
 def _digest(value: Any) -> Any:

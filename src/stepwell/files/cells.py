@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -288,7 +289,7 @@ def _cell(
             values["load"] = mechanism.Load.constant(float(keys.load_N))
         elif keys.load_mm_N is not None:
             values["load"] = mechanism.Load(*zip(*values["load"], strict=True))
-        return mechanism.Cell(tuple(map(_band, tables)), **values)
+        return _lever_cell(tuple(tuple(table.items()) for table in tables), tuple(values.items()))
     except mechanism.SlipError as error:
         for slip in error.slips:
             band = None if slip.band is None else tables[slip.band]
@@ -298,6 +299,14 @@ def _cell(
     except ValueError as error:
         problems.append(f"{where}: {error}")
         return None
+
+
+# Kept, like elements: while one cell of a chain is edited, the others stay the same objects.
+@lru_cache(maxsize=256)
+def _lever_cell(
+    tables: tuple[tuple[tuple[str, Any], ...], ...], values: tuple[tuple[str, Any], ...]
+) -> mechanism.Cell:
+    return mechanism.Cell(tuple(_band(dict(table)) for table in tables), **dict(values))
 
 
 def _key(slip: mechanism.Slip, cell: chain_schema.OneCellKeys, band: dict[str, Any] | None) -> str:

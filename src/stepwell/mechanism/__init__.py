@@ -2,7 +2,7 @@
 
 # pyright: reportUnusedImport=false
 
-from stepwell.mechanism import elements, geometry, layout, sizes
+from stepwell.mechanism import elements, geometry, layout, levers, sizes
 from stepwell.mechanism.band import Band, Cubic, Law, Linear, Load, Table, hooke
 from stepwell.mechanism.cell import LIMITS_DEG, Cell
 from stepwell.mechanism.chain import SOFTEST, STIFFEST, Chain

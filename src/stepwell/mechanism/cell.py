@@ -129,14 +129,12 @@ class Cell(ByValue, Drawn):
     def angle(self, travel: ArrayLike) -> Floats:
         """Lever angle θ [rad] at travels s [m] of any shape; ValueError past a stop."""
         travel = np.asarray(travel, float)
-        slip = 1e-9 * self.full_travel
-        if np.any(~((travel >= -slip) & (travel <= self.full_travel + slip))):
+        if not np.all(geometry.between_stops(travel, self.full_travel)):
             raise InputError(
                 f"travel = {to_unit(_worst(travel), 'mm'):.6g} mm: must be between 0 and "
                 f"{to_unit(self.full_travel, 'mm'):.6g} mm, the stops."
             )
-        sine = np.clip(geometry.sine_at(travel, self.lever, self.sin_limit), -1.0, 1.0)
-        return np.clip(np.arcsin(sine), -self.limit, self.limit)
+        return geometry.angle_at(travel, self.lever, self.limit, self.sin_limit)
 
     def energy(self, theta: ArrayLike) -> Floats:
         """Potential energy [J] of bands and load at angles θ [rad] of any shape.

@@ -40,6 +40,9 @@ def with_integrals(rows: Floats, origin: float = 0.0) -> Floats:
 
 
 def _locate(rows: Floats, x: Floats) -> tuple[Floats, list[Floats]]:
+    if len(rows) == 1:
+        start, *piece = rows[0]
+        return x - start, piece
     index = np.clip(np.searchsorted(rows[:, 0], x, side="right") - 1, 0, len(rows) - 1)
     start, *piece = np.moveaxis(rows[index], -1, 0)
     return x - start, piece

@@ -23,6 +23,18 @@ def sine_at(travel: Any, lever: Any, sin_limit: Any) -> Any:
     return travel / lever - sin_limit
 
 
+def between_stops(travel: Any, full: Any) -> Any:
+    """Whether a travel [m] is between the stops, to a billionth of the full travel."""
+    slip = 1e-9 * full
+    return (travel >= -slip) & (travel <= full + slip)
+
+
+def angle_at(travel: Any, lever: Any, limit: Any, sin_limit: Any) -> Any:
+    """Lever angle θ [rad] at a travel between the stops."""
+    sine = np.clip(sine_at(travel, lever, sin_limit), -1.0, 1.0)
+    return np.clip(np.arcsin(sine), -limit, limit)
+
+
 @kernel
 def band_length(sin: Any, cos: Any, dx: Any, dy: Any, lever: Any) -> Any:
     """ℓ(θ) = |(r cos θ + d_x, r sin θ + d_y)| (Kamp et al. 2024, Eq. 2)."""

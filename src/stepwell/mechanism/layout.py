@@ -12,6 +12,7 @@ from stepwell.base import Bools, Floats, bisected
 from stepwell.mechanism.cell import Cell
 from stepwell.mechanism.chain import Chain
 from stepwell.mechanism.element import Element
+from stepwell.mechanism.levers import Levers
 from stepwell.mechanism.phase import Phase
 
 _SAMPLES = 97
@@ -232,26 +233,21 @@ class ChainLayout:
 
     def tensions(self, travel: Floats) -> tuple[Floats, Bools]:
         """Tension [N] of every band, and whether it is slack, (n, B), at travels (n, N) [m]."""
-        tension, slack = np.empty((0, len(travel))), np.empty((0, len(travel)), bool)
-        for cell, column in zip(self.chain.cells, travel.T, strict=True):
-            if not isinstance(cell, Cell):
-                continue
-            for band in cell.bands:
-                length = band.length(cell.angle(column), cell.lever)
-                tension = np.vstack([tension, band.tension(length)])
-                slack = np.vstack([slack, (length <= band.rest_length) & (not band.two_sided)])
-        return tension.T, slack.T
+        levers = Levers(self.chain.cells, travel)
+        return levers.tension(), levers.slack
 
     def greatest_tension(self) -> float:
         """The largest tension or compression [N] of any band between the stops."""
-        greatest = 0.0
-        for cell in self.chain.cells:
-            if isinstance(cell, Cell):
-                theta = np.linspace(-cell.limit, cell.limit, 65)
-                for band in cell.bands:
-                    tension = band.tension(band.length(theta, cell.lever))
-                    greatest = max(greatest, float(np.max(np.abs(tension))))
-        return greatest
+        return max(map(greatest_tension, self.chain.cells))
+
+
+def greatest_tension(cell: Cell | Element) -> float:
+    """The largest tension or compression [N] of the bands of a cell between the stops, or 0."""
+    if not isinstance(cell, Cell):
+        return 0.0
+    theta = np.linspace(-cell.limit, cell.limit, 65)
+    tensions = [band.tension(band.length(theta, cell.lever)) for band in cell.bands]
+    return float(np.max(np.abs(tensions)))
 
 
 def _clearance(inner: Cell | Element, outer: Cell | Element, room: float) -> float:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from enum import Enum
-from itertools import pairwise
+from itertools import zip_longest
 
 import numpy as np
 
@@ -176,18 +176,22 @@ def segments_of(
         movers = log.movers[log.first[k] : log.first[k + 1]]
         if row[logged.FOLLOW]:
             movers = state.moved(problem(), log, k, now)
-        whole = movers[:, [logged.CELL, logged.SHEET_0, logged.SHEET_1]].astype(int)
-        cells, sheet_0, sheet_1 = whole.T.tolist()
-        before, after = movers[:, logged.TRAVEL_0], movers[:, logged.TRAVEL_1]
-        now[cells] = after
+        # Most segments have one mover or two, for which lists are faster than arrays.
+        columns = movers.T.tolist()
+        cells, sheet_0, sheet_1 = (
+            tuple(map(int, columns[one])) for one in (logged.CELL, logged.SHEET_0, logged.SHEET_1)
+        )
+        before, after = tuple(columns[logged.TRAVEL_0]), tuple(columns[logged.TRAVEL_1])
+        for cell, travel in zip(cells, after, strict=True):
+            now[cell] = travel
         kind, cause, near = _KINDS[int(row[logged.KIND])], None, (math.inf, math.inf, 0.0)
         if kind is SegmentKind.SNAP:
             cause = _CAUSES.get(int(row[logged.CAUSE]), Cause.FOLD)
             near = row[logged.NEAR_FORCE], row[logged.NEAR_TRAVEL], row[logged.ERROR]
         drive = row[logged.DRIVE_0], row[logged.DRIVE_1]
         force = row[logged.FORCE_0], row[logged.FORCE_1]
-        moves = tuple(cells), tuple(before.tolist()), tuple(after.tolist())
-        sheets, direction = (tuple(sheet_0), tuple(sheet_1)), int(row[logged.DIRECTION])
+        moves, sheets = (cells, before, after), (sheet_0, sheet_1)
+        direction = int(row[logged.DIRECTION])
         heat, tie, decided = row[logged.RELEASED], row[logged.TIE_A] >= 0, int(row[logged.DECIDED])
         what = kind, direction, drive, force
         yield Segment(*what, *moves, *sheets, heat, tie, cause, *near, _DECIDED.get(decided))
@@ -195,6 +199,8 @@ def segments_of(
 
 # The phase of a cell that is in transit.
 TRANSIT = -1
+# Of a cell with fewer phases than others.
+_NOWHERE: Stretch = -1, math.inf, -math.inf
 
 
 def phase_changes(
@@ -209,20 +215,16 @@ def phase_changes(
     ]
     movers = log.movers
     cells = movers[:, logged.CELL].astype(int)
-    order = np.argsort(cells, kind="stable")
+    travel, sheet = movers[:, logged.TRAVEL_1], movers[:, logged.SHEET_1]
     phases = np.full(len(cells), TRANSIT)
-    before = np.full(len(cells), TRANSIT)
-    ends = np.searchsorted(cells[order], np.arange(len(stretches) + 1))
-    for cell, (a, b) in enumerate(pairwise(ends.tolist())):
-        if a == b:
-            continue
-        rows = order[a:b]
-        travel, sheet = movers[rows, logged.TRAVEL_1], movers[rows, logged.SHEET_1]
-        own = phases[rows]
-        for phase, (on, low, high) in enumerate(stretches[cell]):
-            own[(own == TRANSIT) & (sheet == on) & (low <= travel) & (travel <= high)] = phase
-        phases[rows] = own
-        before[rows] = [begin[cell], *own[:-1].tolist()]
+    for phase, of_all in enumerate(zip_longest(*stretches, fillvalue=_NOWHERE)):
+        on, low, high = np.array(of_all)[cells].T
+        within = (sheet == on) & (low <= travel) & (travel <= high)
+        phases[(phases == TRANSIT) & within] = phase
+    order = np.argsort(cells, kind="stable")
+    first = np.diff(cells[order], prepend=-1) > 0
+    before = np.empty(len(cells), int)
+    before[order] = np.where(first, np.array(begin)[cells[order]], np.roll(phases[order], 1))
     segment = np.repeat(np.arange(int(log.used[0])), np.diff(log.first))
     changes = grouped(
         (int(segment[row]), (int(cells[row]), int(phases[row])))
@@ -242,11 +244,12 @@ def events_of(segments: Iterable[Segment], start: Floats, chain: Chain) -> Itera
     travels = start.copy()
     for segment in segments:
         arrivals = list(_arrivals(segment, stretches))
-        stroke = float(np.sum(travels))
-        travels[list(segment.cells)] = segment.after
+        begin = float(travels.sum()) if segment.kind is SegmentKind.SNAP else math.nan
+        for cell, travel in zip(segment.cells, segment.after, strict=True):
+            travels[cell] = travel
         if segment.kind is SegmentKind.SNAP:
             assert segment.cause is not None
-            what = EventKind.SNAP, segment.cause, segment.drive[0], stroke, segment.direction
+            what = EventKind.SNAP, segment.cause, segment.drive[0], begin, segment.direction
             moves = segment.cells, segment.before, segment.after
             sheets = segment.sheets_before, segment.sheets_after
             arrived = tuple((segment.cells[m], phase) for m, phase in arrivals)
@@ -254,7 +257,7 @@ def events_of(segments: Iterable[Segment], start: Floats, chain: Chain) -> Itera
             near = segment.distance_force, segment.distance_travel, segment.error, segment.decided
             yield Event(*what, *moves, *sheets, *segment.force, *rest, *near)
             continue
-        stroke = float(np.sum(travels))
+        stroke = float(travels.sum()) if arrivals else math.nan
         for m, phase in arrivals:
             cell, sheet = segment.cells[m], (segment.sheets_after[m],)
             _, low, high = stretches[cell][phase]

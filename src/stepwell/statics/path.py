@@ -124,8 +124,12 @@ class Path(base.ByValue, base.Drawn):
     @cached_property
     def energy(self) -> base.Floats:
         """(n,) energy of all cells [J], without the actuator's spring."""
-        total = np.zeros(len(self.drive))
+        levers = mechanism.levers.Levers(self.chain.cells, self.travel)
+        total, of_levers = np.zeros(len(self.drive)), iter(levers.energy().T)
         for cell, travel, sheet in zip(self.chain.cells, self.travel.T, self.sheet.T, strict=True):
+            if isinstance(cell, mechanism.Cell):
+                total += next(of_levers)
+                continue
             for number in np.unique(sheet):
                 here = sheet == number
                 total[here] += cell.energy_at(travel[here], int(number))
@@ -294,6 +298,13 @@ class Path(base.ByValue, base.Drawn):
     def segments(self) -> Iterator[Segment]:
         """Segments of the path in order: holds, smooth moves, snaps."""
         return segments_of(self._log, self.start, lambda: self._problem)
+
+    @property
+    def move_spans(self) -> base.Floats:
+        """(m,) range of the drive on every smooth segment [m], or [N] under force control."""
+        rows = self._log.segments
+        moves = np.isin(rows[:, logged.KIND], (logged.MOVE, logged.DRIFT))
+        return np.abs(rows[moves, logged.DRIVE_1] - rows[moves, logged.DRIVE_0])
 
     @cached_property
     def extrapolated(self) -> tuple[tuple[int, float], ...]:

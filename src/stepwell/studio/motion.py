@@ -1,8 +1,9 @@
 """A motion for the page and for replays: samples, events, cells and margins in display units."""
 
 import math
-from collections.abc import Callable, Iterable
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import zip_longest
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,10 +11,10 @@ from stepwell.accounts import assumptions
 from stepwell.base import Floats, InputError, Ints, __version__, display_unit, plain
 from stepwell.design import Change, Margin, margin
 from stepwell.files import WrittenProgram, dumps
-from stepwell.mechanism import Cell, Chain, Element, layout, phase_at
+from stepwell.mechanism import Cell, Chain, Element, layout, levers, phase_at
 from stepwell.robot import Robot
 from stepwell.sequences import Cycle, Program, ProgramMethod
-from stepwell.statics import Event, EventKind, Path, SegmentKind
+from stepwell.statics import Event, EventKind, Path
 from stepwell.studio.ask import View
 
 MM, MJ = display_unit("m")[1], display_unit("J")[1]
@@ -43,8 +44,8 @@ def _units_of(chain: Chain) -> list[tuple[str, float]]:
 
 def drawn(path: Path) -> Path:
     """The path, resampled for a picture."""
-    spans = [float(np.ptp(one.drive)) for one in path.segments() if one.kind is SegmentKind.MOVE]
-    longest = max(spans, default=0.0) / (np.ptp(path.turning_points) or 1.0)
+    spans = path.move_spans
+    longest = np.max(spans, initial=0.0) / (np.ptp(path.turning_points) or 1.0)
     least = max(_LEAST, math.ceil(_WHOLE * longest))
     return path.resampled(min(_MOST, max(least, _ALL // max(1, len(spans)))))
 
@@ -56,29 +57,22 @@ def arrays_of(path: Path) -> dict[str, np.ndarray[Any, Any]]:
     is the force of every element on its curve.
     """
     (_, travel), (_, force), (_, drive) = _units_of(path.chain)
-    drawing = layout.ChainLayout(path.chain)
-    tension, slack = drawing.tensions(path.travel)
-    share = np.abs(tension) / (drawing.greatest_tension() or 1.0)
+    turned, angle = levers.Levers(path.chain.cells, path.travel), np.full_like(path.travel, np.nan)
+    angle[:, turned.number] = np.degrees(turned.angle)
+    greatest = max(still.greatest_tension for still in _stills_of(path.chain))
+    share = np.abs(turned.tension()) / (greatest or 1.0)
     return {
         "drive": path.drive * drive,
         "stroke": path.stroke * travel,
         "force": path.force * force,
         "energy": path.energy * MJ,
         "travel": path.travel * travel,
-        "angle": _angles(path.chain, path.travel),
-        "tension": np.where(slack, np.nan, share),
+        "angle": angle,
+        "tension": np.where(turned.slack, np.nan, share),
         "pull": _pulls(path) * force,
         "segment": path.branch,
         "direction": path.direction,
     }
-
-
-def _angles(chain: Chain, travel: Floats) -> Floats:
-    angles = np.full_like(travel, np.nan)
-    for i, cell in enumerate(chain.cells):
-        if isinstance(cell, Cell):
-            angles[:, i] = np.degrees(cell.angle(travel[:, i]))
-    return angles
 
 
 def _pulls(path: Path) -> Floats:
@@ -94,29 +88,57 @@ def _pulls(path: Path) -> Floats:
 
 def landscape(chain: Chain) -> dict[str, np.ndarray[Any, Any]]:
     """Travels and energies of every single cell (m, N); NaN for curves that fold back."""
-    low, high = zip(*((cell.low, cell.high) for cell in chain.cells), strict=True)
-    travel = np.linspace(low, high, _LANDSCAPE)
-    energy = np.full_like(travel, np.nan)
-    for i, cell in enumerate(chain.cells):
-        if isinstance(cell, Cell) or len(cell.laws) == 1:
-            energy[:, i] = cell.energy_at(travel[:, i])
-    factor = display_unit(chain.measure.travel_unit)[1]
-    return {"landscape_travel": travel * factor, "landscape_energy": energy * MJ}
+    stills = _stills_of(chain)
+    return {
+        "landscape_travel": np.stack([one.travel for one in stills], axis=1),
+        "landscape_energy": np.stack([one.energy for one in stills], axis=1),
+    }
+
+
+class _Still(NamedTuple):
+    """What the page shows of a cell whatever the rest of the chain is."""
+
+    travel: Floats  # of the landscape, in the unit of `units_of`
+    energy: Floats  # [mJ]
+    header: Mapping[str, Any]
+    greatest_tension: float  # [N]
+
+    @classmethod
+    def of(cls, cell: Cell | Element) -> "_Still":
+        travel = np.linspace(cell.low, cell.high, _LANDSCAPE)
+        known = isinstance(cell, Cell) or len(cell.laws) == 1
+        energy = cell.energy_at(travel) if known else np.full_like(travel, np.nan)
+        travel *= display_unit(cell.measure.travel_unit)[1]
+        return cls(travel, energy * MJ, _cell(cell), layout.greatest_tension(cell))
+
+
+_last: tuple[Sequence[Cell | Element], list[_Still]] = (), []
+
+
+def _stills_of(chain: Chain) -> list[_Still]:
+    """Of every cell; kept for the cells that are as in the last chain, most of them in a drag."""
+    global _last
+    cells, stills = _last
+    if cells is not chain.cells:
+        kept = zip_longest(cells[: len(chain)], stills[: len(chain)], chain.cells)
+        stills = [still if old == cell else _Still.of(cell) for old, still, cell in kept]
+        _last = chain.cells, stills
+    return stills
 
 
 def cells_of(chain: Chain) -> list[dict[str, Any]]:
     """Geometry of every cell, and the phases that are stable without a force."""
-    return [_cell(cell, name) for cell, name in zip(chain.cells, chain.names, strict=True)]
+    named = zip(chain.names, _stills_of(chain), strict=True)
+    return [{"name": name, **still.header} for name, still in named]
 
 
-def _cell(cell: Cell | Element, name: str) -> dict[str, Any]:
+def _cell(cell: Cell | Element) -> dict[str, Any]:
     travel, force = (
         display_unit(cell.measure.travel_unit)[1],
         display_unit(cell.measure.force_unit)[1],
     )
     ends = cell.phases[0].force_high, cell.phases[-1].force_low
     header: dict[str, Any] = {
-        "name": name,
         "kind": "lever" if isinstance(cell, Cell) else "element",
         "full_travel_mm": cell.full_travel * travel,
         "stable": [k for k, p in enumerate(cell.phases) if p.force_low < 0.0 < p.force_high],
@@ -145,7 +167,9 @@ _CURVE = 49
 def layout_of(path: Path) -> dict[str, Any]:
     """Sizes of the drawing [mm], and the curves of the elements in the units of `units_of`."""
     chain = path.chain
-    drawing = layout.ChainLayout(chain, [path.travel.min(axis=0), path.travel.max(axis=0)])
+    # Lever cells move between their stops only; their symbols need no samples.
+    reached = [path.travel.min(axis=0), path.travel.max(axis=0)] if chain.elements else ()
+    drawing = layout.ChainLayout(chain, reached)
     (_, travel), (_, force), _ = _units_of(chain)
     names = ("reach", "half_pair", "half_block", "box", "rod", "spans", "wall")
     return {
@@ -221,15 +245,21 @@ def _samples_at(events: Iterable[Event], path: Path) -> list[int]:
     samples: list[int] = []
     snaps = iter(np.flatnonzero(path.snap_after))
     # The drive of a sample may differ from that of its event by rounding.
-    near = 1e-12 * np.ptp(path.drive)
+    near = 1e-12 * float(np.ptp(path.drive))
+    places = list(zip(path.drive.tolist(), path.direction.tolist(), strict=True))
     at = 0
     for event in events:
         if event.kind is EventKind.SNAP:
             at = int(next(snaps))
         else:
-            here = np.abs(path.drive[at:] - event.drive) <= near
-            here &= path.direction[at:] == event.direction
-            at += int(np.argmax(here))
+            at = next(
+                (
+                    k
+                    for k, (drive, direction) in enumerate(places[at:], at)
+                    if direction == event.direction and abs(drive - event.drive) <= near
+                ),
+                at,
+            )
         samples.append(at)
         at += event.kind is EventKind.SNAP
     return samples

@@ -83,7 +83,7 @@ def number_change(
     chain: Chain, forces: SortedChain | None, now: Sequence, cell: int, part: str
 ) -> Change:
     """The smallest change of a number of a cell, for all its bands, that changes the sequence."""
-    number = of_cell(chain, cell, part)
+    number = Parameter(f"{cell + 1}.{part}", cell, part, chain.measure)
     return Change(chain, cell, part, *numbers.nearest_share(chain, forces, str(now), number))
 
 

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -44,17 +45,29 @@ def nearest_place(
     nearest place lies on one curve F = force, perpendicular to the displacement, or where two of
     them meet; Newton's method locates it. `sign` is +1 for anchor q, -1 for p: d = q - p.
     """
+    axes = (sign * ways.frame).tobytes()
+    distance, out = _kept(cell, tuple(conditions), axes, ways.one_way, float(within))
+    return None if math.isinf(distance) else Place(sign * out[:2], distance, sign * out[2:])
+
+
+# While one cell is edited, the searches of most others stay the same.
+@lru_cache(maxsize=1024)
+def _kept(
+    cell: Simple, conditions: tuple[Neighbour, ...], axes: bytes, one_way: bool, within: float
+) -> tuple[float, Floats]:
+    """The result of `_nearest`."""
     out = np.empty(4)
     search = _Search(
         np.array([c.side for c in conditions], np.int64),
         np.array([c.other for c in conditions], float),
         np.array([c.up for c in conditions], np.int64),
-        np.ascontiguousarray(sign * ways.frame),
-        ways.one_way,
-        float(within),
+        np.frombuffer(axes).reshape(2, -1).copy(),
+        one_way,
+        within,
     )
     distance = _nearest(cell, search, out)
-    return None if math.isinf(distance) else Place(sign * out[:2], distance, sign * out[2:])
+    out.setflags(write=False)
+    return distance, out
 
 
 @record
