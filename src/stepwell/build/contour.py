@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from stepwell.base import UNITS, Floats, InputError, Vec2, check
+from stepwell.base import UNITS, ByValue, Floats, InputError, Vec2, check
 
 if TYPE_CHECKING:
     import shapely
@@ -24,8 +24,8 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 _NODES, _WEIGHTS = (_NODES + 1.0) / 2.0, _WEIGHTS / 2.0
 
 
-@dataclass(frozen=True, slots=True, repr=False)
-class Contour:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Contour(ByValue):
     """A closed contour, counter-clockwise, of straight lines and circular arcs.
 
     Edge i leads from point i to point i + 1, the last edge back to point 0. All files of a part are

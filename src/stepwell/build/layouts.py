@@ -18,8 +18,8 @@ from stepwell.build.stack import Stack, stack_of
 from stepwell.mechanism import Chain
 
 
-@dataclass(frozen=True, slots=True)
-class BandPath:
+@dataclass(frozen=True, slots=True, eq=False)
+class BandPath(ByValue):
     """A stretched band between its hooks.
 
     Attributes:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import Floats, InputError, Vec2, check
+from stepwell.base import ByValue, Floats, InputError, Vec2, check
 from stepwell.build.contour import SAGITTA, Contour
 
 if TYPE_CHECKING:
@@ -23,8 +23,8 @@ class Use(StrEnum):
     SCREW = "screw"
 
 
-@dataclass(frozen=True, slots=True)
-class Hole:
+@dataclass(frozen=True, slots=True, eq=False)
+class Hole(ByValue):
     """A round hole through a part.
 
     Args:
@@ -54,8 +54,8 @@ class Hole:
 _circle = lru_cache(maxsize=8192)(Contour.circle)
 
 
-@dataclass(frozen=True, slots=True)
-class Part:
+@dataclass(frozen=True, slots=True, eq=False)
+class Part(ByValue):
     """A flat part of one thickness, in its own frame; in a stack its plane is normal to z.
 
     Args:

@@ -5,7 +5,7 @@ import string
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from stepwell.base import Vec2
+from stepwell.base import ByValue, Vec2
 from stepwell.build.build_file import BuildFile, mm
 from stepwell.build.contour import Contour
 from stepwell.build.hooks import SAME, on_grid
@@ -14,8 +14,8 @@ from stepwell.build.seats import BlockPlan, CellPlan
 from stepwell.build.stack import Stack, pin_length, screw_length
 
 
-@dataclass(frozen=True, slots=True)
-class Fastener:
+@dataclass(frozen=True, slots=True, eq=False)
+class Fastener(ByValue):
     """A bought part that is round in plan.
 
     Attributes:

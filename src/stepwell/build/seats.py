@@ -114,7 +114,7 @@ def _cell_plan(cell: Cell, number: int, build_file: BuildFile) -> CellPlan:
     reach = [grid.side, build_file.lever.spacing / 2.0, *along]
     back = max(grid.depth, *across) + edge
     if slotted:
-        reach.append(cell.lever * math.sin(cell.limit) + build_file.pin.diameter / 2.0)
+        reach.append((cell.full_travel + build_file.pin.diameter) / 2.0)
         # The plate with the slot never reaches the feet of the outer block.
         plate = cell.lever - 2.0 * least + build_file.pin.diameter / 2.0 + edge
         back = max(back, plate + build_file.foot_radius + build_file.block.clearance)

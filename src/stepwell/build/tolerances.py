@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -57,15 +58,8 @@ def _slopes(cell: Cell, theta: float) -> tuple[float, float]:
     """|dF/dθ| [N/rad] and the steepest |dF/dd| [N/m] of a cell's bands at an angle."""
 
     def force(angle: float, x: float = 0.0, y: float = 0.0) -> float:
-        total = 0.0
-        for band in cell.bands:
-            dx, dy = band.d[0] + x, band.d[1] + y
-            length = math.hypot(
-                cell.lever * math.cos(angle) + dx, cell.lever * math.sin(angle) + dy
-            )
-            slope = (dy - dx * math.tan(angle)) / length
-            total += float(band.tension(length)) * slope
-        return total
+        moved = (replace(one, q=(one.q[0] + x, one.q[1] + y)) for one in cell.bands)
+        return sum(float(one.force(angle, cell.lever)) for one in moved)
 
     step = _STEP * cell.lever
     here = force(theta)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from stepwell.base import InputError, Shows, need
+from stepwell.base import ByValue, InputError, Shows, need
 from stepwell.build.builds import Build
 from stepwell.build.exports.before import first_measurement
 from stepwell.build.exports.coupon import coupon
@@ -22,8 +22,8 @@ DRAFT = "DRAFT"
 Files = dict[str, str | bytes]
 
 
-@dataclass(frozen=True, slots=True)
-class FileOptions:
+@dataclass(frozen=True, slots=True, eq=False)
+class FileOptions(ByValue):
     """Which files are written, and how parts are nested.
 
     Args:
