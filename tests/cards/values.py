@@ -82,6 +82,7 @@ def of_chains() -> dict[str, Any]:
         chain.robustness(),
         chain.yields(samples=60),
         sw.check(chain, samples=60),
+        sw.build(chain, samples=20),
         chain.survival([0.0, 0.040, 0.0], "00", samples=20),
         chain.reprogram("00>01>11>10>00", by="inner.p"),
         _atlas(chain),

@@ -14,6 +14,7 @@ EVERY = {
     "design": ("00>10>11>01>00",),
     "yield": ("forward.toml",),
     "check": ("forward.toml",),
+    "build": ("forward.toml",),
     "reprogram": ("forward.toml", "--by", "inner.p"),
     "robot show": ("robot-forward",),
     "sweep report": ("study.zarr",),

@@ -44,11 +44,11 @@ def build(
         autocompletion=materials,
     ),
     samples: int | None = option(
-        "Number of Monte Carlo samples of the yield.", "N", min=1, show_default="2000"
+        "Number of Monte Carlo samples, for the yield.", "N", min=1, show_default="2000"
     ),
     target: str | None = option(
-        "Target of the yield: a sequence such as 00>10>11>01>00; the cycle of the nominal design "
-        "by default.",
+        "Target: a sequence such as 00>10>11>01>00, for the yield; the cycle of the nominal "
+        "design by default.",
         "TARGET",
     ),
     *,

@@ -9,7 +9,6 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
 import typer
 from typer.core import TyperCommand
 
@@ -163,7 +162,9 @@ def _open_signs(paths: Sequence[Path], batch: Batch) -> tuple[str, tuple[str, ..
 def asked_flip(why: str, flips: Sequence[str]) -> str:
     """The value of `flip` that the user enters."""
     warn(why)
-    answer = typer.prompt(f"Signs to turn ({', '.join(flips)})", type=click.Choice(flips), err=True)
+    allowed = ", ".join(flips)
+    while (answer := typer.prompt(f"Signs to turn ({allowed})", err=True)) not in flips:
+        warn(f"{answer!r}: must be one of {allowed}.")
     warn(f"The same as options: --flip {answer}")
     return answer
 

@@ -71,7 +71,7 @@ class PanelOptions(options.Group):
         "By default panels suited to the design.",
         "NAMES",
     )
-    partial: bool = options.flag("Skip missing designs of a study instead of failing.", "--partial")
+    partial: bool = options.flag("Skip missing designs instead of failing.", "--partial")
 
 
 class FigureFile(options.Group):
