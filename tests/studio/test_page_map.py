@@ -44,6 +44,8 @@ def the_map(page: Page) -> Locator:
 def point(page: Page, across: float, up: float) -> tuple[float, float, str]:
     """Point at a part of the map: the values there, and the sequence that is told."""
     canvas = the_map(page).locator("canvas")
+    # A new picture comes later than new axes.
+    expect(page.locator(".map.stale")).to_have_count(0)
     # A field that was filled may have scrolled it under the bar below.
     canvas.evaluate("one => one.scrollIntoView({ block: 'center' })")
     box = canvas.bounding_box()
