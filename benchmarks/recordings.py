@@ -9,6 +9,7 @@ import sys
 import tempfile
 from collections import Counter
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +17,10 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from lab import known_curves
-from lab.test_exports import is_right, odd_forms
 from stepwell import lab
+
+known_curves = import_module("lab.known_curves")
+exports = import_module("lab.test_exports")
 
 ROWS = 1_000_000
 FORMS, SEED = 500, 0
@@ -87,14 +89,14 @@ def odd(count: int) -> Counter[str]:
         suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
         phases=[Phase.generate],
     )
-    @given(odd_forms())
+    @given(exports.odd_forms())
     def tried(content: bytes) -> None:
         try:
             found = lab.read_bytes(content, "a.csv")
         except lab.LabError:
             counts["refused"] += 1
         else:
-            counts["right" if is_right(found) else "wrong"] += 1
+            counts["right" if exports.is_right(found) else "wrong"] += 1
 
     run: Callable[[], None] = tried
     run()

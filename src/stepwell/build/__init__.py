@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     )
     from stepwell.build.builds import BandUse, Build, build
     from stepwell.build.contour import Contour
-    from stepwell.build.exports.folder import FileOptions, build_files
+    from stepwell.build.exports.folder import FileOptions, build_files, draft_comment
     from stepwell.build.exports.svg import contour_path
     from stepwell.build.layouts import BandPath, Layout, layout
     from stepwell.build.limits import ExceededLimit
@@ -46,6 +46,7 @@ __all__ = [
     "build_presets",
     "build_yield",
     "contour_path",
+    "draft_comment",
     "dumps_build_file",
     "layout",
     "load_build_file",
@@ -76,7 +77,7 @@ _LATE = {
     ),
     "builds": ("BandUse", "Build", "build"),
     "contour": ("Contour",),
-    "exports.folder": ("FileOptions", "build_files"),
+    "exports.folder": ("FileOptions", "build_files", "draft_comment"),
     "exports.svg": ("contour_path",),
     "layouts": ("BandPath", "Layout", "layout"),
     "limits": ("ExceededLimit",),

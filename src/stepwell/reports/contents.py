@@ -108,11 +108,12 @@ def _build(
     made: Build, account: Account, files: Mapping[str, str | bytes] | None = None
 ) -> Contents:
     """Contents of a build: `files` to cut and assemble it, the design and the build file."""
-    from stepwell.build import build_files, dumps_build_file
+    from stepwell.build import build_files, draft_comment, dumps_build_file
 
+    draft = draft_comment(made)
     written: dict[str, Content] = {
-        "design.toml": design_text(account),
-        "build.toml": dumps_build_file(made.build_file),
+        "design.toml": draft + design_text(account),
+        "build.toml": draft + dumps_build_file(made.build_file),
         **(build_files(made) if files is None else files),
     }
     draws: dict[str, Draw] = {"layers": partial(figures.layers, made)}

@@ -107,6 +107,12 @@ def _draft(build: Build, options: FileOptions) -> str:
     return found[0]
 
 
+def draft_comment(build: Build) -> str:
+    """A line for the top of TOML files of a build that cannot be built; else empty."""
+    why = " ".join(_draft(build, FileOptions(draft=True)).split())
+    return f"# {DRAFT}: {why}\n" if why else ""
+
+
 def _titled(title: str, draft: str) -> str:
     return f"{DRAFT} {title}" if draft else title
 

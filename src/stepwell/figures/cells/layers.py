@@ -56,7 +56,7 @@ def layers(build: Build, state: str | Sequence[float] | None = None) -> Figure:
         drawing.draw(ax, layer)
         pad = _EDGE * (right - left) / (wide - 2.0 * _EDGE)
         marks.plain(ax, (left - pad, right + pad, bottom - pad, top + pad))
-        sheet.name_panel(ax, name, 0.8)
+        sheet.name_panel(ax, name if build.can_be_built else f"DRAFT: {name}", 0.8)
     key = legends.applicable(
         (True, legends.shade("fixed block", style.FIXED_BLOCK)),
         (True, legends.shade("block", style.BLOCK)),

@@ -115,7 +115,7 @@ def answer_parts_files(design: PageDesign, ask: Ask) -> View:
 
     If checks failed, `draft` is needed; each file then says so. `seconds` limits the nesting.
     """
-    from stepwell.build import FileOptions, build_files
+    from stepwell.build import FileOptions, build_files, draft_comment
 
     chain, build_file = design.chain, _material(ask)
     seconds = ask.number("seconds", 0.0, _LONGEST_NESTING, 10.0)
@@ -127,8 +127,8 @@ def answer_parts_files(design: PageDesign, ask: Ask) -> View:
     every = {
         "report.html": accounts.page(account),
         "build.json": json.dumps(account.record, indent=2, allow_nan=False) + "\n",
-        "build.toml": dumps_build_file(build_file),
-        "design.toml": dumps(chain),
+        "build.toml": draft_comment(made) + dumps_build_file(build_file),
+        "design.toml": draft_comment(made) + dumps(chain),
         **parts,
     }
     return View({"suffix": "zip"}, {"file": np.frombuffer(_zipped(every), np.uint8)})
