@@ -69,7 +69,6 @@ def test_drafts_are_named_and_end_with_code_3(stepwell, steep):
     assert "parts/DRAFT-lever-1a.dxf" in names(Path("parts"))
     for name in ("design.toml", "build.toml"):
         assert Path("parts", name).read_text("utf-8").startswith("# DRAFT: ")
-    assert "DRAFT" in Path("parts/layers.svg").read_text("utf-8")
     assert sw.load("parts/design.toml") == sw.load(steep)
 
 
