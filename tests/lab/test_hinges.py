@@ -145,20 +145,21 @@ def test_at_a_terminal_the_signs_of_one_file_are_asked(tmp_path, monkeypatch):
         "Travel (mm),Load (N)\n",
     )
     monkeypatch.setattr(readings, "_asks", lambda: True)
-    asked = []
+    asked, answers = [], iter(["twice", "both"])
 
     def prompt(text, **_):
         asked.append(text)
-        return "stroke"
+        return next(answers)
 
     monkeypatch.setattr(readings.typer, "prompt", prompt)
     result = CliRunner().invoke(app, ["lab", "read", str(tmp_path / "a.csv")])
-    assert result.exit_code == 0 and len(asked) == 1
-    says(result.stderr, "same as options", "--flip stroke")
+    assert result.exit_code == 0 and len(asked) == 2
+    says(result.stderr, "'twice': must be")
+    says(result.stderr, "same as options", "--flip both")
     (tmp_path / "b.csv").write_bytes((tmp_path / "a.csv").read_bytes())
     assert CliRunner().invoke(app, ["lab", "read", str(tmp_path)]).exit_code == 0
     # Several files are read as recorded: one answer need not fit all of them.
-    assert len(asked) == 1
+    assert len(asked) == 2
 
 
 def test_without_a_terminal_open_signs_are_read_as_recorded_and_reported(tmp_path):
