@@ -13,7 +13,7 @@ export interface Line {
   colour: string;
   /** What the reading calls it, if there are several. */
   name?: string;
-  /** Of what is only looked at beside the rest: faint and dashed. */
+  /** A curve for comparison: faint and dashed. */
   ghost?: boolean;
 }
 

@@ -8,11 +8,12 @@ from dataclasses import replace
 import pytest
 from ezdxf.entities.lwpolyline import LWPolyline
 from ezdxf.filemanagement import read as read_dxf
+from matplotlib.text import Text
 
 import stepwell as sw
 from build import chains
 from facts import refuses, says
-from stepwell import reports
+from stepwell import figures, reports
 from stepwell.base import InputError
 from stepwell.build import FileOptions, Layout, build, build_files, layout, load_build_file
 from stepwell.build.exports.cutting import cutting
@@ -88,6 +89,8 @@ def test_every_draft_says_so_in_its_name_and_in_itself():
         assert b"DRAFT" in data, name
     audit = read_dxf(io.StringIO(str(drafts["parts/DRAFT-lever-1a.dxf"]))).audit()
     assert audit.errors == []
+    words = [text.get_text() for text in figures.layers(made).findobj(Text)]
+    assert any(word.startswith("DRAFT: ") for word in words)
 
 
 def test_the_parts_list_counts_every_part_and_fastener(pair, files):

@@ -88,9 +88,15 @@ def broken(message: Message) -> bytes:
     return refusal_message(message.type, message.seq, [Refusal("", _BROKEN)])
 
 
+def typical() -> Message:
+    """A first request such as pages send; its answer imports packages in advance."""
+    # A dictionary, because the default of `ask` cannot be sent to a process.
+    return Message("evaluate", 0, tables_in(preset_text("paper-forward")), {})
+
+
 def warm() -> None:
-    """Answer a typical first request in advance, to import its packages."""
-    answered(Message("evaluate", 0, tables_in(preset_text("paper-forward"))))
+    """Answer a typical first request."""
+    answered(typical())
 
 
 class WorkerProcess:

@@ -6,8 +6,7 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
-from stepwell.files import preset_text, tables_in
-from stepwell.studio.aside import LONG, OWN, WorkerProcess, answered, broken, types
+from stepwell.studio.aside import LONG, OWN, WorkerProcess, answered, broken, types, typical
 from stepwell.studio.ask import View
 from stepwell.studio.message import (
     Message,
@@ -20,8 +19,6 @@ from stepwell.studio.message import (
 )
 
 CANCEL, START = "cancel", "start"
-# What the process for fast requests answers first, to itself.
-_FIRST = Message("evaluate", 0, tables_in(preset_text("paper-forward")), {})
 Send = Callable[[bytes], Awaitable[None]]  # of the socket
 
 
@@ -93,7 +90,7 @@ class Session:
 
     async def answer(self) -> None:
         """Answer queued messages until cancelled."""
-        starting = asyncio.create_task(self._fast.run(_FIRST, lambda _: None))
+        starting = asyncio.create_task(self._fast.run(typical(), lambda _: None))
         try:
             lanes = [lane.answer() for lane in self._long.values()]
             await asyncio.gather(self._answer_quick(starting), *lanes)

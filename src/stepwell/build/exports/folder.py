@@ -95,22 +95,23 @@ def build_files(
 
 def _draft(build: Build, options: FileOptions) -> str:
     """Why the files are a draft; empty if the build has no finding."""
-    if build.can_be_built:
-        return ""
-    found = [*map(str, build.findings)] or ["parts collide"]
-    if not options.draft:
+    found = _reasons(build)
+    if found and not options.draft:
         more = f" {len(found) - 1} more findings." if len(found) > 1 else ""
         raise InputError(
             f"nothing is written, for {len(found)} checks failed: {found[0]}{more} Change the "
             f"design or the build file, or write drafts with --draft (in Python draft=True)."
         )
-    return found[0]
+    return found[0] if found else ""
+
+
+def _reasons(build: Build) -> list[str]:
+    return [] if build.can_be_built else [*map(str, build.findings)] or ["parts collide"]
 
 
 def draft_comment(build: Build) -> str:
     """A line for the top of TOML files of a build that cannot be built; else empty."""
-    why = " ".join(_draft(build, FileOptions(draft=True)).split())
-    return f"# {DRAFT}: {why}\n" if why else ""
+    return "".join(f"# {DRAFT}: {' '.join(why.split())}\n" for why in _reasons(build)[:1])
 
 
 def _titled(title: str, draft: str) -> str:

@@ -103,7 +103,7 @@ class ObliqueView:
     def picture(
         self, placed_items: Collection[object], new: Collection[object], lift: float = LIFT
     ) -> Page:
-        """The picture of what was placed before, and of what is new, in colour.
+        """The picture of earlier items in grey, and of new items in colour.
 
         Args:
             placed_items, new: parts, fasteners and bands of the layout.

@@ -124,11 +124,12 @@ def answer_parts_files(design: PageDesign, ask: Ask) -> View:
     made = build(chain, build_file)
     options = FileOptions(nest=seconds, draft=draft)
     account, parts = accounts.account(made), build_files(made, options, progress=ask.report)
+    comment = draft_comment(made)
     every = {
         "report.html": accounts.page(account),
         "build.json": json.dumps(account.record, indent=2, allow_nan=False) + "\n",
-        "build.toml": draft_comment(made) + dumps_build_file(build_file),
-        "design.toml": draft_comment(made) + dumps(chain),
+        "build.toml": comment + dumps_build_file(build_file),
+        "design.toml": comment + dumps(chain),
         **parts,
     }
     return View({"suffix": "zip"}, {"file": np.frombuffer(_zipped(every), np.uint8)})
