@@ -105,6 +105,26 @@ def test_two_side_by_side_have_legible_curves_and_their_legend(
     expect(frame.get_by_text("anchor of outer")).to_be_visible()
 
 
+@pytest.mark.parametrize("height", [400, 640])
+def test_curves_of_a_frame_lie_one_below_the_other_inside_it(
+    offline: Opened, tmp_path: Path, height: int
+):
+    page = opens(offline, tmp_path, around(as_iframe(page_of("paper-forward"), "It moves")))
+    (frame,) = frames_of(page)
+    page.set_viewport_size({"width": 1200, "height": 800})
+    page.locator("iframe").evaluate(f"frame => {{ frame.style.height = '{height}px' }}")
+    drawings = frame.locator(".charts canvas:visible")
+    gaps = """all => {
+      const boxes = all.map((one) => one.getBoundingClientRect());
+      const ends = [...boxes.slice(1).map((one) => one.top), innerHeight];
+      return boxes.map((one, k) => ends[k] - one.bottom);
+    }"""
+    # A frame of another height is laid out some frames later.
+    until = time.monotonic() + 10
+    while min(drawings.evaluate_all(gaps)) < 0:
+        assert time.monotonic() < until, drawings.evaluate_all(gaps)
+
+
 def test_what_it_rests_on_can_be_read_in_a_frame(offline: Opened, tmp_path: Path):
     page = opens(offline, tmp_path, around(as_iframe(page_of("paper-forward"), "It moves")))
     (frame,) = frames_of(page)
