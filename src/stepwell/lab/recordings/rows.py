@@ -148,7 +148,8 @@ def split(lines: Iterator[str], delimiter: str | None) -> Iterator[list[str]]:
     """Fields of lines; delimiter None splits at white space."""
     if delimiter is None:
         for line in lines:
-            for part in re.split(r"[\r\n]", line.rstrip("\r\n")):
+            text = line.rstrip("\r\n")
+            for part in re.split(r"[\r\n]", text) if "\r" in text or "\n" in text else (text,):
                 yield _words(part)
         return
     try:
@@ -220,6 +221,8 @@ def _delimiter_of(lines: list[str]) -> tuple[str | None, int]:
     for delimiter in _DELIMITERS:
         score, first = 0.0, -1
         for k, line in enumerate(lines):
+            if delimiter is not None and delimiter not in line:
+                continue  # one field
             (fields,) = split(iter([line]), delimiter) if line.strip() else ([],)
             numbers = sum(bool(_POINT.plain(f) or _COMMA.plain(f)) for f in fields)
             if numbers >= 2:

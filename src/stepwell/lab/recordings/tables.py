@@ -238,6 +238,8 @@ class _Growing:
 
     def add(self, rows: Sequence[_Row]) -> int:
         """Add the first row and those after it that fit; return how many."""
+        if self.add_columns(rows):
+            return len(rows)
         count = 0
         while count < len(rows) and self.fits(rows[count][1]):
             count += 1
@@ -275,6 +277,9 @@ class _Growing:
                 piece[:, k] = list(map(float, text.split("\n")))
             except ValueError:
                 return False
+        # Row by row, an infinite number is a missing one, and a row of missing ones does not fit.
+        if np.isinf(piece).any() or np.isnan(piece).all(axis=1).any():
+            return False
         self.pieces.append(piece)
         self.lines.append(np.array(lines))
         return True
