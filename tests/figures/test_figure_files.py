@@ -12,6 +12,7 @@ from PIL import Image
 import stepwell as sw
 from facts import refuses
 from figures.drawn import says
+from sizes import cases
 from stepwell import figures, files
 
 
@@ -114,8 +115,11 @@ def test_text_in_an_svg_is_the_same_every_time(figure, tmp_path):
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
 
 
+WIDTHS = sorted({one.width for one in figures.JOURNAL_WIDTHS.values()})
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("width", sorted({one.width for one in figures.JOURNAL_WIDTHS.values()}))
+@pytest.mark.parametrize("width", cases(WIDTHS, [WIDTHS[0], WIDTHS[len(WIDTHS) // 2], WIDTHS[-1]]))
 @pytest.mark.parametrize("preset", ["paper-forward", "three-wave", "curved-beam", "robot-forward"])
 def test_the_default_figure_of_a_design_fits_a_page_of_every_journal(preset, width):
     drawn = sw.reports.figure(sw.preset(preset), width=width)

@@ -149,9 +149,9 @@ def test_a_recording_of_force_is_no_observation_of_a_pressure(tmp_path):
 
 @pytest.mark.slow
 def test_elements_as_built_follow_from_a_recording_and_progress_is_reported():
-    seen = lab.Observed(
-        pulls=lab.pulls_of(pulled(clips(), scale=1.05), clips().full_stroke), scale=0.02
-    )
+    # Every second pull: with fewer observations the population needs fewer generations.
+    pulls = lab.pulls_of(pulled(clips(), scale=1.05), clips().full_stroke)[::2]
+    seen = lab.Observed(pulls=pulls, scale=0.02)
     calls = []
     built = lab.as_built(clips(), seen, samples=100, progress=lambda *now: calls.append(now))
     scales = [one for one in built.known if one.parameter.name.endswith("force_scale")]
