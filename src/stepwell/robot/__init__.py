@@ -18,12 +18,14 @@ from stepwell.robot.prediction import (
     too_soft,
 )
 from stepwell.robot.robot import Robot
+from stepwell.robot.shapes import BodyMass, PartRole, RobotParts, Shape, body_names, with_parts
 
 __all__ = [
     "Antenna",
     "Arena",
     "Blocks",
     "Body",
+    "BodyMass",
     "Cylinder",
     "Drive",
     "DriveNeeds",
@@ -33,14 +35,19 @@ __all__ = [
     "Goal",
     "Leg",
     "LegPrediction",
+    "PartRole",
     "PushEnd",
     "Motion",
     "Prediction",
     "Profile",
     "Push",
     "Robot",
+    "RobotParts",
+    "Shape",
     "Wall",
+    "body_names",
     "other_layout",
     "other_start",
     "predict",
+    "with_parts",
 ]

@@ -11,6 +11,7 @@ import numpy as np
 
 from stepwell.base import to_unit
 from stepwell.mechanism import Slip, SlipError, sizes
+from stepwell.robot.shapes import part_problems
 
 if TYPE_CHECKING:
     from stepwell.robot.arena import Arena
@@ -23,7 +24,8 @@ SAME = 1e-7
 
 def problems(robot: Robot) -> list[str]:
     """Every reason why this robot cannot be built or cannot stand, one line each."""
-    return [*_legs(robot), *_reach(robot), *_strokes(robot), *_standing(robot), *_antennas(robot)]
+    checks = (_legs, _reach, _strokes, _standing, _antennas, part_problems)
+    return [problem for check in checks for problem in check(robot)]
 
 
 def _legs(robot: Robot) -> Iterator[str]:

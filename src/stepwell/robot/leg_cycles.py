@@ -363,8 +363,11 @@ def _loaded(leg: Leg, phase: FootPhase, extra: Extra) -> tuple[Chain, Floats]:
     foot, way, at = phase.foot, phase.way, phase.begin
     # Damping acts on moving cells only. Half of it as friction on every cell has the same effect:
     # one half on the moving cell, one half on the cell that would start.
-    lag = _lag(foot.robot)
-    cells = [replace(cell, friction=cell.friction + lag) for cell in leg.chain.levers]
+    lag, rails = _lag(foot.robot), foot.robot.blocks.rails(len(leg.chain))
+    cells = [
+        replace(cell, friction=cell.friction + lag + rail)
+        for cell, rail in zip(leg.chain.levers, rails, strict=True)
+    ]
     travel, load = _handing_over(foot, phase.weighed, cells[-1].full_travel)
     force = -foot.push(load, travel, phase.weighed, way)
     cells[-1] = _with_load(cells[-1], travel, force)

@@ -141,6 +141,8 @@ class Drive(ByValue):
         profile: constant speed (triangle), a sine, or a constant speed with a rest of an eighth of
             the period at both ends (trapezoid).
         stiffness: of the actuator that follows the command [N/m], > 0.
+        speed: largest speed of the actuator under load [m/s], > 0; a command that is faster is
+            refused, with the shortest period. Infinite by default.
 
     Source: Kamp et al. 2024, for 0 to 40 to 0 mm; period and stiffness are assumed.
     """
@@ -149,10 +151,26 @@ class Drive(ByValue):
     period: float = 2.0
     profile: Profile = Profile.TRIANGLE
     stiffness: float = 2000.0
+    speed: float = math.inf
 
     def __post_init__(self):
         check.fields(self, check.positive, amplitude="m", period="s", stiffness="N/m")
         check.fields(self, check.one_of, profile=Profile)
+        if self.speed != math.inf:
+            check.fields(self, check.positive, speed="m/s")
+        if self.least_period > self.period * (1.0 + 1e-9):
+            raise InputError(
+                f"period = {self.period:.6g} s: must be >= {self.least_period:.4g} s, because the "
+                f"actuator moves at {to_unit(self.speed, 'mm/s'):.4g} mm/s at most; use a longer "
+                f"period, a shorter stroke or a faster actuator."
+            )
+
+    @property
+    def least_period(self) -> float:
+        """Shortest period [s] of this command that the actuator can follow; 0 without a limit."""
+        # Speed over the mean speed, at the fastest point of the command.
+        fastest = {Profile.SINE: math.pi / 2.0, Profile.TRAPEZOID: 1.0 / (1.0 - 2.0 * REST)}
+        return 2.0 * self.amplitude * fastest.get(self.profile, 1.0) / self.speed
 
     def stroke(self, time: ArrayLike) -> Floats:
         """The commanded stroke [m] at times [s] of any shape, 0 .. `amplitude`; 0 before time 0."""
@@ -171,10 +189,13 @@ class Blocks(ByValue):
     """Mass, damping and size of the blocks of every leg; a `ValueError` refuses other values.
 
     Args:
-        mass: of each block that moves [kg], > 0.
+        mass: of each block that moves [kg], > 0, its slider included.
         carriage: of the actuator's moving part, which joins the outermost blocks [kg], > 0.
         damping: of each cell's travel [N s/m], > 0, for losses in rubber and joints.
         width, length: outline in contact with walls and other legs [m], > 0.
+        outer: mass of the outermost block [kg], > 0, which the carriage guides; `mass` by default.
+        rail_friction: Coulomb friction of the rail on the slider of every other block [N], >= 0.
+            In a leg of two cells it acts on the inner cell alone.
     """
 
     mass: float = 0.006
@@ -182,10 +203,26 @@ class Blocks(ByValue):
     damping: float = 1.0
     width: float = 0.030
     length: float = 0.020
+    outer: float | None = None
+    rail_friction: float = 0.0
 
     def __post_init__(self):
         check.fields(self, check.positive, mass="kg", carriage="kg", damping="N s/m")
         check.fields(self, check.positive, width="m", length="m")
+        check.fields(self, check.not_negative, rail_friction="N")
+        if self.outer is not None:
+            check.fields(self, check.positive, outer="kg")
+
+    def masses(self, count: int) -> tuple[float, ...]:
+        """(count,) mass of each block that moves in a leg of `count` cells [kg], inner first."""
+        return (*[self.mass] * (count - 1), self.mass if self.outer is None else self.outer)
+
+    def rails(self, count: int) -> tuple[float, ...]:
+        """(count,) rail friction on the travel of each cell of a leg [N], inner first.
+
+        A cell that moves takes along every slider outwards of it.
+        """
+        return tuple(self.rail_friction * (count - 1 - i) for i in range(count))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,6 +11,7 @@ from stepwell.base import ByValue, Drawn, InputError, Vec2, require, to_unit
 from stepwell.robot.arena import Arena, Floor
 from stepwell.robot.fit import of_robot, problems, refuse_slips
 from stepwell.robot.parts import Antenna, Blocks, Body, Drive, Foot, Leg
+from stepwell.robot.shapes import RobotParts
 
 if TYPE_CHECKING:
     from stepwell.robot.prediction import Prediction
@@ -34,6 +35,9 @@ class Robot(ByValue, Drawn):
         sources: source of each number, by key of the design file: "paper", "authors' notes",
             "measured" or "assumed". Missing keys are assumed.
         unusual: True to accept sizes far off the legs' stroke and bands, as for a Cell.
+        made: all parts that can be cut, with their masses, as of a build; they belong to these
+            numbers, see `with_parts`. Without them the robot is drawn and simulated as plain
+            blocks.
 
     Raises:
         ValueError: a geometry that cannot walk, with every reason: strokes that do not match the
@@ -53,6 +57,7 @@ class Robot(ByValue, Drawn):
     title: str = ""
     sources: Mapping[str, str] = field(default_factory=dict, hash=False, repr=False)
     unusual: bool = field(default=False, compare=False)
+    made: RobotParts | None = field(default=None, repr=False)
     # Whether the sizes were checked for wrong units; `replace` passes it on to the copies.
     _asked: bool = field(default=False, repr=False, compare=False, kw_only=True)
 
@@ -69,7 +74,7 @@ class Robot(ByValue, Drawn):
     @property
     def mass(self) -> float:
         """Total mass [kg]."""
-        blocks = sum(self.blocks.mass * len(leg.chain) + self.foot.mass for leg in self.legs)
+        blocks = sum(sum(self.blocks.masses(len(leg.chain))) + self.foot.mass for leg in self.legs)
         antennas = sum(antenna.mass for antenna in self.antennas)
         return self.body.mass + self.blocks.carriage + blocks + antennas
 

@@ -178,6 +178,15 @@ def feet_places(robot: Robot, travels: Sequence[Floats]) -> Floats:
     return np.array([leg.at for leg in robot.legs]) - np.stack([back, np.zeros_like(back)], axis=-1)
 
 
+def balanced_centre(robot: Robot, centre: Floats) -> Floats:
+    """(x, y) of the body's centre [m] for which the whole robot's is `centre` with cells at 0."""
+    rest = [np.zeros(len(leg.chain)) for leg in robot.legs]
+    mass, others = _without_feet(robot, rest)
+    feet = np.array([leg.at for leg in robot.legs])
+    moment = mass * others + robot.foot.mass * feet.sum(axis=0)
+    return robot.body.centre[:2] + (robot.mass * centre - moment) / robot.body.mass
+
+
 def _body_weight(robot: Robot, travels: Sequence[Floats], lifted: Floats) -> tuple[Floats, Floats]:
     """Weight [N] left for the supports by feet that carry `lifted` (..., legs), and its place.
 
@@ -197,9 +206,10 @@ def _without_feet(robot: Robot, travels: Sequence[Floats]) -> tuple[float, Float
     for leg, travel, stroke in zip(robot.legs, travels, strokes, strict=True):
         x, y = leg.at
         *moved, _ = np.moveaxis(np.cumsum(travel, axis=-1), -1, 0)
+        *_, outer = robot.blocks.masses(len(leg.chain))
         for ahead, back in zip(reversed(range(len(moved))), moved, strict=True):
             parts.append((robot.blocks.mass, x + half + ahead * robot.blocks.length - back, y))
-        parts.append((robot.blocks.mass, x - half - stroke, y))
+        parts.append((outer, x - half - stroke, y))
     x, y = np.mean([leg.at for leg in robot.legs], axis=0)
     parts.append((robot.blocks.carriage, x - half - np.mean(strokes, axis=0), y))
     for antenna in robot.antennas:

@@ -1,6 +1,6 @@
 """Keys of a file: checks of their values, units in their names, and writing."""
 
-import dataclasses
+import math
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -160,7 +160,8 @@ def _tables_in(annotation: Any) -> Iterator[type[Keys]]:
 ENDS = {
     f"_{in_names(unit)}": UNITS[unit].sign
     for unit in (
-        *("kPa/mL", "N m/rad", "N m s/rad", "N s/m", "N/m", "m/s²", "mm/N", "1/mm²", "1/mm"),
+        *("kPa/mL", "N m/rad", "N m s/rad", "N s/m", "N/m", "m/s²", "mm/s", "mm/N", "1/mm²"),
+        *("1/mm",),
         *("kg/m³", "percent", "mm", "deg", "mL", "kPa", "MPa", "GPa", "mNm", "g", "N", "s"),
     )
 }
@@ -273,9 +274,9 @@ def slip_text(slip: Slip, key: str, *, name_unit: bool = False) -> str:
 
 def table_lines(table: type[Keys], value: Any, left_out: Iterable[str] = ()) -> list[str]:
     """Lines of the keys of a table with the fields of a value."""
-    names = {field.name for field in dataclasses.fields(value)}
     return [
         f"{key} = {written(key, getattr(value, field_of(key)))}"
         for key in table.model_fields
-        if key not in left_out and field_of(key) in names
+        # A limit or a number that is not given has no line.
+        if key not in left_out and getattr(value, field_of(key), None) not in (None, math.inf)
     ]

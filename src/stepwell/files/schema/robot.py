@@ -103,6 +103,8 @@ class BlocksKeys(keys.Keys):
     damping_N_s_per_m: Damping | None = None
     width_mm: Size | None = None
     length_mm: Size | None = None
+    outer_g: Mass | None = None
+    rail_friction_N: Friction | None = None
 
 
 class FloorKeys(keys.Keys):
@@ -120,6 +122,7 @@ class DriveKeys(keys.Keys):
     period_s: Time | None = None
     profile: ProfileName | None = None
     stiffness_N_per_m: Stiffness | None = None
+    speed_mm_per_s: Size | None = None
 
 
 # The parts of a robot by the names of their tables.
