@@ -53,9 +53,19 @@ def parts(robot: Robot, heavier: float = 1.0) -> RobotParts:
         x, y, z = np.array(size) ** 2
         inertia = np.diag([y + z, x + z, x + y]) * mass / 12
         masses.append(BodyMass(name, mass, centre, inertia))
-        if "lever" in end or end == "crank":
-            hinges[name] = tuple(centre - [0.005, 0.0, 0.0])
+        if "lever" in end:
+            hinges[name] = tuple(centre - lever(robot, name) / 2)
+        if end == "crank":
+            hinges[name] = tuple(centre + np.array([-0.005, 0.003, 0.0]))
     return RobotParts(shapes, masses, "acrylic-3mm", hinges)
+
+
+def lever(robot: Robot, name: str) -> np.ndarray:
+    """(3,) from the joint of a lever on the inner block to that on the outer one [m]."""
+    leg = next(leg for leg in robot.legs if name.startswith(f"{leg.name}."))
+    cell = leg.chain.levers["outer" in name]
+    along, across = np.sin(cell.limit), leg.side * np.cos(cell.limit)
+    return cell.lever * np.array([along, across, 0.0])
 
 
 def place(robot: Robot, name: str) -> tuple[float, float, float]:

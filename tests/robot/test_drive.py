@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
-from facts import says
+from facts import refuses, says
 from robot.robots import FORWARD, leg, robot
 from sizes import examples
 from stepwell.robot import Blocks, Drive, Floor, Motion, Robot
@@ -123,3 +123,22 @@ def test_a_drive_near_its_least_stiffness_is_too_close_to_call():
     assert not driven(1.02 * least).predict().confident
     # As stiff as it usually is, which other tests predict too.
     assert robot().drive.stiffness > 2 * least and robot().predict().confident
+
+
+@pytest.mark.parametrize(
+    ("profile", "least"), [("triangle", 4.0), ("sine", 2.0 * np.pi), ("trapezoid", 16.0 / 3.0)]
+)
+def test_a_slow_actuator_sets_the_shortest_period_of_each_profile(profile, least):
+    # 80 mm a cycle at 20 mm/s; a sine is π/2 as fast as its mean, and a trapezoid rests.
+    drive = Drive(period=7.0, profile=profile, speed=0.020)
+    assert drive.least_period == pytest.approx(least)
+    assert replace(drive, period=least).period == least
+    stroke = drive.stroke(np.linspace(0.0, 7.0, 20001))
+    fastest = np.abs(np.diff(stroke)).max() / (7.0 / 20000)
+    assert fastest * 7.0 == pytest.approx(0.020 * least, rel=1e-3)
+    with refuses(ValueError, "period = 2 s", f"{least:.4g} s", "20 mm/s", "longer period"):
+        replace(drive, period=2.0)
+
+
+def test_without_a_speed_every_period_is_allowed():
+    assert Drive(period=1e-3).least_period == 0.0

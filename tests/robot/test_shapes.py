@@ -77,10 +77,11 @@ def test_every_body_has_one_mass_and_every_shape_and_hinge_a_body():
 def test_a_robot_made_of_parts_weighs_what_they_weigh_and_has_their_centre():
     one = with_parts(explorer(), given := parts(explorer()))
     assert one.mass == pytest.approx(given.mass, rel=1e-12)
-    # Middle block, slider, and half of four levers; outer block, and half of two.
-    assert one.blocks.masses(2) == pytest.approx((0.010 + 0.011 + 0.002, 0.0058 + 0.001))
+    # Middle block, slider, half of four levers and of a link; outer block, and half of two levers.
+    assert one.blocks.masses(2) == pytest.approx((0.010 + 0.011 + 0.0025, 0.0058 + 0.001))
+    assert one.blocks.carriage == pytest.approx(0.0195 + 2 * 0.0005)
     assert one.body.mass == pytest.approx(0.160 + 2 * 0.001 + 2 * 0.001)
-    assert one.foot.mass == pytest.approx(0.0055)
+    assert one.foot.mass == pytest.approx(0.0035 + 0.001)
     # Statics puts each part at its pivot, and the whole has the parts' centre of mass.
     travels, lifted = [np.zeros(2), np.zeros(2)], np.zeros(2)
     held = supports_load(one, travels, lifted)

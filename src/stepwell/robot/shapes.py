@@ -215,10 +215,10 @@ def _body_names(robot: Robot) -> Iterator[str]:
 def with_parts(robot: Robot, parts: RobotParts) -> Robot:
     """The same robot made of these parts, which give its masses and its centre of mass.
 
-    A lever counts half for each of the two blocks it joins, the slider for the middle block, a
-    crank for the body, and the links of a V for its foot. Where two legs differ, `blocks` and
-    `foot` have the mean. The body's centre is the one with which statics, which puts every block at
-    its pivot, has the centre of mass of all parts, with its height that of the body's own parts.
+    A lever or a link counts half for each of the two bodies it joins, the slider for the middle
+    block, and a crank for the body. Where two legs differ, `blocks` and `foot` have the mean. The
+    body's centre is the one with which statics, which puts every block at its pivot, has the centre
+    of mass of all parts; its height is that of the body's own parts.
 
     Raises:
         ValueError: bodies are missing, or the robot with these masses cannot walk.
@@ -237,14 +237,21 @@ def with_parts(robot: Robot, parts: RobotParts) -> Robot:
     legs, count = [leg.name for leg in robot.legs], len(robot.legs)
     names = {leg.name: leg.chain.names for leg in robot.legs}
 
-    def levers(leg: str, cell: int) -> float:
-        return mass(*(f"{leg}.{names[leg][cell]}.lever {k}" for k in (1, 2))) / 2
+    def blocks(cell: int) -> float:
+        return sum(mass(f"{leg}.{names[leg][cell]}.block") for leg in legs)
 
-    inner = sum(levers(leg, 0) for leg in legs)
-    outer = sum(levers(leg, 1) for leg in legs)
-    middle = sum(mass(f"{leg}.{names[leg][0]}.block", f"{leg}.slider") for leg in legs)
-    last = sum(mass(f"{leg}.{names[leg][1]}.block") for leg in legs)
-    feet = sum(mass(f"{leg}.foot", f"{leg}.link front", f"{leg}.link rear") for leg in legs)
+    def half_levers(cell: int) -> float:
+        ends = (1, 2)
+        each = (mass(*(f"{leg}.{names[leg][cell]}.lever {k}" for k in ends)) for leg in legs)
+        return sum(each) / 2
+
+    def half_links(end: str) -> float:
+        return sum(mass(f"{leg}.link {end}") for leg in legs) / 2
+
+    inner, outer = half_levers(0), half_levers(1)
+    front, rear = half_links("front"), half_links("rear")
+    middle = blocks(0) + inner + outer + front + sum(mass(f"{leg}.slider") for leg in legs)
+    feet = sum(mass(f"{leg}.foot") for leg in legs) + front + rear
     cranks = mass(*(f"{antenna.name}.crank" for antenna in robot.antennas))
     made = replace(
         robot,
@@ -252,9 +259,9 @@ def with_parts(robot: Robot, parts: RobotParts) -> Robot:
         body=replace(robot.body, mass=mass(BODY) + inner + cranks),
         blocks=replace(
             robot.blocks,
-            mass=(middle + inner + outer) / count,
-            outer=(last + outer) / count,
-            carriage=mass(CARRIAGE),
+            mass=middle / count,
+            outer=(blocks(1) + outer) / count,
+            carriage=mass(CARRIAGE) + rear,
         ),
         foot=replace(robot.foot, mass=feet / count),
         antennas=[

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from itertools import accumulate
 from typing import Any
 
-from stepwell.mechanism import Cell
 from stepwell.robot import Leg, Robot
 from stepwell.simulation import parts, simulator
 from stepwell.simulation.parts import TOP, Place, Vec3
@@ -21,9 +20,14 @@ APART = 0.012  # the two levers of a cell, along the chain [m]
 # the block and the foot, so that the robot weighs the same as one on rods.
 LEVER = 0.05
 LINK = 0.075
+ABOVE = 0.002  # bands over the blocks of a robot made of parts [m]
 THICK = 0.001  # radius of the drawn rods [m]
 # Light bodies make constraints soft, so these are set stiffer than those of the rods.
 STIFF = (0.998, 0.999, 0.001, 0.5, 2.0)
+
+
+# The joints of a lever on its inner and its outer block, in their frames [m].
+LeverPins = tuple[Vec3, Vec3]
 
 
 @dataclass(frozen=True)
@@ -80,12 +84,63 @@ def in_body(leg: Leg, anchor: tuple[float, float]) -> Vec3:
     return (-anchor[1], leg.side * anchor[0], 0.0)
 
 
+def band_height(robot: Robot) -> float:
+    """Height of bands, levers and anchors above the legs' pivots [m]: on top of all blocks."""
+    if robot.made is None:
+        return TOP
+    blocks = (shape for shape in robot.made.shapes if shape.body.endswith(".block"))
+    return max((float(shape.vertices[:, 2].max()) for shape in blocks), default=TOP) + ABOVE
+
+
+def block_start(leg: Leg, where: Places, number: int) -> Vec3:
+    """Place of a block in the body's frame with every cell at 0 [m]; -1 is the body's own."""
+    if number < 0:
+        return (0.0, 0.0, 0.0)
+    cells = leg.chain.levers[: number + 1]
+    x = where.blocks[number] + sum(cell.full_travel for cell in cells) / 2
+    swung = sum(cell.lever * (math.cos(cell.limit) - 1.0) for cell in cells)
+    return (x, where.sideways[number + 1] + leg.side * swung, 0.0)
+
+
+def lever_pins(robot: Robot, leg: Leg, number: int) -> dict[str, LeverPins]:
+    """The joints of the two levers of a cell on their blocks, by the lever's end."""
+    made, where = robot.made, places(robot, leg)
+    if made is None:
+        (x, y, z), (a, b, c) = cell_joints(robot, leg, number)
+        ends = {"front": APART / 2, "back": -APART / 2}
+        return {end: ((x + dx, y, z), (a + dx, b, c)) for end, dx in ends.items()}
+    name, cell = f"{leg.name}.{leg.chain.names[number]}", leg.chain.levers[number]
+    lever = cell.lever * math.sin(cell.limit), leg.side * cell.lever * math.cos(cell.limit)
+    (x0, y0, _), (x1, y1, _) = (block_start(leg, where, number - back) for back in (1, 0))
+    pins: dict[str, LeverPins] = {}
+    for end, index in (("front", 1), ("back", 2)):
+        x, y, z = made.hinges[f"{name}.lever {index}"]
+        pins[end] = (x - x0, y - y0, z), (x + lever[0] - x1, y + lever[1] - y1, z)
+    return pins
+
+
+def cell_joints(robot: Robot, leg: Leg, number: int) -> LeverPins:
+    """Midpoints between the lever joints of a cell on its two blocks, at the height of bands."""
+    top = band_height(robot)
+    if robot.made is not None:
+        front, back = lever_pins(robot, leg, number).values()
+        (x, y), (a, b) = (
+            [(one[k] + other[k]) / 2 for k in (0, 1)]
+            for one, other in zip(front, back, strict=True)
+        )
+        return (x, y, top), (a, b, top)
+    where = places(robot, leg)
+    x, y, own = where.joints[number], where.sideways[number], where.blocks[number]
+    x0, y0 = (where.blocks[number - 1], where.sideways[number]) if number else (0.0, 0.0)
+    return (x - x0, y - y0, top), (x - own, 0.0, top)
+
+
 def add_leg(model: LegModel) -> None:
     """Add a leg on rods or on hinges, with the same sensor names."""
     spec, robot, leg, soft = model.spec, model.robot, model.leg, parts.soft(model.settings)
-    where, cells = places(robot, leg), leg.chain.levers
-    previous, origin = model.body, (0.0, 0.0)
+    where, cells, previous = places(robot, leg), leg.chain.levers, model.body
     before: dict[str, float] = {}
+    *_, outermost = robot.blocks.masses(len(cells))
     for i, cell in enumerate(cells):
         name = model.cell_name(i)
         x, y = where.blocks[i], where.sideways[i + 1]
@@ -94,7 +149,7 @@ def add_leg(model: LegModel) -> None:
             mass = robot.blocks.mass / 2
         else:
             # The carriage guides the outermost block along the stroke and lets it swing.
-            carrier, joint, at, mass = model.carriage, "stroke", (x, y, 0.0), robot.blocks.mass
+            carrier, joint, at, mass = model.carriage, "stroke", (x, y, 0.0), outermost
         block = carrier.add_body(name=f"{name}.side", pos=at)
         parts.slider(block, f"{name}.side", (0.0, leg.side, 0.0), damping=SIDEWAYS)
         if model.hinged:
@@ -103,10 +158,10 @@ def add_leg(model: LegModel) -> None:
         size = (robot.blocks.length / 2, 0.004, 0.004)
         parts.box(block, size, (0.0, 0.0, TOP), mass=mass, rgba=parts.BLOCK, **parts.SEEN)
         # The levers and the bands join this block to the previous one.
-        inner = previous, (where.joints[i] - origin[0], where.sideways[i] - origin[1], TOP)
-        outer = block, (where.joints[i] - x, 0.0, TOP)
+        near, far = cell_joints(robot, leg, i)
+        inner, outer = (previous, near), (block, far)
         if model.hinged:
-            add_levers(model, name, cell, inner, outer)
+            add_levers(model, i, previous, block)
         parts.site(previous, f"{name}.lever.in", inner[1])
         parts.site(block, f"{name}.lever.out", outer[1])
         _add_line(model, f"{name}.lever", (f"{name}.lever.in", f"{name}.lever.out"), parts.LEVER)
@@ -124,7 +179,7 @@ def add_leg(model: LegModel) -> None:
             # On hinges the levers end at the stops.
             **({} if model.hinged else stops),
         )
-        previous, origin, before = block, (x, y), {joint: -1.0}
+        previous, before = block, {joint: -1.0}
     _add_foot(model, where)
 
 
@@ -133,7 +188,10 @@ def _slider(model: LegModel, number: int, x: float) -> Any:
     robot, leg, name = model.robot, model.leg, f"{model.cell_name(number)}.block"
     travel = sum(cell.full_travel for cell in leg.chain.cells[: number + 1])
     slider = model.body.add_body(name=name, pos=(x, leg.at[1], 0.0))
-    parts.slider(slider, name, (-1.0, 0.0, 0.0), ref=travel / 2)
+    soft = parts.soft(model.settings)
+    rail = {"solref_friction": soft, "solimp_friction": parts.STIFF}
+    rail["frictionloss"] = robot.blocks.rail_friction
+    parts.slider(slider, name, (-1.0, 0.0, 0.0), ref=travel / 2, **rail)
     size, mass = (robot.blocks.length, robot.blocks.width, 0.008), robot.blocks.mass / 2
     parts.hull(robot, slider, size, mass=mass, rgba=parts.BLOCK, **parts.BLOCKS)
     return slider
@@ -212,20 +270,20 @@ def hinge_angles(robot: Robot, leg: Leg) -> dict[str, float]:
     return angles | {f"{leg.name}.link.in": -spread, f"{leg.name}.link.out": spread}
 
 
-def add_levers(model: LegModel, name: str, cell: Cell, inner: Place, outer: Place) -> None:
+def add_levers(model: LegModel, number: int, inner: Any, outer: Any) -> None:
     """Add two parallel levers from block to block, whose hinges have the stops."""
+    name, cell = model.cell_name(number), model.leg.chain.levers[number]
     tip = (0.0, model.leg.side * cell.lever, 0.0)
-    for end, shift in (("front", APART / 2), ("back", -APART / 2)):
+    for end, (near, far) in lever_pins(model.robot, model.leg, number).items():
         label = f"{name}.lever.{end}"
-        (x, y, z), (a, b, c) = inner[1], outer[1]
-        lever = inner[0].add_body(name=label, pos=(x + shift, y, z))
+        lever = inner.add_body(name=label, pos=near)
         stops = {"limited": True, "range": (-cell.limit, cell.limit), "solimp_limit": STIFF}
         soft = parts.soft(model.settings)
         parts.hinge(lever, label, (0.0, 0.0, model.leg.side), solref_limit=soft, **stops)
         mass = LEVER * model.robot.blocks.mass
         parts.rod(lever, (0, 0, 0), tip, THICK, mass=mass, rgba=parts.LEVER, **parts.SEEN)
         parts.site(lever, f"{label}.tip", tip)
-        parts.site(outer[0], f"{label}.pin", (a + shift, b, c))
+        parts.site(outer, f"{label}.pin", far)
         _pin(model, label, f"{label}.pin")
 
 

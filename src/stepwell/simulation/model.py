@@ -9,8 +9,9 @@ import numpy as np
 from stepwell.base import Floats, InputError, Ints
 from stepwell.robot import Antenna, Arena, Robot
 from stepwell.simulation import parts
-from stepwell.simulation.leg import LegModel, add_leg, hinge_angles, in_body, places
+from stepwell.simulation.leg import LegModel, add_leg, cell_joints, hinge_angles, in_body, places
 from stepwell.simulation.simulator import Linkage, Model, Settings, Spec, mujoco
+from stepwell.simulation.solids import add_parts
 
 TYPE = mujoco.mjtSensor
 OBJECT = mujoco.mjtObj
@@ -129,7 +130,10 @@ def spec(robot: Robot, arena: Arena | None = None, settings: Settings | None = N
     if arena is not None:
         _add_arena(model, arena)
     add_sensors(model, robot, arena)
-    model.add_key(name="start", qpos=_start_position(model.compile(), robot, arena, settings))
+    compiled = model.compile()
+    start = _start_position(compiled, robot, arena, settings)
+    add_parts(model, robot, compiled, start, settings)
+    model.add_key(name="start", qpos=start)
     return model
 
 
@@ -309,12 +313,12 @@ def add_anchor(robot: Robot, antenna: Antenna, body: Any, settings: Settings) ->
             f"supports antennas of the innermost cell only, whose anchor p is on the body; set "
             f"cell = {leg.chain.names[0]!r}."
         )
-    where = places(robot, leg)
+    (jx, jy, top), _ = cell_joints(robot, leg, 0)
     p = in_body(leg, leg.chain.levers[0].bands[0].p)
     travel = math.hypot(*antenna.moves)
     x, y, _ = in_body(leg, antenna.moves)
     axis = (x / travel, y / travel, 0.0)
-    name, place = f"{antenna.name}.anchor", (where.joints[0] + p[0], leg.at[1] + p[1], parts.TOP)
+    name, place = (f"{antenna.name}.anchor", (jx + p[0], jy + p[1], top))
     part = body.add_body(name=name, pos=place)
     stops = {"limited": True, "range": (0.0, travel if antenna.connected else 1e-6)}
     parts.slider(part, name, axis, damping=SLIDING, solref_limit=parts.soft(settings), **stops)

@@ -232,4 +232,14 @@ def _fingerprint(robot: Robot) -> str:
         [(cell.bands, cell.lever, cell.limit, cell.friction) for cell in leg.chain.levers]
         for leg in robot.legs
     ]
-    return repr((parts, cells, robot.antennas))
+    made = (
+        []
+        if robot.made is None
+        else [
+            (name, array.tobytes())
+            for shape in robot.made.shapes
+            for name, array in ((shape.body, shape.vertices), (str(shape.collides), shape.faces))
+        ]
+    )
+    masses = [] if robot.made is None else robot.made.masses
+    return repr((parts, cells, robot.antennas, *([made, masses] if made else [])))
