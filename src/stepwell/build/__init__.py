@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from stepwell.build.limits import ExceededLimit
     from stepwell.build.part import Hole, Part
     from stepwell.build.plates import Fastener
+    from stepwell.build.robots.robot_builds import RobotBuild
+    from stepwell.build.robots.robot_layout import RobotLayout, robot_layout
     from stepwell.build.sweeps import Clearance, Collision, MotionSweep, sweep
     from stepwell.build.tolerances import build_yield, tolerances_of
 
@@ -41,6 +43,8 @@ __all__ = [
     "Layout",
     "Part",
     "MotionSweep",
+    "RobotBuild",
+    "RobotLayout",
     "build",
     "build_files",
     "build_presets",
@@ -52,6 +56,7 @@ __all__ = [
     "load_build_file",
     "loads_build_file",
     "preset_text",
+    "robot_layout",
     "sweep",
     "tolerances_of",
 ]
@@ -60,7 +65,7 @@ __all__ = [
 class _CallablePackage(ModuleType):
     """A module that can be called, since the package and its function share a name."""
 
-    def __call__(self, *args: Any, **kwargs: Any) -> "Build":
+    def __call__(self, *args: Any, **kwargs: Any) -> "Build | RobotBuild":
         return self.build(*args, **kwargs)
 
 
@@ -83,6 +88,8 @@ _LATE = {
     "limits": ("ExceededLimit",),
     "part": ("Hole", "Part"),
     "plates": ("Fastener",),
+    "robots.robot_builds": ("RobotBuild",),
+    "robots.robot_layout": ("RobotLayout", "robot_layout"),
     "sweeps": ("Clearance", "Collision", "MotionSweep", "sweep"),
     "tolerances": ("build_yield", "tolerances_of"),
 }

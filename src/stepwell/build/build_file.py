@@ -130,6 +130,69 @@ class ActuatorLimits(ByValue):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class RobotSizes(ByValue):
+    """Sizes of a robot's rails, sliders, feet, cranks and bought boxes.
+
+    Attributes:
+        guide, rail, rail_fit: length of a slider in its rail, width of the rail, clearance on
+            either side [m].
+        flange: by how much flanges and tops of sliders overlap the plate on either side [m].
+        slot_fit: clearance on either side of a pin in a transverse slot [m].
+        gap: between sliders, tabs and blocks that pass each other [m].
+        link_width, foot_radius: of the V's links, and of the discs at its apex [m].
+        standoff: length of the posts of the T-foot [m].
+        crank_arm, cord_arm: from the crank's pivot to the anchor, from the antenna's hub to the
+            cord [m].
+        battery, board: length, width and height of the room for each [m].
+        battery_mass, board_mass: [kg].
+    """
+
+    guide: float
+    rail: float
+    rail_fit: float
+    flange: float
+    slot_fit: float
+    gap: float
+    link_width: float
+    foot_radius: float
+    standoff: float
+    crank_arm: float
+    cord_arm: float
+    battery: tuple[float, ...]
+    battery_mass: float
+    board: tuple[float, ...]
+    board_mass: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LinearActuator(ByValue):
+    """The linear actuator of a robot, as in its data sheet.
+
+    Attributes:
+        name: for the parts list.
+        travel, closed: stroke, and distance of its two holes when the rod is in [m].
+        length, width, height: of its housing [m].
+        behind: from the hole of the housing to its end [m].
+        rod: width of the rod [m].
+        force, speed: that it reaches, and its speed under the load of the legs [N, m/s].
+        mass, rod_mass: of the housing and of the rod [kg].
+    """
+
+    name: str
+    travel: float
+    closed: float
+    length: float
+    width: float
+    height: float
+    behind: float
+    rod: float
+    force: float
+    speed: float
+    mass: float
+    rod_mass: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class BuildErrors(ByValue):
     """Errors of a build: holes (radius), joints (slop), stops, kerf [m]; bands, relative [1]."""
 
@@ -156,6 +219,8 @@ class BuildFile(ByValue):
     band: BandSizes
     screw: ScrewSizes
     actuator: ActuatorLimits
+    robot: RobotSizes
+    linear_actuator: LinearActuator
     tolerance: BuildErrors
 
     def __repr__(self):
@@ -198,6 +263,13 @@ _FIT = _Range("0", "5")
 _STRESS = _Range("0.1", "5000")
 _ANGLE = _Range("0", "90")
 _PERCENT = _Range("0", "24")
+
+
+_MASS = _Range("0.01", "1e5")
+
+
+def _box(value: Any) -> Any:
+    return keys.lengths(value, 3, "must be three numbers in mm, as in [45, 30, 16].")
 
 
 def _list(value: Any) -> Any:
@@ -265,6 +337,43 @@ _TABLES: dict[str, tuple[type, dict[str, Any]]] = {
         },
     ),
     "actuator": (ActuatorLimits, {"travel_mm": _SIZE, "force_N": _Range("0.001", "1e6")}),
+    "robot": (
+        RobotSizes,
+        {
+            "guide_mm": _SIZE,
+            "rail_mm": _SIZE,
+            "rail_fit_mm": _Range("0", "2"),
+            "flange_mm": _SIZE,
+            "slot_fit_mm": _Range("0", "2"),
+            "gap_mm": _SIZE,
+            "link_width_mm": _SIZE,
+            "foot_radius_mm": _SIZE,
+            "standoff_mm": _SIZE,
+            "crank_arm_mm": _SIZE,
+            "cord_arm_mm": _SIZE,
+            "battery_mm": Annotated[tuple[Any, ...], PlainValidator(_box)],
+            "battery_mass_g": _MASS,
+            "board_mm": Annotated[tuple[Any, ...], PlainValidator(_box)],
+            "board_mass_g": _MASS,
+        },
+    ),
+    "linear_actuator": (
+        LinearActuator,
+        {
+            "name": keys.Line,
+            "travel_mm": _SIZE,
+            "closed_mm": _SIZE,
+            "length_mm": _SIZE,
+            "width_mm": _SIZE,
+            "height_mm": _SIZE,
+            "behind_mm": _SIZE,
+            "rod_mm": _SIZE,
+            "force_N": _Range("0.001", "1e6"),
+            "speed_mm_per_s": _Range("0.01", "1e4"),
+            "mass_g": _MASS,
+            "rod_mass_g": _MASS,
+        },
+    ),
     "tolerance": (
         BuildErrors,
         {

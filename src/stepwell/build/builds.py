@@ -4,6 +4,7 @@ import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
@@ -17,8 +18,12 @@ from stepwell.build.sweeps import MotionSweep, sweep
 from stepwell.build.tolerances import build_yield
 from stepwell.design import Yield
 from stepwell.mechanism import Chain
+from stepwell.robot import Robot
 from stepwell.sequences import Cycle
 from stepwell.statics import StaticsError
+
+if TYPE_CHECKING:
+    from stepwell.build.robots.robot_builds import RobotBuild
 
 # Samples of the yield of a build: each is followed by the engine if end forces do not decide.
 SAMPLES = 2000
@@ -170,21 +175,39 @@ class Build(base.ByValue, base.Drawn):
         return tuple(notes)
 
 
+@overload
 def build(
-    chain: Chain,
+    mechanism: Robot, material: str | os.PathLike[str] | BuildFile = "acrylic-3mm"
+) -> "RobotBuild": ...
+
+
+@overload
+def build(
+    mechanism: Chain,
     material: str | os.PathLike[str] | BuildFile = "acrylic-3mm",
     *,
     samples: int = SAMPLES,
     target: str | Iterable[str] | None = None,
     progress: base.Progress = None,
     swept: MotionSweep | None = None,
-) -> Build:
-    """The solid parts of a chain of lever cells in layers, swept over its whole motion.
+) -> Build: ...
+
+
+def build(
+    mechanism: Chain | Robot,
+    material: str | os.PathLike[str] | BuildFile = "acrylic-3mm",
+    *,
+    samples: int = SAMPLES,
+    target: str | Iterable[str] | None = None,
+    progress: base.Progress = None,
+    swept: MotionSweep | None = None,
+) -> "Build | RobotBuild":
+    """The solid parts of a chain of lever cells, or of a robot, in layers.
 
     Args:
-        chain: 1 to 8 lever cells.
+        mechanism: a chain of 1 to 8 lever cells, or a robot of two legs with two cells each.
         material: a preset such as "acrylic-3mm", a build file, or its value.
-        samples: number of samples of the yield.
+        samples: number of samples of the yield, of a chain.
         target: sequence or states that count as success; by default the sequence of the design.
         progress: called with (done, total) pairs of parts of the sweep.
         swept: the sweep of this chain and material, if it is known.
@@ -199,6 +222,11 @@ def build(
     """
     base.need("build")
     build_file = material if isinstance(material, BuildFile) else load_build_file(material)
+    if isinstance(mechanism, Robot):
+        from stepwell.build.robots.robot_builds import build_robot
+
+        return build_robot(mechanism, build_file)
+    chain = mechanism
     layout = lay(chain, build_file)
     swept = swept or sweep(layout, progress)
     try:

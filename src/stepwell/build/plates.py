@@ -23,21 +23,23 @@ class Fastener(ByValue):
         use: "pin", "hook", "cap", "screw", "head", "nut" or "shim"; heads belong to screws.
         size: for a parts list, such as "ISO 8734 3 x 10".
         diameter: in plan [m].
-        block: number of the block that carries it.
-        centre: in the frame of the block [m].
+        block: number of the block that carries it; of a robot the name of the body.
+        centre: in the frame of the block [m]; of a robot in the frame of its body.
         low, high: its z [m].
         joint: cell and lever that turn on a joint's pin; None for all others.
+        upright: whether it lies along y: `centre` is then (x, z), and `low`, `high` are y.
     """
 
     name: str
     use: str
     size: str
     diameter: float
-    block: int
+    block: int | str
     centre: Vec2
     low: float
     high: float
-    joint: tuple[int, int] | None = None
+    joint: tuple[int | str, int] | None = None
+    upright: bool = False
 
 
 Levels = list[tuple[float, float, float]]

@@ -28,8 +28,8 @@ class Mesh(NamedTuple):
 
 
 @lru_cache(maxsize=256)
-def mesh_of(part: Part) -> Mesh:
-    """The part as a closed mesh, its lower face at z = 0.
+def mesh_of(part: Part, sagitta: float = SAGITTA) -> Mesh:
+    """The part as a closed mesh, its lower face at z = 0; arcs are at most `sagitta` [m] off.
 
     Raises:
         ValueError: contours of the part cross each other.
@@ -37,7 +37,7 @@ def mesh_of(part: Part) -> Mesh:
     need("build")
     from manifold3d import CrossSection, Error
 
-    rings = [part.outline.ring(SAGITTA), *(one.ring(SAGITTA)[::-1] for one in part.openings)]
+    rings = [part.outline.ring(sagitta), *(one.ring(sagitta)[::-1] for one in part.openings)]
     solid = CrossSection([MM * ring for ring in rings]).extrude(MM * part.thickness)
     mesh = solid.to_mesh64()
     genus = solid.genus()
