@@ -104,12 +104,14 @@ motions: .venv/.ready
 lock:
 	$(PYTHON) -m venv .venv-lock
 	.venv-lock/bin/python -m pip install --quiet --disable-pip-version-check uv==$(UV_VERSION)
+	@# Drake reads SDF files without Mosek, a solver under a commercial licence, which it names.
 	@# MuJoCo Warp goes with one release of MuJoCo, the newest: its tests are left out on the oldest.
 	$(call compile,highest,requirements.lock,--extra gpu)
 	$(call compile,lowest-direct,requirements-lowest.lock)
 
 compile = .venv-lock/bin/uv --no-config pip compile pyproject.toml --extra dev $(3) --quiet $(UPGRADE) \
   --universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-emit-package stepwell \
+  --no-emit-package mosek \
   --no-annotate --custom-compile-command "make lock" --resolution $(1) --output-file $(2)
 
 clean:

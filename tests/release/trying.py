@@ -273,6 +273,7 @@ LACKS = {
     "parquet": [],
     "cluster": [],
     "gpu": [],
+    "env": [],
 }
 
 

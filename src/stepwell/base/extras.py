@@ -48,6 +48,11 @@ EXTRAS: MappingProxyType[str, Extra] = MappingProxyType(
         "robot": Extra(
             {"mujoco": "mujoco"}, "walk, maze, view, export", "The robot's simulation needs MuJoCo"
         ),
+        "env": Extra(
+            {"gymnasium": "gymnasium"},
+            "stepwell.make_env",
+            "Environments for reinforcement learning need Gymnasium",
+        ),
         "gpu": Extra(
             {"mujoco-warp": "mujoco_warp"},
             "`stepwell sweep walk --engine warp`",

@@ -282,30 +282,50 @@ NO_DISPLAY = (
 def export(
     robot: options.Robot,
     out: Path = option(
-        "Write this file (.xml).",
-        "--out -o FILE",
+        "Write this file (.xml: MJCF, .sdf: SDF), or a folder with both.",
+        "--out -o PATH",
         default=Path("robot.xml"),
         callback=options.local,
     ),
     arena: options.Arena = None,
     force: options.Force = False,
 ) -> None:
-    """Export a robot as MJCF, the format of MuJoCo.
+    """Export a robot as MJCF for MuJoCo, SDF for Gazebo, or both.
 
-    The file opens in MuJoCo's own viewer, with bands, levers, links and antennas. In its keyframe
+    A folder contains the robot as MJCF (robot.xml) and as SDF 1.11 (robot.sdf), their meshes, and
+    walk.py, a script that walks the robot in MuJoCo's viewer without Stepwell. In the keyframe
     `start` the feet are at the floor, the supports above it, and every cell is in state 0.
 
-    Example: stepwell export robot-forward --out robot.xml
+    Example: stepwell export robot-forward --out robot
     """
-    if out.suffix.lower() != ".xml":
-        raise screen.wrong("--out", f"{out}: an MJCF file ends in .xml, as in robot.xml.")
-    options.free_file(out, force)
-    _, design = options.read_robot(robot)
+    write = {".xml": sw.simulation.mjcf, ".sdf": sw.simulation.sdf, "": sw.simulation.exchange}
+    kind = out.suffix.lower()
+    if kind not in write:
+        how = "must end in .xml for MJCF or in .sdf for SDF, or be a folder without an ending."
+        raise screen.wrong("--out", f"{out}: {how}")
+    text, design = options.read_robot(robot)
     place = sw.files.load_arena(arena) if arena is not None else None
+    if kind:
+        options.free_file(out, force)
+    else:
+        sw.files.check_folder(out, "export", force=force, texts={"robot.toml": text})
     with screen.usable(robot), screen.progress("model"):
-        text = sw.simulation.mjcf(design, place)
-    sw.files.write_atomic(out, text)
-    screen.show_verbatim(f"Wrote {out}")
+        made = write[kind](design, place)
+    if kind:
+        sw.files.write_atomic(out, made)
+        return screen.show_verbatim(f"Wrote {out}")
+    inputs = {"robot.toml": text} | ({"arena.toml": sw.files.dumps(place)} if place else {})
+    screen.show_verbatim(f"Wrote {out}: {', '.join(_written(out, made | inputs, force))}")
+
+
+def _written(folder: Path, texts: Mapping[str, str], force: bool) -> list[str]:
+    """Write texts into a folder, all of them or none, and return their names."""
+    record = {"design_sha256": sw.files.digest(texts["robot.toml"])}
+    with sw.files.staged_folder(folder, "export", record, names=texts, force=force) as draft:
+        for name, text in texts.items():
+            (draft / name).parent.mkdir(exist_ok=True)
+            sw.files.write_atomic(draft / name, text)
+    return sorted(texts)
 
 
 def view(robot: options.Robot, arena: options.Arena = None) -> None:

@@ -9,8 +9,8 @@ def pictures(*names: str) -> tuple[str, ...]:
     return tuple(f"{name}{suffix}" for name in names for suffix in (".png", ".svg"))
 
 
-# Of every command except one with another page.
-_PAGE = "report.html"
+# Of every command except one with another page, and one for other programs.
+_PAGE, _WITHOUT_PAGE = "report.html", ("demo", "export")
 # By command: files, and figures by their names.
 _OF_COMMANDS = {
     "paper": ("claims.json", "fig1 fig2 fig2c fig3 fig4 robot-tornado"),
@@ -41,6 +41,8 @@ _OF_COMMANDS = {
     "atlas show": ("atlas.json", "graph_classes"),
     "walk": ("robot.toml walk.json walk.nc walk.mp4 walk.gif", "gait trajectory contacts"),
     "maze": ("robot.toml arena.toml maze.json walk.nc maze.mp4 maze.gif", "maze timeline"),
+    # The folder meshes has files of its own names.
+    "export": ("robot.toml arena.toml robot.xml robot.sdf walk.py", ""),
     "lab read": ("recordings.csv recordings.nc recordings.parquet recordings.json", "recordings"),
     "lab band": ("band.toml band.json", "laws"),
     "lab element": ("element.csv design.toml element.json", "element"),
@@ -57,7 +59,7 @@ OUTPUTS: MappingProxyType[str, tuple[str, ...]] = MappingProxyType(
     {
         command: (
             *files.split(),
-            *([] if "index.html" in files else [_PAGE]),
+            *([] if command in _WITHOUT_PAGE else [_PAGE]),
             *pictures(*figures.split()),
         )
         for command, (files, figures) in _OF_COMMANDS.items()

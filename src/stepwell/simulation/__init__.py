@@ -7,8 +7,9 @@ from stepwell.simulation.comparison import (
     compare_gaits,
     convergence,
 )
+from stepwell.simulation.exports import exchange, mjcf, sdf
 from stepwell.simulation.mazes import TOUCHED, Contact, GaitChange, Maze, Outcome, maze, mazes
-from stepwell.simulation.model import HEIGHT, mjcf, obstacle_names, spec
+from stepwell.simulation.model import HEIGHT, obstacle_names, spec
 from stepwell.simulation.simulator import Integrator, Linkage, Settings, mujoco
 from stepwell.simulation.sweeps import Sweep, Trial, sweep
 from stepwell.simulation.videos import VideoError, drawing_system, video
@@ -33,11 +34,13 @@ __all__ = [
     "compare_gaits",
     "convergence",
     "device",
+    "exchange",
     "maze",
     "mazes",
     "mjcf",
     "screen_mazes",
     "screen_walks",
+    "sdf",
     "spec",
     "sweep",
     "video",

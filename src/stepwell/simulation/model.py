@@ -137,24 +137,6 @@ def spec(robot: Robot, arena: Arena | None = None, settings: Settings | None = N
     return model
 
 
-def mjcf(robot: Robot, arena: Arena | None = None, settings: Settings | None = None) -> str:
-    """The model as MJCF, which MuJoCo's own viewer opens; arguments and errors as for `spec`.
-
-    A second keyframe, "settled", is the position after `settings.settle`; from it the first cycle
-    is like the next ones.
-    """
-    settings = settings or Settings()
-    model = spec(robot, arena, settings)
-    compiled = model.compile()
-    data = mujoco.MjData(compiled)
-    mujoco.mj_resetDataKeyframe(compiled, data, 0)
-    while data.time < settings.settle:
-        mujoco.mj_step(compiled, data)
-    model.add_key(name="settled", qpos=data.qpos)
-    model.compile()
-    return model.to_xml()
-
-
 def _options(model: Any, robot: Robot, settings: Settings) -> None:
     option = model.option
     option.timestep = settings.time_step
