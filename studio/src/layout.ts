@@ -4,7 +4,7 @@ import type { BandTable, Point } from "./design";
 import { row } from "./motion";
 import type { View } from "./wire";
 
-type Line = [Point, Point];
+export type Line = [Point, Point];
 
 /** The curve of an element in a square of side 1: the value of its corner, and its size, as travel and force. */
 interface Symbol {
@@ -104,7 +104,7 @@ function inSymbol({ origin, size }: Symbol, edge: number, place: Point): Point {
 }
 
 /** Left, bottom, right, top of a whole motion [mm, y up]. */
-export function boundsOf(view: View): number[] {
+function boundsOf(view: View): number[] {
   const { wall, box } = layoutOf(view);
   const xs = wall.flat().map(([x]) => x);
   const ys = wall.flat().map(([, y]) => y);

@@ -28,6 +28,8 @@ interface Request {
   text: string;
   settle: (view: View) => void;
   partly: (view: View) => void;
+  /** Whether it has waited for an answer for some time. */
+  late?: boolean;
 }
 
 // Before the first answer the second request is on its way already, so the server never waits for
@@ -131,20 +133,23 @@ export class Wire {
   ): number {
     const seq = ++this.seq;
     const text = JSON.stringify({ v: 1, type, seq, design, leg, ask });
-    const request = { type, seq, text, settle, partly };
-    const bytes = new Blob([text]).size;
+    const request: Request = { type, seq, text, settle, partly };
+    // Up to three bytes a character: most texts need no count.
+    const bytes = 3 * text.length > LONGEST ? new Blob([text]).size : 0;
     if (bytes > LONGEST) {
       const problems = [{ at: "", text: tooLarge("The design", bytes) }];
       queueMicrotask(() => settle({ type, seq, ok: false, problems, blocks: {} }));
     } else if (this.socket && (this.sent.get(type)?.length ?? 0) < IN_FLIGHT) this.send(request);
     else this.waiting.set(type, request);
-    setTimeout(() => this.look(type), SLOW_MS);
+    setTimeout(() => this.look(type, seq), SLOW_MS);
     return seq;
   }
 
-  /** Whether a type waits for an answer, reported once it has for some time. */
-  private look(type: string): void {
-    const waits = this.waiting.has(type) || (this.sent.get(type) ?? []).length > 0;
+  /** Whether a request waits for an answer that is late; those up to a number are now. */
+  private look(type: string, seq = 0): void {
+    const open = [...(this.sent.get(type) ?? []), this.waiting.get(type)];
+    for (const one of open) if (one && one.seq <= seq) one.late = true;
+    const waits = open.some((one) => one?.late);
     if (waits === this.slow.has(type)) return;
     this.slow = new Set(waits ? [...this.slow, type] : [...this.slow].filter((one) => one !== type));
     this.slowed(this.slow);
