@@ -42,7 +42,8 @@ if __name__ == "__main__":
 WATCH = """
 window.moved = 0; window.taken = [];
 window.released = 0; window.repainted = [];
-addEventListener("pointermove", (event) => { window.moved = event.timeStamp; }, true);
+for (const kind of ["pointermove", "pointerrawupdate"])
+  addEventListener(kind, (event) => { window.moved = event.timeStamp; }, true);
 addEventListener("pointerup", (event) => { window.released = event.timeStamp; }, true);
 const painted = (then) => requestAnimationFrame(() => {
   const { port1, port2 } = new MessageChannel();

@@ -24,7 +24,7 @@ export interface Dot {
   colour: string;
   kind: "from" | "to" | "event";
   /** The event in words, and its sample. */
-  text?: string;
+  text?: () => string;
   index?: number;
 }
 
@@ -164,6 +164,6 @@ function worded({ x, y, lines }: Curves, reading: Reading, events: Dot[]): Readi
   const parts = values.map(([of, value]) => `${of.name} ${formatted(value)} ${of.unit}`.trim());
   const half = direction && (direction[reading.index!] > 0 ? "loading" : "unloading");
   const about = [name, half].filter(Boolean).join(", ");
-  const text = [parts.join(", "), about, ...new Set(events.map((dot) => dot.text))].filter(Boolean).join("\n");
+  const text = [parts.join(", "), about, ...new Set(events.map((dot) => dot.text?.()))].filter(Boolean).join("\n");
   return { ...reading, text };
 }

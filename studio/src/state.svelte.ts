@@ -523,8 +523,13 @@ class Studio {
     if (place) this.kept = keep(place, this.design!);
   }
 
+  /** Whether the cycle of the present design is not known yet. */
+  get awaits(): boolean {
+    return this.known < this.asked;
+  }
+
   private calm(): void {
-    if (!this.unsaved && this.known >= this.asked && !this.described) this.busy = false;
+    if (!this.unsaved && !this.awaits && !this.described) this.busy = false;
   }
 }
 
