@@ -161,7 +161,7 @@ def test_every_change_of_an_assumed_number_makes_another_robot_of_each():
         one = robot(result.robot)
         for variation in sensitivity.VARIATIONS:
             low, high = (
-                sensitivity._changed(one, variation, value)
+                sensitivity.changed(one, variation, value)
                 for value in (variation.low, variation.high)
             )
             assert low != high, variation.label  # one of them may be what it is

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from stepwell import base, files
 from stepwell.accounts import parts
@@ -9,6 +10,9 @@ from stepwell.accounts.head import About, Row, keys, recorded
 from stepwell.accounts.parts import CARD, FULL, TERMINAL, Account, Fact, Picture, RecordTable
 from stepwell.base import Quantity, Schema, amount, counted, number
 from stepwell.robot import Arena, DriveNeeds, Motion, Prediction, Robot
+
+if TYPE_CHECKING:
+    from stepwell.paper import AssumedRanges
 
 PARAMETER: Schema = (
     Quantity("key", read="path", head="key"),
@@ -59,6 +63,18 @@ _PREDICTION: Schema = (
     ),
     *keys(assumptions=[str]),
 )
+
+
+_RANGE: Schema = (
+    Quantity("label", head="number"),
+    Quantity("value", head="value", form=4),
+    Quantity("low", head="from", form=3),
+    Quantity("high", head="to", form=3),
+    Quantity("below", head="below"),
+    Quantity("above", head="above"),
+    *keys(keys=[str]),
+)
+RANGES = keys(title=(str, "robot.title"), gaits=[str], ranges=[_RANGE])
 
 
 def arena_account(arena: Arena, about: About) -> Account:
@@ -130,6 +146,22 @@ def prediction_account(prediction: Prediction, about: About) -> Account:
         parts.Warned("Soft drive", "The stiffness of the drive changes the gait.", soft),
     )
     return Account(prediction, title, "robot/1", answer, facts, sections, warnings, origin)
+
+
+def assumed_ranges_account(found: "AssumedRanges", about: About) -> Account:
+    """Range of every assumed number of a robot in which its gait stays."""
+    ended = sum(bool(one.below or one.above) for one in found.ranges)
+    gaits = " | ".join(dict.fromkeys(gait or "none" for gait in found.gaits))
+    answer = f"{gaits} in all ranges of {counted(len(found.ranges), 'assumed number')}"
+    answer += f"; {ended} of these end within the values tried"
+    explained = (
+        "Each number is changed alone, from its value on, until a leg has another gait in the "
+        "simulation; the states just outside are in the last two columns. Without states, the gait "
+        "stayed at every value tried."
+    )
+    sections = {"Ranges": RecordTable(_RANGE, "ranges", explained, more="numbers", level=CARD)}
+    title = f"{found.robot.title or 'A robot'}, ranges of the assumed numbers"
+    return Account(found, title, "ranges/1", answer, (), sections, packages=["mujoco"])
 
 
 def _of_legs(columns: Schema, key: str, about: str) -> RecordTable:

@@ -97,6 +97,26 @@ def converge(
     display.report(result, text, robot)
 
 
+@options.command(commands)
+def ranges(
+    robot: options.Robot,
+    cycles: int = option(options.CYCLES, "N", default=3, min=2),
+    *,
+    display: options.Display,
+) -> None:
+    """Search the range of every assumed number in which the gait of a robot stays.
+
+    Each number is changed alone, and the robot walks in the simulation. Numbers from the paper,
+    from measurements or from parts are not changed.
+
+    Example: stepwell robot ranges robot-forward
+    """
+    text, design = options.read_robot(robot)
+    with screen.usable(robot), screen.progress("ranges") as tell:
+        result = sw.paper.assumed_ranges(design, cycles=cycles, progress=tell)
+    display.report(result, text, robot)
+
+
 def _ranges(texts: Sequence[str], drawn: int | None) -> list[Range]:
     """Ranges KEY=FROM:TO:COUNT, or KEY=FROM:TO for `drawn` random values."""
     ranges = [_range(text, drawn) for text in texts]

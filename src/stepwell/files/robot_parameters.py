@@ -27,7 +27,7 @@ class RobotParameter(ByValue):
             "leg.left.chain.cell.inner.q_mm[0]".
         values: (n,) in the unit of the key.
         unit: of the key, such as "mm", "deg" or "N s/m"; "" for none.
-        source: "paper", "authors' notes", "measured" or "assumed".
+        source: "paper", "authors' notes", "measured", "from the parts" or "assumed".
     """
 
     path: str
@@ -54,7 +54,8 @@ def parameters(robot: Robot) -> tuple[RobotParameter, ...]:
 def vary(robot: Robot | str, values: Mapping[str, Any]) -> Robot:
     """The same robot with other values, checked like a design file.
 
-    The source of a changed number is "assumed".
+    The source of a changed number is "assumed". Parts that were built for the former numbers are
+    left out; build the robot again.
 
     Args:
         robot: any robot, or the text of its design file.

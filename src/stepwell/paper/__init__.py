@@ -2,11 +2,14 @@
 
 from stepwell.paper.cells import PAIRS, monostable_pair, outer_anchor, pair_cycle, six_cells
 from stepwell.paper.claims import Claim, ClaimVerdict, Finding, Judgement, Verdicts, markdown
+from stepwell.paper.ranges import AssumedRange, AssumedRanges, assumed_ranges
 from stepwell.paper.run import claims, others, run, validate
 from stepwell.paper.sensitivity import Effect, Sensitivity, sensitivities
 from stepwell.paper.walking import robot, walk_of
 
 __all__ = [
+    "AssumedRange",
+    "AssumedRanges",
     "Claim",
     "Effect",
     "Finding",
@@ -14,6 +17,7 @@ __all__ = [
     "Sensitivity",
     "ClaimVerdict",
     "Verdicts",
+    "assumed_ranges",
     "claims",
     "markdown",
     "others",

@@ -92,6 +92,7 @@ VARIATIONS = (
     Variation("mass of the carriage [g]", ("blocks.carriage_g",), 5, 20),
     Variation("damping of a cell [N s/m]", ("blocks.damping_N_s_per_m",), 0.5, 1.5),
     Variation("friction of a cell [N]", ("leg.*.chain.cell.*.friction_N",), 0.0, 0.02),
+    Variation("friction of a slider's rail [N]", ("blocks.rail_friction_N",), 0.0, 0.02),
     Variation("friction of the feet", ("floor.foot_friction",), 0.4, 0.6),
     Variation("period of the drive [s]", ("drive.period_s",), 1, 4),
     Variation("stiffness of the drive [N/m]", ("drive.stiffness_N_per_m",), 1000, 4000),
@@ -122,7 +123,8 @@ RESULTS = (
 )
 
 
-def _changed(design: Robot, variation: Variation, value: float) -> Robot:
+def changed(design: Robot, variation: Variation, value: float) -> Robot:
+    """A robot with one assumed number changed, in the unit of its keys."""
     signs = {key: -1 if key.startswith("-") else 1 for key in variation.keys}
     return files.vary(design, {key.lstrip("-"): sign * value for key, sign in signs.items()})
 
@@ -141,7 +143,7 @@ def sensitivities() -> tuple[Sensitivity, ...]:
     }
     designs = [robot(result.robot) for result in RESULTS]
     ends = [(variation, value) for variation in VARIATIONS for value in variation[2:]]
-    varied = [_changed(design, *end) for design in designs for end in ends]
+    varied = [changed(design, *end) for design in designs for end in ends]
     trials = iter(sweep(varied, cycles=CYCLES).trials)
     nominal = sweep(designs, cycles=CYCLES).trials
     stepped = [

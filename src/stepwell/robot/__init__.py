@@ -18,7 +18,15 @@ from stepwell.robot.prediction import (
     too_soft,
 )
 from stepwell.robot.robot import Robot
-from stepwell.robot.shapes import BodyMass, PartRole, RobotParts, Shape, body_names, with_parts
+from stepwell.robot.shapes import (
+    FROM_PARTS,
+    BodyMass,
+    PartRole,
+    RobotParts,
+    Shape,
+    body_names,
+    with_parts,
+)
 
 __all__ = [
     "Antenna",

@@ -33,7 +33,7 @@ class Robot(ByValue, Drawn):
         antennas: none or several.
         title: name in reports.
         sources: source of each number, by key of the design file: "paper", "authors' notes",
-            "measured" or "assumed". Missing keys are assumed.
+            "measured", "from the parts" or "assumed". Missing keys are assumed.
         unusual: True to accept sizes far off the legs' stroke and bands, as for a Cell.
         made: all parts that can be cut, with their masses, as of a build; they belong to these
             numbers, see `with_parts`. Without them the robot is drawn and simulated as plain

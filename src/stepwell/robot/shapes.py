@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 Vec3 = tuple[float, float, float]
 
 BODY, CARRIAGE = "body", "carriage"
+# Source of numbers that parts give, in the list of a robot's sources.
+FROM_PARTS = "from the parts"
 # Relative error of a body's mass, and error of the inertia over its largest entry, from rounding.
 SAME = 1e-6
 
@@ -270,7 +272,10 @@ def with_parts(robot: Robot, parts: RobotParts) -> Robot:
     )
     x, y = balanced_centre(made, parts.centre[:2])
     centre = (float(x), float(y), float(parts.of(BODY).centre[2]))
-    return replace(made, body=replace(made.body, centre=centre), made=parts)
+    given = ["body.mass_g", "body.centre_mm", "blocks.mass_g", "blocks.outer_g"]
+    given += ["blocks.carriage_g", "foot.mass_g", *["antenna.*.mass_g"] * bool(robot.antennas)]
+    labels = {**robot.sources, **dict.fromkeys(given, FROM_PARTS)}
+    return replace(made, body=replace(made.body, centre=centre), made=parts, sources=labels)
 
 
 def part_problems(robot: Robot) -> Iterator[str]:

@@ -11,7 +11,7 @@ from stepwell.files.schema import chain as schema, keys
 from stepwell.files.schema.chain import Stiffness
 from stepwell.files.schema.elements import Friction
 from stepwell.files.text import did_you_mean
-from stepwell.robot import Blocks, Body, Drive, Floor, Foot, Profile
+from stepwell.robot import FROM_PARTS, Blocks, Body, Drive, Floor, Foot, Profile
 
 
 def _centre(value: Any) -> tuple[Decimal, ...]:
@@ -158,7 +158,7 @@ class AntennaKeys(keys.Keys):
 
 # Possible sources of a number; the first is the default.
 ASSUMED = "assumed"
-SOURCES = ("paper", "authors' notes", "measured", ASSUMED)
+SOURCES = ("paper", "authors' notes", "measured", FROM_PARTS, ASSUMED)
 
 
 class SourceKeys(keys.Keys):
@@ -167,11 +167,12 @@ class SourceKeys(keys.Keys):
     paper: Paths = ()
     authors_notes: Paths = Field(default=(), alias="authors' notes")
     measured: Paths = ()
+    from_parts: Paths = Field(default=(), alias=FROM_PARTS)
     assumed: Paths = ()
 
     def lists(self) -> dict[str, tuple[str, ...]]:
         """The key paths under each source."""
-        lists = (self.paper, self.authors_notes, self.measured, self.assumed)
+        lists = (self.paper, self.authors_notes, self.measured, self.from_parts, self.assumed)
         return dict(zip(SOURCES, lists, strict=True))
 
 
