@@ -61,10 +61,13 @@ def parts(robot: Robot, heavier: float = 1.0) -> RobotParts:
 
 
 def lever(robot: Robot, name: str) -> np.ndarray:
-    """(3,) from the joint of a lever on the inner block to that on the outer one [m]."""
+    """(3,) from the joint of a lever on the inner block to that on the outer one [m].
+
+    Levers of inner cells point away from the midline, those of outer cells back to it.
+    """
     leg = next(leg for leg in robot.legs if name.startswith(f"{leg.name}."))
-    cell = leg.chain.levers["outer" in name]
-    along, across = np.sin(cell.limit), leg.side * np.cos(cell.limit)
+    cell = leg.chain.levers[outer := "outer" in name]
+    along, across = np.sin(cell.limit), leg.side * np.cos(cell.limit) * (-1 if outer else 1)
     return cell.lever * np.array([along, across, 0.0])
 
 

@@ -53,7 +53,7 @@ class SimulatedRun:
         record: bool = True,
     ):
         self.robot, self.arena, self.settings, self.record = robot, arena, settings, record
-        self.model = spec(robot, arena, settings).compile()
+        self.model = spec(robot, arena, settings, drawn=False).compile()
         # A run that diverges is stopped and reported, not reset to its start.
         self.model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         self.data = mujoco.MjData(self.model)

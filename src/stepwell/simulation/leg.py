@@ -62,6 +62,19 @@ class LegModel:
         return f"{self.leg.name}.{self.leg.chain.names[number]}"
 
 
+def sides(robot: Robot, leg: Leg) -> tuple[int, ...]:
+    """For each cell +1 if its levers at θ = 0 point to the left from the inner block, else -1.
+
+    Levers of plain legs all point away from the midline; in a layout that can be cut they may point
+    back, which moves the blocks along the leg alike.
+    """
+    made = robot.made
+    if made is None:
+        return (leg.side,) * len(leg.chain)
+    levers = (f"{leg.name}.{cell}.lever 1" for cell in leg.chain.names)
+    return tuple(1 if made.of(one).centre[1] > made.hinges[one][1] else -1 for one in levers)
+
+
 def places(robot: Robot, leg: Leg) -> Places:
     """The reference position of a leg."""
     cells = leg.chain.levers
@@ -73,15 +86,24 @@ def places(robot: Robot, leg: Leg) -> Places:
     blocks.reverse()
     # A lever is drawn next to its inner block; the first one next to the first block.
     joints = [blocks[0], *blocks[:-1]]
-    sideways = accumulate((leg.side * cell.lever for cell in cells), initial=leg.at[1])
+    levers = (
+        side * cell.lever for side, cell in zip(sides(robot, leg), leg.chain.levers, strict=True)
+    )
+    sideways = accumulate(levers, initial=leg.at[1])
     width = robot.foot.span + half[-1]
     tip = (middle - width / 2, -math.sqrt(robot.foot.link**2 - width**2 / 4))
     return Places(tuple(blocks), tuple(joints), tuple(sideways), tip)
 
 
-def in_body(leg: Leg, anchor: tuple[float, float]) -> Vec3:
+def in_body(side: int, anchor: tuple[float, float]) -> Vec3:
     """An anchor's offset in the body's frame: along the chain is backwards."""
-    return (-anchor[1], leg.side * anchor[0], 0.0)
+    return (-anchor[1], side * anchor[0], 0.0)
+
+
+def swung(robot: Robot, leg: Leg, number: int) -> float:
+    """Sideways displacement of a block [m] from every lever at θ = 0 to every cell at 0."""
+    cells = zip(sides(robot, leg), leg.chain.levers[: number + 1], strict=False)
+    return sum(side * cell.lever * (math.cos(cell.limit) - 1.0) for side, cell in cells)
 
 
 def band_height(robot: Robot) -> float:
@@ -92,26 +114,26 @@ def band_height(robot: Robot) -> float:
     return max((float(shape.vertices[:, 2].max()) for shape in blocks), default=TOP) + ABOVE
 
 
-def block_start(leg: Leg, where: Places, number: int) -> Vec3:
+def block_start(robot: Robot, leg: Leg, number: int) -> Vec3:
     """Place of a block in the body's frame with every cell at 0 [m]; -1 is the body's own."""
     if number < 0:
         return (0.0, 0.0, 0.0)
-    cells = leg.chain.levers[: number + 1]
+    where, cells = places(robot, leg), leg.chain.levers[: number + 1]
     x = where.blocks[number] + sum(cell.full_travel for cell in cells) / 2
-    swung = sum(cell.lever * (math.cos(cell.limit) - 1.0) for cell in cells)
-    return (x, where.sideways[number + 1] + leg.side * swung, 0.0)
+    return (x, where.sideways[number + 1] + swung(robot, leg, number), 0.0)
 
 
 def lever_pins(robot: Robot, leg: Leg, number: int) -> dict[str, LeverPins]:
     """The joints of the two levers of a cell on their blocks, by the lever's end."""
-    made, where = robot.made, places(robot, leg)
+    made = robot.made
     if made is None:
         (x, y, z), (a, b, c) = cell_joints(robot, leg, number)
         ends = {"front": APART / 2, "back": -APART / 2}
         return {end: ((x + dx, y, z), (a + dx, b, c)) for end, dx in ends.items()}
     name, cell = f"{leg.name}.{leg.chain.names[number]}", leg.chain.levers[number]
-    lever = cell.lever * math.sin(cell.limit), leg.side * cell.lever * math.cos(cell.limit)
-    (x0, y0, _), (x1, y1, _) = (block_start(leg, where, number - back) for back in (1, 0))
+    side = sides(robot, leg)[number]
+    lever = cell.lever * math.sin(cell.limit), side * cell.lever * math.cos(cell.limit)
+    (x0, y0, _), (x1, y1, _) = (block_start(robot, leg, number - back) for back in (1, 0))
     pins: dict[str, LeverPins] = {}
     for end, index in (("front", 1), ("back", 2)):
         x, y, z = made.hinges[f"{name}.lever {index}"]
@@ -216,7 +238,7 @@ def _add_bands(model: LegModel, number: int, inner: Place, outer: Place) -> None
             if end == "p" and j == 0 and number in model.anchors:
                 parts.site(model.anchors[number], f"{label}.p")
             else:
-                x, y, _ = in_body(leg, anchor)
+                x, y, _ = in_body(sides(model.robot, leg)[number], anchor)
                 parts.site(body, f"{label}.{end}", (joint[0] + x, joint[1] + y, joint[2]))
         sites = (f"{label}.p", f"{label}.q")
         law, colour = parts.stretch(band), parts.BANDS[number % len(parts.BANDS)]
@@ -273,13 +295,14 @@ def hinge_angles(robot: Robot, leg: Leg) -> dict[str, float]:
 def add_levers(model: LegModel, number: int, inner: Any, outer: Any) -> None:
     """Add two parallel levers from block to block, whose hinges have the stops."""
     name, cell = model.cell_name(number), model.leg.chain.levers[number]
-    tip = (0.0, model.leg.side * cell.lever, 0.0)
+    side = sides(model.robot, model.leg)[number]
+    tip = (0.0, side * cell.lever, 0.0)
     for end, (near, far) in lever_pins(model.robot, model.leg, number).items():
         label = f"{name}.lever.{end}"
         lever = inner.add_body(name=label, pos=near)
         stops = {"limited": True, "range": (-cell.limit, cell.limit), "solimp_limit": STIFF}
         soft = parts.soft(model.settings)
-        parts.hinge(lever, label, (0.0, 0.0, model.leg.side), solref_limit=soft, **stops)
+        parts.hinge(lever, label, (0.0, 0.0, side), solref_limit=soft, **stops)
         mass = LEVER * model.robot.blocks.mass
         parts.rod(lever, (0, 0, 0), tip, THICK, mass=mass, rgba=parts.LEVER, **parts.SEEN)
         parts.site(lever, f"{label}.tip", tip)

@@ -9,7 +9,16 @@ import numpy as np
 from stepwell.base import Floats, InputError, Ints
 from stepwell.robot import Antenna, Arena, Robot
 from stepwell.simulation import parts
-from stepwell.simulation.leg import LegModel, add_leg, cell_joints, hinge_angles, in_body, places
+from stepwell.simulation.leg import (
+    LegModel,
+    add_leg,
+    cell_joints,
+    hinge_angles,
+    in_body,
+    places,
+    sides,
+    swung,
+)
 from stepwell.simulation.simulator import Linkage, Model, Settings, Spec, mujoco
 from stepwell.simulation.solids import add_parts
 
@@ -95,8 +104,17 @@ HEIGHT = 0.10  # of walls [m]: above all parts of the robot that collide with th
 GUIDE = 1.0  # damping of the actuator's guide [N s/m]
 
 
-def spec(robot: Robot, arena: Arena | None = None, settings: Settings | None = None) -> Spec:
+def spec(
+    robot: Robot,
+    arena: Arena | None = None,
+    settings: Settings | None = None,
+    *,
+    drawn: bool = True,
+) -> Spec:
     """The editable model of a robot in an arena, or on a bare floor, and with these settings.
+
+    Without `drawn`, parts of the robot that can be cut have masses and collide, but no meshes to
+    look at, which would slow down a run; joints and states are the same.
 
     Returns:
         MuJoCo's MjSpec, in SI. Its reference position has every lever at θ = 0; the keyframe
@@ -132,7 +150,7 @@ def spec(robot: Robot, arena: Arena | None = None, settings: Settings | None = N
     add_sensors(model, robot, arena)
     compiled = model.compile()
     start = _start_position(compiled, robot, arena, settings)
-    add_parts(model, robot, compiled, start, settings)
+    add_parts(model, robot, (compiled, start), settings, drawn)
     model.add_key(name="start", qpos=start)
     return model
 
@@ -254,10 +272,8 @@ def _start_position(
     """Joint positions (nq,) of the robot at the arena's start, with every cell at 0."""
     joints = {"stroke": 0.0}
     for leg in robot.legs:
-        sideways = 0.0
-        for name, cell in zip(leg.chain.names, leg.chain.levers, strict=True):
-            sideways += cell.lever * (np.cos(cell.limit) - 1.0)
-            joints[f"{leg.name}.{name}.side"] = sideways
+        for i, name in enumerate(leg.chain.names):
+            joints[f"{leg.name}.{name}.side"] = leg.side * swung(robot, leg, i)
         half = [cell.full_travel / 2 for cell in leg.chain.cells]
         # The outermost block slides on the carriage, whose joint is the stroke.
         joints |= {f"{leg.name}.{name}.block": 0.0 for name in leg.chain.names[:-1]}
@@ -296,9 +312,10 @@ def add_anchor(robot: Robot, antenna: Antenna, body: Any, settings: Settings) ->
             f"cell = {leg.chain.names[0]!r}."
         )
     (jx, jy, top), _ = cell_joints(robot, leg, 0)
-    p = in_body(leg, leg.chain.levers[0].bands[0].p)
+    side = sides(robot, leg)[0]
+    p = in_body(side, leg.chain.levers[0].bands[0].p)
     travel = math.hypot(*antenna.moves)
-    x, y, _ = in_body(leg, antenna.moves)
+    x, y, _ = in_body(side, antenna.moves)
     axis = (x / travel, y / travel, 0.0)
     name, place = (f"{antenna.name}.anchor", (jx + p[0], jy + p[1], top))
     part = body.add_body(name=name, pos=place)

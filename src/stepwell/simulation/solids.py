@@ -13,7 +13,7 @@ import numpy as np
 from stepwell.base import Floats
 from stepwell.robot import BodyMass, PartRole, Robot, Shape
 from stepwell.simulation import parts
-from stepwell.simulation.leg import cell_joints, in_body
+from stepwell.simulation.leg import cell_joints, in_body, sides
 from stepwell.simulation.simulator import Linkage, Model, Settings, mujoco
 
 # The colours of the layers of a build: a block, its slider and its V can be told apart, also by
@@ -116,17 +116,18 @@ class _Poses:
         return (points - self.at[body]) @ self.turn[body]
 
 
-def add_parts(spec: Any, robot: Robot, model: Model, position: Floats, settings: Settings) -> None:
+def add_parts(
+    spec: Any, robot: Robot, start: tuple[Model, Floats], settings: Settings, drawn: bool
+) -> None:
     """Replace plain shapes and masses of a model by those of the robot's parts.
 
-    Arguments: the model to change, the robot, the same model compiled, its joint positions (nq,)
-    with every cell at 0, and the settings.
+    Arguments: the model to change, the robot, the same model compiled with its joint positions
+    (nq,) with every cell at 0, the settings, and whether parts are also drawn.
     """
     if robot.made is None:
         return
-    poses, where = _Poses.of(model, position), holders(robot, settings.linkage)
+    poses, where = _Poses.of(*start), holders(robot, settings.linkage)
     _set_masses(spec, robot, poses, where)
-    drawn = [shape for shape in robot.made.shapes if not shape.collides]
     # Shapes of levers and links stay within those of the blocks beside them.
     solid = [shape for shape in robot.made.shapes if shape.collides and len(where[shape.body]) == 1]
     _clear(spec, robot, {where[shape.body][0].name for shape in solid})
@@ -136,7 +137,17 @@ def add_parts(spec: Any, robot: Robot, model: Model, position: Floats, settings:
         rubs = {"priority": 2, "condim": 3, "friction": (robot.body.wall_friction, 0.0, 0.0)}
         vertices = poses.inside(name, shape.vertices)
         _add_mesh(spec, spec.body(name), f"solid {number + 1}", shape, vertices, **touch, **rubs)
+    if drawn:
+        _draw(spec, robot, poses, where, settings)
+
+
+def _draw(
+    spec: Any, robot: Robot, poses: _Poses, where: dict[str, tuple[Holder, ...]], settings: Settings
+) -> None:
+    """Add the shapes that are looked at."""
+    assert robot.made is not None
     followers = _followers(spec, robot, poses, settings)
+    drawn = (shape for shape in robot.made.shapes if not shape.collides)
     for number, shape in enumerate(drawn):
         name = followers.get(shape.body) or where[shape.body][0].name
         body = spec.body(name)
@@ -244,7 +255,7 @@ def _ends(
         leg, name = robot.leg(antenna.leg), f"{antenna.name}.crank"
         pivot, (joint, _) = _near(robot, name), cell_joints(robot, leg, 0)
         # The anchor p, at the height of the crank.
-        p = np.add(joint, in_body(leg, leg.chain.levers[0].bands[0].p)) * (1, 1, 0)
+        p = np.add(joint, in_body(sides(robot, leg)[0], leg.chain.levers[0].bands[0].p)) * (1, 1, 0)
         yield name, ("body", pivot), (f"{antenna.name}.anchor", p + pivot * (0, 0, 1))
 
 
