@@ -1,9 +1,6 @@
-"""Rigid bodies of a layout, their cross-sections in each layer, and how far two can move apart."""
+"""Rigid bodies of a chain for a sweep, and how far two of them can move apart."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
-from functools import cached_property
-from itertools import pairwise
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,101 +9,59 @@ from stepwell.base import Floats
 from stepwell.build import drive, seats
 from stepwell.build.contour import Contour
 from stepwell.build.layouts import BandPath, Layout
+from stepwell.build.rigid import Freedom, Piece, RigidBody
 
 if TYPE_CHECKING:
-    import shapely
-
-# Arcs in cross-sections are at most this far from their chords [m].
-SAGITTA = 2e-6
-# Layers thinner than this are rounding [m].
-_THINNEST = 1e-6
+    from stepwell.build.sweeps import Collision
 
 
-@dataclass(frozen=True, slots=True)
-class Piece:
-    """A part or a fastener of a body: its contours in the body's frame, and its z [m]."""
-
-    name: str
-    outline: Contour
-    cutouts: tuple[Contour, ...]
-    low: float
-    high: float
-    joint: tuple[int, int] | None = None
-
-
-@dataclass(eq=False)
-class RigidBody:
-    """Parts that move as one.
+@dataclass(eq=False, kw_only=True)
+class ChainBody(RigidBody):
+    """A rigid body of a chain, or a band.
 
     Attributes:
         kind: "block", "lever", "band" or "bar".
         number: of the block, or of the cell.
         index: of the lever or the band in its cell.
-        pieces: parts and fasteners; none for a band.
-        path: of a band.
     """
 
     kind: str
     number: int
     index: int = 0
-    pieces: tuple[Piece, ...] = ()
-    path: BandPath | None = None
-    _sections: dict[frozenset[str], Any] = field(default_factory=dict, repr=False)
-
-    @property
-    def name(self) -> str:
-        """Its name in messages."""
-        if self.kind == "block":
-            return f"block {self.number}"
-        if self.kind == "bar":
-            return "drive-bar"
-        if self.kind == "lever":
-            return f"lever-{self.number + 1}{'ab'[self.index]}"
-        return f"band {self.index + 1} of cell {self.number + 1}"
 
     @property
     def key(self) -> tuple[str | int, ...]:
         """The body's name in `Layout.body`."""
         return (self.kind, self.number, self.index)[: {"block": 2, "lever": 3}.get(self.kind, 1)]
 
-    @cached_property
-    def heights(self) -> list[float]:
-        """z of all lower and upper faces [m]."""
-        if self.path is not None:
-            return [self.path.low, self.path.high]
-        return sorted({z for one in self.pieces for z in (one.low, one.high)})
 
-    def between(self, low: float, high: float, exempt: tuple[int, int] | None) -> list[Piece]:
-        """Pieces that cover the heights from `low` to `high`, without those of a joint."""
-        return [
-            one
-            for one in self.pieces
-            if one.low <= low + _THINNEST
-            and one.high >= high - _THINNEST
-            and (exempt is None or one.joint != exempt)
-        ]
-
-    def section(self, pieces: Iterable[Piece]) -> "shapely.Geometry":
-        """Union of the areas of some of its pieces, in its frame."""
-        import shapely
-
-        pieces = list(pieces)
-        key = frozenset(f"{one.name} {one.low} {one.high}" for one in pieces)
-        if key not in self._sections:
-            self._sections[key] = shapely.union_all([area(one) for one in pieces])
-        return self._sections[key]
+# The bar has a slot; blocks stand, levers and bands move.
+_RANKS = {"bar": -1.0, "block": 0.0, "lever": 1e3, "band": 1e6}
 
 
-def area(piece: Piece) -> "shapely.Polygon":
-    """The area of a piece, slots left open."""
-    import shapely
-
-    return shapely.Polygon(
-        piece.outline.ring(SAGITTA), [cutout.ring(SAGITTA) for cutout in piece.cutouts]
+def _body(kind: str, number: int, index: int = 0, **more: Any) -> ChainBody:
+    names = {
+        "block": f"block {number}",
+        "bar": "drive-bar",
+        "lever": f"lever-{number + 1}{'ab'[index % 2]}",
+        "band": f"band {index + 1} of cell {number + 1}",
+    }
+    rank = _RANKS[kind] + (number if kind == "block" else 0.0)
+    joints = frozenset([(number, index)] if kind == "lever" else [])
+    return ChainBody(
+        name=names[kind], kind=kind, number=number, index=index, rank=rank, joints=joints, **more
     )
 
 
-def bodies_of(layout: Layout) -> list[RigidBody]:
+def _hooks(path: BandPath) -> frozenset[str]:
+    """Names of the pieces that hold a band."""
+    ends = zip((path.cell, path.cell + 1), path.holes, strict=True)
+    return frozenset(
+        f"{use} {hole} of block {block}" for block, hole in ends for use in ("hook", "pin")
+    )
+
+
+def bodies_of(layout: Layout) -> list[ChainBody]:
     """All bodies of a layout: blocks, levers, bands, the bar. Round holes count as solid."""
     pieces: dict[tuple[str | int, ...], list[Piece]] = {}
     for part in layout.parts:
@@ -120,36 +75,33 @@ def bodies_of(layout: Layout) -> list[RigidBody]:
         outline = Contour.circle(one.centre, one.diameter / 2.0)
         name = f"{one.use} {one.name} of block {one.block}"
         piece = Piece(name, outline, (), one.low, one.high, one.joint)
-        pieces[("block", one.block)].append(piece)
+        pieces[("block", int(one.block))].append(piece)
     made = [
-        RigidBody(
+        _body(
             str(key[0]), *(int(one) for one in key[1:] or (len(layout.cells),)), pieces=tuple(own)
         )
         for key, own in pieces.items()
     ]
-    bands = [RigidBody("band", one.cell, one.number, path=one) for one in layout.bands]
+    bands = [
+        _body("band", one.cell, one.number, path=one, hooks=_hooks(one)) for one in layout.bands
+    ]
     return made + bands
 
 
-@dataclass(frozen=True, slots=True)
-class Freedom:
-    """What moves two bodies relative to each other.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChainFreedom(Freedom):
+    """What moves two bodies of a chain relative to each other.
 
     Attributes:
         cells: cells between the two bodies, or theirs.
         slides: whether the bar's place along its slot counts too; it is the last parameter.
-        reach: (k,) largest relative displacement of any two points per rad or m of each parameter.
-        low, high: (k,) ranges of the parameters [rad, m].
     """
 
     cells: tuple[int, ...]
     slides: bool
-    reach: Floats
-    low: Floats
-    high: Floats
 
 
-def freedom(layout: Layout, a: RigidBody, b: RigidBody) -> Freedom:
+def freedom(layout: Layout, a: ChainBody, b: ChainBody) -> ChainFreedom:
     """The parameters of two bodies. Levers turn around joints, blocks shift along arcs of radius r.
 
     Both motions are measured from a block between the bodies, so cells outside never count.
@@ -161,7 +113,7 @@ def freedom(layout: Layout, a: RigidBody, b: RigidBody) -> Freedom:
     def add(cell: int, amount: float) -> None:
         reach[cell] = reach.get(cell, 0.0) + amount
 
-    def own(body: RigidBody) -> None:
+    def own(body: ChainBody) -> None:
         if body.kind in ("lever", "band"):
             more = half if body.kind == "lever" else 0.0
             add(body.number, layout.cells[body.number].cell.lever + more)
@@ -179,10 +131,12 @@ def freedom(layout: Layout, a: RigidBody, b: RigidBody) -> Freedom:
     if slides:
         limits.append(drive.slot_reach(layout.cells) / 2.0)
         scale.append(1.0)
-    return Freedom(cells, slides, np.array(scale), -np.array(limits), np.array(limits))
+    return ChainFreedom(
+        np.array(scale), -np.array(limits), np.array(limits), cells=cells, slides=slides
+    )
 
 
-def _order(body: RigidBody) -> float:
+def _order(body: ChainBody) -> float:
     """Place in the chain: blocks at whole numbers, levers and bands between, the bar last."""
     return body.number + (0.5 if body.kind in ("lever", "band") else 0.0) + (body.kind == "bar") / 4
 
@@ -190,14 +144,14 @@ def _order(body: RigidBody) -> float:
 class Poses:
     """Places of bodies at many sets of parameters; cells that do not count stand at angle 0."""
 
-    def __init__(self, layout: Layout, freedom: Freedom, parameters: Floats):
+    def __init__(self, layout: Layout, freedom: ChainFreedom, parameters: Floats):
         self.layout = layout
         self.angles = np.zeros((len(parameters), len(layout.cells)))
         self.angles[:, freedom.cells] = parameters[:, : len(freedom.cells)]
         self.slide = parameters[:, -1] if freedom.slides else np.zeros(len(parameters))
         self.at = layout.positions(self.angles)
 
-    def of(self, body: RigidBody) -> tuple[Floats, Floats]:
+    def of(self, body: ChainBody) -> tuple[Floats, Floats]:
         """(n, 2) places [m] and (n,) angles [rad] of a body's frame."""
         number, layout = body.number, self.layout
         turned = np.zeros(len(self.angles))
@@ -214,18 +168,76 @@ class Poses:
         angle = np.arctan2(cell.side * np.cos(theta), np.sin(theta))
         return self.at[:, number] + (offset, 0.0), angle
 
-    def line(self, path: BandPath) -> Floats:
+    def line(self, body: ChainBody) -> Floats:
         """(n, 2, 2) ends of a band [m]."""
+        path = body.path
+        assert isinstance(path, BandPath)
         cell = path.cell
         return np.stack([self.at[:, cell] + path.p, self.at[:, cell + 1] + path.q], axis=1)
 
 
-def layers(a: RigidBody, b: RigidBody) -> list[tuple[float, float]]:
-    """Heights shared by two bodies, cut at all faces of either [m]."""
-    heights = sorted({*a.heights, *b.heights})
-    low, high = max(a.heights[0], b.heights[0]), min(a.heights[-1], b.heights[-1])
-    return [
-        (z0, z1)
-        for z0, z1 in pairwise(heights)
-        if z1 - z0 > _THINNEST and z0 >= low - _THINNEST and z1 <= high + _THINNEST
-    ]
+@dataclass(frozen=True)
+class SweptChain:
+    """The bodies of a layout for a sweep over the angles of all cells."""
+
+    layout: Layout
+
+    def bodies(self) -> list[ChainBody]:
+        """All blocks, levers, bands and the bar."""
+        return bodies_of(self.layout)
+
+    def freedom(self, a: ChainBody, b: ChainBody) -> ChainFreedom:
+        """The parameters of two bodies."""
+        return freedom(self.layout, a, b)
+
+    def poses(self, moves: ChainFreedom, parameters: Floats) -> Poses:
+        """Places of all bodies at parameters (n, k)."""
+        return Poses(self.layout, moves, parameters)
+
+    def collision(
+        self,
+        moves: ChainFreedom,
+        rows: Floats,
+        worst: Floats,
+        overlap: float,
+        parts: tuple[str, str],
+    ) -> "Collision":
+        """The collision of two parts that overlap at `rows`, deepest at `worst`."""
+        from stepwell.build.sweeps import Collision
+
+        layout = self.layout
+        cells = [layout.cells[i].cell for i in moves.cells]
+        count = len(cells)
+        travels = [
+            cell.travel(np.clip(rows[:, k], -cell.limit, cell.limit))
+            for k, cell in enumerate(cells)
+        ]
+        total = np.sum(travels, axis=0) if travels else np.zeros(len(rows))
+        others = sum(
+            one.cell.full_travel for i, one in enumerate(layout.cells) if i not in moves.cells
+        )
+        states = dict.fromkeys(
+            state for row in rows if (state := _state(layout, moves, row[:count])) is not None
+        )
+        angles = np.zeros(len(layout.cells))
+        angles[list(moves.cells)] = worst[:count]
+        return Collision(
+            parts=parts,
+            cells=moves.cells,
+            travels=tuple((float(one.min()), float(one.max())) for one in travels),
+            stroke=(float(total.min()), float(total.max()) + others),
+            states=tuple(states),
+            overlap=overlap,
+            angles=tuple(float(one) for one in angles),
+        )
+
+
+def _state(layout: Layout, moves: ChainFreedom, row: Floats) -> str | None:
+    """The state of a row of angles, if all its cells are at a stop."""
+    digits = ["?"] * len(layout.cells)
+    for i, theta in zip(moves.cells, row, strict=True):
+        limit = layout.cells[i].cell.limit
+        if abs(abs(theta) - limit) > 1e-9:
+            return None
+        digits[i] = "1" if theta > 0 else "0"
+    return "".join(digits)

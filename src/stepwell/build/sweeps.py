@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stepwell.base import ByValue, Floats
-from stepwell.build.bodies import Freedom, Piece, Poses, RigidBody, area, bodies_of, freedom, layers
+from stepwell.build.bodies import SweptChain
 from stepwell.build.layouts import Layout
+from stepwell.build.rigid import BodyPoses, Freedom, Overlap, Piece, RigidBody, Swept, area, layers
 
 if TYPE_CHECKING:
     import shapely
@@ -52,25 +53,21 @@ class Clearance(ByValue):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Collision(ByValue):
-    """Two parts that overlap at some angles.
+class Collision(Overlap):
+    """Two parts of a chain that overlap at some angles.
 
     Attributes:
-        parts: names of the two parts.
         cells: numbers from 0 of the cells whose angles decide.
         travels: least and largest travel [m] of each of these cells while they overlap.
         stroke: least and largest stroke [m] at which they can overlap.
         states: states such as "01" in which they overlap; "?" for cells that do not matter.
-        overlap: depth [m]: by how much each has to shrink on all sides together to be free.
         angles: (N,) of all cells [rad] at the deepest overlap.
     """
 
-    parts: tuple[str, str]
     cells: tuple[int, ...]
     travels: tuple[tuple[float, float], ...]
     stroke: tuple[float, float]
     states: tuple[str, ...]
-    overlap: float
     angles: tuple[float, ...]
 
 
@@ -87,25 +84,33 @@ class MotionSweep(ByValue):
     """
 
     free: bool
-    collisions: tuple[Collision, ...]
+    collisions: tuple[Any, ...]
     undecided: tuple[tuple[str, str], ...]
     clearances: tuple[Clearance, ...]
     pairs: int
     poses: int
 
 
-def sweep(layout: Layout, progress: Callable[[int, int], None] | None = None) -> MotionSweep:
+def swept_of(layout: Layout | Swept) -> Swept:
+    """A layout of a chain as a mechanism for sweeps; others are one."""
+    return SweptChain(layout) if isinstance(layout, Layout) else layout
+
+
+def sweep(
+    layout: Layout | Swept, progress: Callable[[int, int], None] | None = None
+) -> MotionSweep:
     """Compare all bodies of a layout over all angles of its cells.
 
     The angles of all cells are independent here, so all reachable states are among them. Of the
     drive bar any place along its slot counts.
 
     Args:
-        layout: the layout.
+        layout: of a chain, or the bodies of another mechanism.
         progress: called with (done, total) pairs of bodies.
     """
-    pairs = list(combinations(bodies_of(layout), 2))
-    collisions: list[Collision] = []
+    layout = swept_of(layout)
+    pairs = list(combinations(layout.bodies(), 2))
+    collisions: list[Overlap] = []
     clearances: list[Clearance] = []
     undecided: list[tuple[str, str]] = []
     poses = 0
@@ -136,9 +141,9 @@ def sweep(layout: Layout, progress: Callable[[int, int], None] | None = None) ->
     )
 
 
-def _deepest(collisions: list[Collision]) -> tuple[Collision, ...]:
+def _deepest(collisions: list[Overlap]) -> tuple[Overlap, ...]:
     """One collision for every two parts, the deepest first."""
-    kept: dict[tuple[str, str], Collision] = {}
+    kept: dict[tuple[str, str], Overlap] = {}
     for one in sorted(collisions, key=lambda one: -one.overlap):
         kept.setdefault(one.parts, one)
     return tuple(kept.values())
@@ -158,8 +163,9 @@ class Compared:
     poses: int = 0
 
 
-def compare(layout: Layout, a: RigidBody, b: RigidBody) -> Iterator[Compared]:
+def compare(layout: Layout | Swept, a: RigidBody, b: RigidBody) -> Iterator[Compared]:
     """Results for two bodies, one for each layer in which both have parts."""
+    layout = swept_of(layout)
     moves: Freedom | None = None
     seen: set[Any] = set()
     for low, high in layers(a, b):
@@ -167,7 +173,7 @@ def compare(layout: Layout, a: RigidBody, b: RigidBody) -> Iterator[Compared]:
         if distances is None or distances.key in seen:
             continue
         seen.add(distances.key)
-        moves = moves or freedom(layout, a, b)
+        moves = moves or layout.freedom(a, b)
         result = Compared(low, high, moves, distances)
         _bounded(result)
         yield result
@@ -180,7 +186,7 @@ def _bounded(result: Compared) -> None:
     if len(moves.low) <= _MOST_CORNERS:
         # Most bodies are closest where cells are at their stops.
         corners = np.array(list(product(*zip(moves.low, moves.high, strict=True))))
-        distance = result.distances(Poses(result.distances.layout, moves, corners), moves)
+        distance = result.distances(result.distances.swept.poses(moves, corners))
         result.poses += len(corners)
         result.least = float(distance.min()) - _SHRUNK
         if not distance.all():
@@ -188,7 +194,7 @@ def _bounded(result: Compared) -> None:
             return
     while len(low):
         middle, half = (low + high) / 2.0, (high - low) / 2.0
-        distance = result.distances(Poses(result.distances.layout, moves, middle), moves)
+        distance = result.distances(result.distances.swept.poses(moves, middle))
         result.poses += len(middle)
         result.least = min(result.least, float(distance.min()) - _SHRUNK)
         if not distance.all():
@@ -216,7 +222,7 @@ def _bounded(result: Compared) -> None:
 class Distances:
     """Distances of two bodies in one layer: one stands, shrunk a little, the other moves."""
 
-    layout: Layout
+    swept: Swept
     still: RigidBody
     moving: RigidBody
     pieces: tuple[list[Piece], list[Piece]]  # of both
@@ -225,43 +231,40 @@ class Distances:
 
     @classmethod
     def of(
-        cls, layout: Layout, a: RigidBody, b: RigidBody, low: float, high: float
+        cls, swept: Swept, a: RigidBody, b: RigidBody, low: float, high: float
     ) -> "Distances | None":
         """For two bodies between two heights; None if one has nothing there."""
         import shapely
 
-        if a.kind == b.kind == "block":
-            a, b = sorted((a, b), key=lambda one: one.number)
-        # The body with a slot stands: the bar, else the inner block.
-        still, moving = (b, a) if b.kind == "bar" or a.kind == "band" else (a, b)
-        of_still = still.between(low, high, _joint(moving))
-        of_moving = moving.between(low, high, _joint(still))
-        if moving.kind == "band":
-            of_still = [one for one in of_still if not _own_hook(one, moving)]
-        if (not of_still and still.kind != "band") or (not of_moving and moving.kind != "band"):
+        if a.name == b.name:  # two pieces of one cord
+            return None
+        still, moving = sorted((a, b), key=lambda one: one.rank)
+        of_still = still.between(low, high, moving)
+        of_moving = moving.between(low, high, still)
+        if (not of_still and still.path is None) or (not of_moving and moving.path is None):
             return None
         area = rings = None
-        if still.kind != "band":
+        if still.path is None:
             # Sharp corners, so that faces stay faces.
             area = shapely.buffer(still.section(of_still), -_SHRUNK, join_style="mitre")
             shapely.prepare(area)
-        if moving.kind != "band":
+        if moving.path is None:
             union = moving.section(of_moving)
             rings = [shapely.get_coordinates(one.exterior) for one in shapely.get_parts(union)]
-        return cls(layout, still, moving, (of_still, of_moving), area, rings or [])
+        return cls(swept, still, moving, (of_still, of_moving), area, rings or [])
 
     @property
     def key(self) -> Any:
         """Equal for layers with the same pieces."""
         return tuple(frozenset(f"{one.name} {one.low}" for one in pieces) for pieces in self.pieces)
 
-    def __call__(self, poses: Poses, moves: Freedom) -> Floats:
+    def __call__(self, poses: BodyPoses) -> Floats:
         """(n,) distances [m] at these poses; 0 for an overlap."""
         import shapely
 
-        if self.still.kind == "band":
-            assert self.still.path and self.moving.path
-            one, other = (poses.line(body.path) for body in (self.still, self.moving) if body.path)
+        if self.still.path is not None:
+            assert self.moving.path
+            one, other = (poses.line(body) for body in (self.still, self.moving))
             width = (self.still.path.width + self.moving.path.width) / 2.0 - _SHRUNK
             gaps = shapely.distance(lines_of(one), lines_of(other))
             return np.maximum(gaps - width, 0.0)
@@ -273,9 +276,8 @@ class Distances:
             x, y = np.moveaxis(points - at[:, None], 2, 0)
             return np.stack([c * x + s * y, c * y - s * x], axis=-1)
 
-        if self.moving.kind == "band":
-            assert self.moving.path
-            lines = lines_of(within(poses.line(self.moving.path)))
+        if self.moving.path is not None:
+            lines = lines_of(within(poses.line(self.moving)))
             gaps = shapely.distance(self.still_area, lines) - self.moving.path.width / 2.0
             return np.maximum(gaps, 0.0)
         to, turn = poses.of(self.moving)
@@ -295,21 +297,7 @@ def lines_of(ends: Floats) -> Any:
     return np.asarray(shapely.linestrings(ends))
 
 
-def _joint(body: RigidBody) -> tuple[int, int] | None:
-    """The joint on whose pins a body turns."""
-    return (body.number, body.index) if body.kind == "lever" else None
-
-
-def _own_hook(piece: Piece, band: RigidBody) -> bool:
-    assert band.path is not None
-    ends = zip((band.number, band.number + 1), band.path.holes, strict=True)
-    return any(
-        piece.name in (f"hook {hole} of block {block}", f"pin {hole} of block {block}")
-        for block, hole in ends
-    )
-
-
-def describe(layout: Layout, found: Compared) -> Iterator[Collision]:
+def describe(swept: Swept, found: Compared) -> Iterator[Overlap]:
     """The collisions of two bodies in one layer, part by part."""
     moves, distances = found.freedom, found.distances
     count = _SAMPLES.get(len(moves.low), _FEW_SAMPLES)
@@ -317,15 +305,16 @@ def describe(layout: Layout, found: Compared) -> Iterator[Collision]:
     every = np.array(list(product(*axes)))
     assert found.hit is not None
     every = np.concatenate([found.hit[None], every])
-    at_hit = every[distances(Poses(layout, moves, every), moves) == 0.0]
+    at_hit = every[distances(swept.poses(moves, every)) == 0.0]
     for first, second in _piece_pairs(distances):
         rows, depths = _depths(
-            layout, moves, at_hit, (distances.still, first), (distances.moving, second)
+            swept.poses(moves, at_hit), at_hit, (distances.still, first), (distances.moving, second)
         )
         if not len(rows):
             continue
         worst = rows[int(np.argmax(depths))]
-        yield _collision(layout, moves, rows, worst, float(depths.max()), (first, second))
+        parts = first.name, second.name
+        yield swept.collision(moves, rows, worst, float(depths.max()), parts)
 
 
 def _piece_pairs(distances: Distances) -> Iterator[tuple[Piece, Piece]]:
@@ -352,16 +341,11 @@ _MOST_DEPTHS = 40
 
 
 def _depths(
-    layout: Layout,
-    moves: Freedom,
-    rows: Floats,
-    first: tuple[RigidBody, Piece],
-    second: tuple[RigidBody, Piece],
+    poses: BodyPoses, rows: Floats, first: tuple[RigidBody, Piece], second: tuple[RigidBody, Piece]
 ) -> tuple[Floats, Floats]:
     """The rows at which two pieces overlap, and by how much [m]."""
     import shapely
 
-    poses = Poses(layout, moves, rows)
     shapes = [_placed(poses, *one) for one in (first, second)]
     hit = shapely.distance(*shapes) == 0.0
     chosen = np.flatnonzero(hit)
@@ -371,12 +355,12 @@ def _depths(
     return rows[chosen][deep], depths[deep]
 
 
-def _placed(poses: Poses, body: RigidBody, piece: Piece) -> Any:
+def _placed(poses: BodyPoses, body: RigidBody, piece: Piece) -> Any:
     """The areas of a piece at all poses."""
     import shapely
 
     if body.path is not None:
-        return shapely.buffer(lines_of(poses.line(body.path)), body.path.width / 2.0)
+        return shapely.buffer(lines_of(poses.line(body)), body.path.width / 2.0)
     at, angle = poses.of(body)
     shape = area(piece)
 
@@ -402,45 +386,3 @@ def _depth(a: "shapely.Geometry", b: "shapely.Geometry") -> float:
         return 0.0
     radius: Any = shapely.maximum_inscribed_circle(shared)
     return 2.0 * float(shapely.length(radius))
-
-
-def _collision(
-    layout: Layout,
-    moves: Freedom,
-    rows: Floats,
-    worst: Floats,
-    overlap: float,
-    pieces: tuple[Piece, Piece],
-) -> Collision:
-    cells = [layout.cells[i].cell for i in moves.cells]
-    count = len(cells)
-    travels = [
-        cell.travel(np.clip(rows[:, k], -cell.limit, cell.limit)) for k, cell in enumerate(cells)
-    ]
-    total = np.sum(travels, axis=0) if travels else np.zeros(len(rows))
-    others = sum(one.cell.full_travel for i, one in enumerate(layout.cells) if i not in moves.cells)
-    states = dict.fromkeys(
-        state for row in rows if (state := _state(layout, moves, row[:count])) is not None
-    )
-    angles = np.zeros(len(layout.cells))
-    angles[list(moves.cells)] = worst[:count]
-    return Collision(
-        parts=(pieces[0].name, pieces[1].name),
-        cells=moves.cells,
-        travels=tuple((float(one.min()), float(one.max())) for one in travels),
-        stroke=(float(total.min()), float(total.max()) + others),
-        states=tuple(states),
-        overlap=overlap,
-        angles=tuple(float(one) for one in angles),
-    )
-
-
-def _state(layout: Layout, moves: Freedom, row: Floats) -> str | None:
-    """The state of a row of angles, if all its cells are at a stop."""
-    digits = ["?"] * len(layout.cells)
-    for i, theta in zip(moves.cells, row, strict=True):
-        limit = layout.cells[i].cell.limit
-        if abs(abs(theta) - limit) > 1e-9:
-            return None
-        digits[i] = "1" if theta > 0 else "0"
-    return "".join(digits)

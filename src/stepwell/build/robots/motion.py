@@ -2,6 +2,8 @@
 
 A parameter is the angle of a cell [rad], as ("left", 0), or the swing of an antenna, as ("antenna",
 "left"). All are independent, so that all states of both legs and all antenna angles are among them.
+Two bodies that are moved by fewer have parameters of their own: the stroke of the carriage [m], as
+STROKE, and the place of an outer block along the carriage's slot [m], as ("across", "left").
 """
 
 import math
@@ -12,12 +14,15 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.build.robots.plan import AntennaPlan, LegPlan, RobotPlan
+from stepwell.build.robots.plan import AntennaPlan, LegPlan, RobotPlan, near
 
 Parameter = tuple[str, int | str]
 # How a parameter moves a body: with the swinging block of a cell, with its travel alone, by
 # turning, or in a way of its own.
 ARC, ALONG, TURN, OWN = "arc", "along", "turn", "own"
+
+
+STROKE: Parameter = ("stroke", "")
 
 
 class Moved(NamedTuple):
@@ -47,12 +52,20 @@ class Motions:
             found["antenna", one.antenna.name] = (0.0, one.antenna.swing)
         return found
 
-    def reach(self, body: str, extent: float) -> dict[Parameter, tuple[str, float]]:
+    def across(self, leg: LegPlan) -> tuple[float, float]:
+        """Range of the place of an outer block along the carriage's slot, 0 in state 00 [m]."""
+        first, second = leg.cells
+        return near(second) - second.lever, first.lever - near(first)
+
+    def reach(
+        self, body: str, extent: float, driver: str = ""
+    ) -> dict[Parameter, tuple[str, float]]:
         """For each parameter that moves a body, how, and the largest speed of its points.
 
         Args:
             body: its name.
             extent: largest distance of its points from its hinge [m], for bodies that turn.
+            driver: leg whose cells move the carriage; the first by default.
         """
         owner, _, kind = body.partition(".")
         if body == "body":
@@ -63,8 +76,7 @@ class Motions:
                 return {("antenna", name): (TURN, extent)}
             one = next(one for one in self.plan.antennas if one.antenna.name == name)
             return {("antenna", name): (TURN, extent * _crank_rate(one))}
-        legs = [leg for leg in self.plan.legs if leg.leg.name == owner] or [self.plan.legs[0]]
-        leg = legs[0]
+        leg = self._leg(owner, driver)
         first, second = leg.cells
         zero, one_ = (leg.leg.name, 0), (leg.leg.name, 1)
         inner, outer = leg.leg.chain.names
@@ -97,7 +109,11 @@ class Motions:
         """The travel of the outer cell per angle of a link is at least this [m/rad]."""
         return 2.0 * self._least_depth()
 
-    def of(self, body: str, values: Mapping[Parameter, Floats]) -> Moved:
+    def _leg(self, owner: str, driver: str) -> LegPlan:
+        wanted = [leg for name in (owner, driver) for leg in self.plan.legs if leg.leg.name == name]
+        return wanted[0] if wanted else self.plan.legs[0]
+
+    def of(self, body: str, values: Mapping[Parameter, Floats], driver: str = "") -> Moved:
         """The motion of a body at parameters (n,) each; those that are not given are at rest."""
         count = max((len(one) for one in values.values()), default=1)
         owner, _, kind = body.partition(".")
@@ -106,8 +122,12 @@ class Motions:
             return Moved(np.zeros((count, 2)), still, (0.0, 0.0))
         if kind in ("antenna", "crank"):
             return self._antenna(owner, kind, values, count)
-        owners = [leg for leg in self.plan.legs if leg.leg.name == owner]
-        leg = owners[0] if owners else self.plan.legs[0]
+        leg = self._leg(owner, driver)
+        if STROKE in values and body in ("carriage", "rod"):
+            return Moved(np.column_stack([-values[STROKE], still]), still, (0.0, 0.0))
+        if ("across", owner) in values:
+            across = leg.side * values["across", owner]
+            return Moved(np.column_stack([still, across]), still, (0.0, 0.0))
         return self._of_leg(leg, kind or body, self._cells(leg, values, count))
 
     def _cells(self, leg: LegPlan, values: Mapping[Parameter, Floats], count: int) -> list[Floats]:
