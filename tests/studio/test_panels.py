@@ -99,7 +99,6 @@ def test_every_number_of_a_chain_of_levers_is_pythons(name: str):
         ("drive", path.drive * 1e3),
         ("stroke", path.stroke * 1e3),
         ("force", path.force),
-        ("energy", path.energy * 1e3),
         ("travel", path.travel * 1e3),
         ("segment", path.branch),
         ("direction", path.direction),
