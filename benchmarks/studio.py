@@ -27,7 +27,7 @@ LONG_DRAG = 2000
 # Of a drag with each panel open.
 FEW_MOVES = 40
 SIZES = 2, 8, 32
-TABS = "Graph", "Program", "Map", "Target", "Measured", "Study", "Atlas"
+TABS = "Graph", "Program", "Map", "Target", "Parts", "Measured", "Study", "Atlas"
 SERVE = """
 import sys
 from stepwell.files import preset_text, tables_in
