@@ -45,11 +45,11 @@ def test_bands_are_as_long_as_the_engine_says_at_any_angles(name):
     for pose in random_poses(layout, 20):
         pose |= {k: 0.0 for k in pose if k[0] == "antenna"}
         for path in layout.bands:
-            cell = layout.robot.leg(path.leg).chain.levers[path.cell]
+            cell = layout.cell(path)
             p, q = (
                 at(layout, b, x, pose) for b, x in zip(path.bodies, (path.p, path.q), strict=True)
             )
-            length = float(cell.bands[path.number].length(pose[path.leg, path.cell], cell.lever))
+            length = float(cell.bands[path.number].length(pose[path.leg, path.cell % 2], cell.lever))
             assert math.dist(p, q) == pytest.approx(length, abs=1e-12)
 
 

@@ -4,7 +4,7 @@ import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from stepwell.build.loads import band_range
 from stepwell.build.sweeps import MotionSweep, sweep
 from stepwell.build.tolerances import build_yield
 from stepwell.design import Yield
-from stepwell.mechanism import Chain
+from stepwell.mechanism import Cell, Chain
 from stepwell.robot import Robot
 from stepwell.sequences import Cycle
 from stepwell.statics import StaticsError
@@ -122,27 +122,21 @@ class Build(base.ByValue, base.Drawn):
 
     def _band(self, index: int) -> BandUse:
         path = self.layout.bands[index]
-        cell = self.layout.cells[path.cell].cell
-        band, reach = cell.bands[path.number], band_range(cell, path.number)
-        ends = band.length(np.array([-cell.limit, cell.limit]), cell.lever)
-        rest = band.rest_length
-        first, last = (float(one) for one in band.tension(ends))
-        within = max(self.build_file.tolerance.rest_length * rest, 1e-5)
-        return BandUse(
-            cell=path.cell,
-            number=path.number,
-            holes=path.holes,
-            rest_length=rest,
-            shortest=reach.shortest,
-            longest=reach.longest,
-            lengths=(float(ends[0]), float(ends[1])),
-            tensions=(first, last),
-            stretch=reach.longest / rest if rest > 0.0 else np.inf,
-            shift=path.shift,
-            fits=tuple(
-                one for one in self.build_file.band.free_lengths if abs(one - rest) <= within
-            ),
-        )
+        return band_use(self.layout.cells[path.cell].cell, path, self.build_file)
+
+    def band_cell(self, one: BandUse) -> Cell:
+        """The cell of a band."""
+        return self.layout.cells[one.cell].cell
+
+    def band_words(self, one: BandUse) -> tuple[str, str, str]:
+        """Name of a band's cell, and of its two hooks."""
+        inner, outer = one.holes
+        return str(one.cell + 1), f"{inner} of block {one.cell}", f"{outer} of block {one.cell + 1}"
+
+    @property
+    def title(self) -> str:
+        """Of the design."""
+        return self.chain.title or "Chain"
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -175,9 +169,35 @@ class Build(base.ByValue, base.Drawn):
         return tuple(notes)
 
 
+def band_use(cell: Cell, path: Any, build_file: BuildFile) -> BandUse:
+    """A band of a cell for a parts list; `path` has its `cell`, `number`, `holes` and `shift`."""
+    band, reach = cell.bands[path.number], band_range(cell, path.number)
+    ends = band.length(np.array([-cell.limit, cell.limit]), cell.lever)
+    rest = band.rest_length
+    first, last = (float(one) for one in band.tension(ends))
+    within = max(build_file.tolerance.rest_length * rest, 1e-5)
+    return BandUse(
+        cell=path.cell,
+        number=path.number,
+        holes=path.holes,
+        rest_length=rest,
+        shortest=reach.shortest,
+        longest=reach.longest,
+        lengths=(float(ends[0]), float(ends[1])),
+        tensions=(first, last),
+        stretch=reach.longest / rest if rest > 0.0 else np.inf,
+        shift=path.shift,
+        fits=tuple(one for one in build_file.band.free_lengths if abs(one - rest) <= within),
+    )
+
+
 @overload
 def build(
-    mechanism: Robot, material: str | os.PathLike[str] | BuildFile = "acrylic-3mm"
+    mechanism: Robot,
+    material: str | os.PathLike[str] | BuildFile = "acrylic-3mm",
+    *,
+    progress: base.Progress = None,
+    swept: MotionSweep | None = None,
 ) -> "RobotBuild": ...
 
 
@@ -225,7 +245,7 @@ def build(
     if isinstance(mechanism, Robot):
         from stepwell.build.robots.robot_builds import build_robot
 
-        return build_robot(mechanism, build_file)
+        return build_robot(mechanism, build_file, progress=progress, swept=swept)
     chain = mechanism
     layout = lay(chain, build_file)
     swept = swept or sweep(layout, progress)

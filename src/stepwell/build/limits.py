@@ -4,11 +4,12 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import combinations
+from typing import Protocol
 
 import numpy as np
 
 from stepwell.base import ByValue, ReadOnly, to_unit
-from stepwell.build.build_file import key_of, mm
+from stepwell.build.build_file import BuildFile, key_of, mm
 from stepwell.build.layouts import Layout
 from stepwell.build.loads import band_range, hook_loads, lever_forces
 from stepwell.build.part import Hole, Part
@@ -24,7 +25,8 @@ class ExceededLimit(ByValue):
 
     Attributes:
         check: "anchor", "web", "kerf", "bed", "slack", "stretch", "bearing", "pin", "lever",
-            "hook", "travel", "force" or "collision".
+            "hook", "travel", "force" or "collision"; of a robot also "actuator", "antenna", "rail",
+            "post" or "nose".
         parts: names of the parts, bands or cells.
         value, allowed: what it is and the limit, in `unit` (SI).
         unit: "m", "Pa", "N" or "1".
@@ -47,6 +49,20 @@ class ExceededLimit(ByValue):
         return f"{self.problem} {self.advice}"
 
 
+class Cut(Protocol):
+    """A layout of any mechanism: its flat parts and the build file."""
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """Flat parts."""
+        ...
+
+    @property
+    def build_file(self) -> BuildFile:
+        """Sizes and material."""
+        ...
+
+
 def findings(layout: Layout, path: Path | None) -> tuple[ExceededLimit, ...]:
     """All limits that a layout exceeds.
 
@@ -57,9 +73,9 @@ def findings(layout: Layout, path: Path | None) -> tuple[ExceededLimit, ...]:
     """
     found = [
         *_anchors(layout),
-        *_webs(layout),
-        *_kerf(layout),
-        *_bed(layout),
+        *webs_findings(layout),
+        *kerf_findings(layout),
+        *bed_findings(layout),
         *_bands(layout),
         *_hooks(layout),
         *_travel(layout, path),
@@ -74,7 +90,7 @@ def mpa(value: float) -> str:
     return f"{to_unit(value, 'MPa'):.3g}"
 
 
-def setting(layout: Layout, name: str, value: float, unit: str) -> str:
+def setting(layout: Cut, name: str, value: float, unit: str) -> str:
     """A key with its new and its present number, as in lever.width_mm = 9 instead of 8."""
     table, _, own = name.partition("__")
     now = getattr(getattr(layout.build_file, table), own)
@@ -116,7 +132,7 @@ def _anchors(layout: Layout) -> Iterator[ExceededLimit]:
             )
 
 
-def _webs(layout: Layout) -> Iterator[ExceededLimit]:
+def webs_findings(layout: Cut) -> Iterator[ExceededLimit]:
     """Webs between openings, and between openings and edges, of every part."""
     bridge = layout.build_file.sheet.bridge
     # Parts of one kind with the same openings have one finding.
@@ -164,9 +180,10 @@ def _webs_of(part: Part) -> Iterator[tuple[float, str, str]]:
             yield float(shapely.distance(slot, shapely.Point(at))) - radius, "the slot", name
 
 
-def _web_advice(layout: Layout, part: Part, first: str, second: str, web: float) -> str:
+def _web_advice(layout: Cut, part: Part, first: str, second: str, web: float) -> str:
     bridge = layout.build_file.sheet.bridge
-    joints = {f"hole {i + 1}{a}": plan for i, plan in enumerate(layout.cells) for a in "ab"}
+    cells = layout.cells if isinstance(layout, Layout) else ()
+    joints = {f"hole {i + 1}{a}": plan for i, plan in enumerate(cells) for a in "ab"}
     plan = joints.get(first) or joints.get(second)
     if "the edge" in (first, second) and plan is not None and not part.name.startswith("lever"):
         need = 2.0 * (bridge - web) / math.cos(plan.cell.limit)
@@ -180,7 +197,7 @@ def _web_advice(layout: Layout, part: Part, first: str, second: str, web: float)
     return f"Use another sheet: sheet.bridge_mm = {mm(max(web, 0.0))} if the material allows it."
 
 
-def _kerf(layout: Layout) -> Iterator[ExceededLimit]:
+def kerf_findings(layout: Cut) -> Iterator[ExceededLimit]:
     """The narrowest opening of all parts: the beam has to fit into it."""
     sheet = layout.build_file.sheet
     kerf = max(sheet.kerf_x, sheet.kerf_y)
@@ -204,11 +221,12 @@ def _kerf(layout: Layout) -> Iterator[ExceededLimit]:
     )
 
 
-def _holes(layout: Layout) -> Iterator[tuple[Part, Hole]]:
+def _holes(layout: Cut) -> Iterator[tuple[Part, Hole]]:
     return ((part, hole) for part in layout.parts for hole in part.holes)
 
 
-def _bed(layout: Layout) -> Iterator[ExceededLimit]:
+def bed_findings(layout: Cut) -> Iterator[ExceededLimit]:
+    """Parts that are larger than the bed of the machine."""
     bed = sorted(layout.build_file.sheet.bed)
     for part in layout.parts:
         x0, y0, x1, y1 = part.outline.bounds

@@ -21,8 +21,8 @@ _CHEEK, _ABOVE, _TENON = 5.5e-3, 4.5e-3, 3e-3
 _SUNK, _POST = 8e-3, 5.5e-3
 # Rear screw of a body's block whose crank needs room: from its row towards the midline [m].
 _FAR = 18e-3
-# From the joints of the body's block to its front screw [m].
-_AHEAD = 19.5e-3
+# From the joints of the body's block to its two screws [m].
+_BESIDE, _AHEAD = 5e-3, 19.5e-3
 
 
 def body_plate(make: Maker) -> None:
@@ -136,7 +136,8 @@ def body_block(one: LegMaker) -> None:
     make.step = "blocks"
     crank = plan.antenna_of(leg)
     edge = plan.build_file.screw.hole / 2.0 + plan.build_file.sheet.bridge
-    reach = plan.back if crank is None else _FAR + edge
+    row = plan.spacer + edge
+    reach = max(plan.back, row + edge) if crank is None else _FAR + edge
     clear = leg.front + plan.core + 0.5e-3 + plan.build_file.robot.gap
     x0, x1 = leg.body - plan.half, leg.body + _AHEAD + edge
     face = leg.row + plans.near(leg.cells[0]) / 2.0
@@ -144,16 +145,17 @@ def body_block(one: LegMaker) -> None:
     joints = (leg.body, leg.row)
     hooks = [] if crank is not None else one.hooks(0, "p")
     tabs = one.hook_tab(hooks, joints, -1.0) if crank is None else []
-    far = max([plan.back, *(leg.row - tab[1] for tab in tabs)])
+    far = max([reach, *(leg.row - tab[1] for tab in tabs)])
     spares = one.spares(0, "p", joints, -1.0, far) if crank is None else []
     one.plate("body-mount", high.slide, [(clear, leg.row - reach, x1, face)])
     one.plate("body-bottom", high.bottom, [plate])
     one.plate("body-spacer", high.middle, [(x0, leg.row - reach, x1, leg.row - plan.spacer)])
     one.plate("body-top", high.top, [plate, *tabs], holes=spares)
     one.joint_pins(0, joints)
-    across = plan.pin_row if crank is None else _FAR
-    _mount(one, "mount-1", one.at(clear + edge, leg.row - across))
-    _mount(one, "mount-2", one.at(leg.body + _AHEAD, leg.row - plan.spacer - edge))
+    # Screws clear of the hooks, or of the crank.
+    first = (leg.body + _BESIDE, row) if crank is None else (clear + edge, _FAR)
+    _mount(one, "mount-1", one.at(first[0], leg.row - first[1]))
+    _mount(one, "mount-2", one.at(leg.body + _AHEAD, leg.row - row))
     if crank is None:
         one.hook_pins(0, "p", joints, -1.0)
 

@@ -19,7 +19,7 @@ from stepwell.robot import PartRole
 # other block [m].
 Hooks = Sequence[Vec2]
 # From the middle of a slider to its two pins, and half the width of a tenon [m].
-_PINS, _TENON = 9e-3, 3e-3
+PINS, _TENON = 9e-3, 3e-3
 # Half the width of a tab with the V's pivot, and its edge below the pivot [m].
 _TAB, _BELOW = 6e-3, 4.5e-3
 
@@ -307,7 +307,7 @@ class LegMaker:
             )
         top = high.slide + plan.thick
         for number, way in enumerate((-1.0, 1.0)):
-            at = self.at(x + way * _PINS, leg.row)
+            at = self.at(x + way * PINS, leg.row)
             low = top - pin_length(top - high.flange)
             self.make.pin(self.name(f"{name}-{number + 1}"), at, (low, top))
             shim = plan.build_file.lever.shim

@@ -1,34 +1,61 @@
-"""A robot's build: its parts, their masses, and the robot that they make."""
+"""A robot's build: layout, sweep, limits, masses, and the robot that the parts make."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 from stepwell import base
 from stepwell.build.build_file import BuildFile
+from stepwell.build.builds import BandUse, band_use
+from stepwell.build.limits import ExceededLimit
 from stepwell.build.robots.robot_layout import RobotLayout, robot_layout
+from stepwell.build.robots.robot_limits import leg_paths, peak_force, robot_findings
+from stepwell.build.robots.robot_sweep import robot_sweep
 from stepwell.build.robots.solids import robot_parts
+from stepwell.build.sweeps import MotionSweep
+from stepwell.mechanism import Cell
 from stepwell.robot import Drive, Robot, RobotParts, with_parts
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RobotBuild(base.ByValue, base.Drawn):
-    """The solid parts of a robot.
+    """The solid parts of a robot, whether they move free of each other, and what limits them.
 
     Attributes:
         design, build_file: the robot as designed, and the sizes and material.
         layout: parts, fasteners, bands and cords with their places.
+        sweep: overlaps and clearances at all angles of all cells and antennas.
+        findings: exceeded limits, overlaps first; empty if it can be built.
+        peak_force: largest force of the actuator [N]: both legs and the drag of the floor.
     """
 
     design: Robot
     build_file: BuildFile
     layout: RobotLayout
+    sweep: MotionSweep
+    findings: tuple[ExceededLimit, ...]
+    peak_force: float
 
     def __repr__(self):
-        return f"RobotBuild({self.layout!r}, {self.build_file.sheet.material})"
+        verdict = "can be built" if self.can_be_built else f"{len(self.findings)} findings"
+        return f"RobotBuild({self.layout!r}, {self.build_file.sheet.material}, {verdict})"
+
+    @property
+    def can_be_built(self) -> bool:
+        """Whether its parts move free of each other and no limit is exceeded."""
+        return self.sweep.free and not self.findings
+
+    @property
+    def title(self) -> str:
+        """Of the design."""
+        return self.design.title or "Robot"
 
     @cached_property
     def made(self) -> RobotParts:
-        """Shapes and masses of all rigid bodies."""
+        """Shapes and masses of all rigid bodies.
+
+        Raises:
+            ValueError: holes of a part cross each other, which a finding reports.
+        """
         return robot_parts(self.layout, self.build_file.title)
 
     @cached_property
@@ -45,20 +72,90 @@ class RobotBuild(base.ByValue, base.Drawn):
     @property
     def _drive(self) -> Drive:
         """The drive with the speed of the actuator, and a longer period if it needs one."""
-        drive = self.design.drive
-        slow = replace(drive, speed=self.build_file.linear_actuator.speed, period=1e9)
-        return replace(slow, period=max(drive.period, slow.least_period))
+        least = self.least_period
+        period = max(self.design.drive.period, least)
+        speed = self.build_file.linear_actuator.speed
+        return replace(self.design.drive, speed=speed, period=period)
 
     @property
+    def least_period(self) -> float:
+        """Shortest period of a cycle of the actuator [s]."""
+        speed = self.build_file.linear_actuator.speed
+        return replace(self.design.drive, speed=speed, period=1e9).least_period
+
+    @cached_property
     def mass(self) -> float:
-        """Mass of all parts and fasteners, actuator and battery [kg]."""
+        """Mass of all parts and fasteners, actuator, battery and board [kg]."""
         return self.made.mass
 
+    @cached_property
+    def sheet_mass(self) -> float:
+        """Mass of all cut parts [kg]."""
+        return sum(part.mass(self.build_file.sheet.density) for part in self.layout.parts)
 
-def build_robot(robot: Robot, build_file: BuildFile) -> RobotBuild:
-    """The solid parts of a robot; `stepwell.build.build` has the arguments.
+    @cached_property
+    def bands(self) -> tuple[BandUse, ...]:
+        """The bands with their hooks, lengths and tensions."""
+        return tuple(
+            band_use(self.layout.cell(one), one, self.build_file) for one in self.layout.bands
+        )
+
+    def band_cell(self, one: BandUse) -> Cell:
+        """The cell of a band."""
+        return self.layout.plan.legs[one.cell // 2].cells[one.cell % 2]
+
+    def band_words(self, one: BandUse) -> tuple[str, str, str]:
+        """Name of a band's cell, and of its two hooks."""
+        leg = self.design.legs[one.cell // 2]
+        inner, outer = one.holes
+        return f"{leg.name} {leg.chain.names[one.cell % 2]}", inner, outer
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader has to know of this build, a sentence each."""
+        notes: list[str] = []
+        period, own = self.design.drive.period, self.build_file.linear_actuator
+        if self.least_period > period * (1.0 + 1e-9):
+            notes.append(
+                f"The design has a period of {period:.3g} s, and the actuator needs "
+                f"{self.least_period:.3g} s for a cycle at "
+                f"{base.to_unit(own.speed, 'mm/s'):.3g} mm/s: the robot of the parts has the "
+                f"longer period."
+            )
+        for one in self.bands:
+            if not one.fits:
+                packs = ", ".join(
+                    f"{base.to_unit(length, 'mm'):.4g}"
+                    for length in self.build_file.band.free_lengths
+                )
+                cell = self.band_words(one)[0]
+                notes.append(
+                    f"Band {one.number + 1} of {cell}: no band of the pack ({packs} mm) has its "
+                    f"rest length of {base.to_unit(one.rest_length, 'mm'):.4g} mm."
+                )
+        return tuple(notes)
+
+
+def build_robot(
+    robot: Robot,
+    build_file: BuildFile,
+    *,
+    progress: base.Progress = None,
+    swept: MotionSweep | None = None,
+) -> RobotBuild:
+    """The solid parts of a robot, swept over all states and antenna positions.
+
+    Args:
+        robot: two legs of two cells each, and up to two antennas.
+        build_file: sizes and material.
+        progress: called with (done, total) pairs of bodies of the sweep.
+        swept: the sweep of this robot and build file, if it is known.
 
     Raises:
         ValueError: a robot for which there is no layout; the text names the part and the number.
     """
-    return RobotBuild(robot, build_file, robot_layout(robot, build_file))
+    layout = robot_layout(robot, build_file)
+    swept = swept or robot_sweep(layout, progress)
+    paths = leg_paths(robot)
+    found = robot_findings(layout, paths, swept)
+    return RobotBuild(robot, build_file, layout, swept, found, peak_force(paths, robot))

@@ -17,6 +17,7 @@ from stepwell.build.robots.legs import LegMaker
 from stepwell.build.robots.making import Bought, Maker, PartFrame
 from stepwell.build.robots.motion import Motions, Moved, Parameter
 from stepwell.build.robots.plan import RobotPlan
+from stepwell.mechanism import Cell
 from stepwell.robot import Robot
 
 
@@ -26,10 +27,12 @@ class RobotBand(ByValue):
 
     Attributes:
         leg, cell, number: name of the leg, number of the cell and of the band in it, from 0.
+            Cells are counted over all legs.
         bodies: that carry its two hooks, inner first.
         p, q: centres of the hooks [m], in the robot's body frame and the reference pose.
         low, high, width: its z, and the width of its loop in plan [m].
         holes: names of the hooks' holes.
+        shift: (0, 0); the hooks are where the anchors are.
     """
 
     leg: str
@@ -42,6 +45,7 @@ class RobotBand(ByValue):
     high: float
     width: float
     holes: tuple[str, str]
+    shift: Vec2 = (0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -87,6 +91,10 @@ class RobotLayout(ByValue):
     def motions(self) -> Motions:
         """The motion of every body."""
         return Motions(self.plan)
+
+    def cell(self, band: RobotBand) -> Cell:
+        """The cell of a band."""
+        return self.plan.legs[band.cell // 2].cells[band.cell % 2]
 
     def part(self, name: str) -> Part:
         """The part of this name; ValueError if there is none."""
@@ -165,7 +173,7 @@ def robot_layout(robot: Robot, build_file: BuildFile) -> RobotLayout:
     for antenna in plan.antennas:
         leg = next(one for one in legs if one.leg.leg.name == antenna.leg.leg.name)
         cords.append(antenna_parts(make, leg, antenna))
-    bands = tuple(band for one in legs for band in _bands(one))
+    bands = tuple(band for i, one in enumerate(legs) for band in _bands(one, 2 * i))
     return RobotLayout(
         robot,
         build_file,
@@ -182,7 +190,7 @@ def robot_layout(robot: Robot, build_file: BuildFile) -> RobotLayout:
     )
 
 
-def _bands(one: LegMaker) -> list[RobotBand]:
+def _bands(one: LegMaker, counted: int) -> list[RobotBand]:
     plan, leg, hook = one.plan, one.leg, one.plan.build_file.hook
     antenna = plan.antenna_of(leg)
     first = "body" if antenna is None else f"{antenna.antenna.name}.crank"
@@ -200,7 +208,7 @@ def _bands(one: LegMaker) -> list[RobotBand]:
             made.append(
                 RobotBand(
                     leg.leg.name,
-                    cell,
+                    counted + cell,
                     number,
                     owners,
                     p,

@@ -331,7 +331,7 @@ def _relative(a: tuple[str, float] | None, b: tuple[str, float] | None) -> float
 
 
 def _cell(layout: RobotLayout, band: RobotBand) -> str:
-    return layout.robot.leg(band.leg).chain.names[band.cell]
+    return layout.robot.leg(band.leg).chain.names[band.cell % 2]
 
 
 def _shifted(piece: Piece, hinge: tuple[float, float]) -> Piece:
