@@ -49,7 +49,9 @@ def test_bands_are_as_long_as_the_engine_says_at_any_angles(name):
             p, q = (
                 at(layout, b, x, pose) for b, x in zip(path.bodies, (path.p, path.q), strict=True)
             )
-            length = float(cell.bands[path.number].length(pose[path.leg, path.cell % 2], cell.lever))
+            length = float(
+                cell.bands[path.number].length(pose[path.leg, path.cell % 2], cell.lever)
+            )
             assert math.dist(p, q) == pytest.approx(length, abs=1e-12)
 
 

@@ -100,7 +100,7 @@ def converge(
 @options.command(commands)
 def ranges(
     robot: options.Robot,
-    cycles: int = option(options.CYCLES, "N", default=3, min=2),
+    cycles: int = option(options.CYCLES, "N", default=2, min=2),
     *,
     display: options.Display,
 ) -> None:
