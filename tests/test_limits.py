@@ -26,7 +26,7 @@ from stepwell.files import DesignError, preset_text
 from stepwell.files.schema import wording
 from stepwell.robot import Arena, Body, Cylinder, Wall
 from stepwell.sequences.planning import _MOST_BRANCHES
-from stepwell.simulation.videos import VideoError
+from stepwell.simulation.drawing import VideoError
 
 CHAIN = preset_text("paper-forward")
 ROBOT = preset_text("robot-forward")

@@ -4,7 +4,6 @@ import json
 import re
 import subprocess
 import sys
-from contextlib import contextmanager
 from dataclasses import replace
 from importlib import import_module
 
@@ -12,6 +11,7 @@ import pytest
 import xarray
 
 from cli.folders import written
+from facts import says
 from sizes import SIZE
 from stepwell.base import install
 from stepwell.files import load, preset_text
@@ -60,30 +60,7 @@ def test_a_folder_gets_figures_samples_numbers_and_the_design(stepwell, tmp_path
     assert record["turn_deg"] == pytest.approx([15.0, 15.0], abs=2.5)
 
 
-@pytest.fixture(scope="module")
-def known_frames() -> dict[tuple[object, ...], list[object]]:
-    return {}
-
-
-@pytest.fixture
-def frames_once(monkeypatch, known_frames):
-    """The frames of a walk of one length are drawn once."""
-    videos = import_module("stepwell.simulation.videos")
-    draw = videos._drawn
-
-    @contextmanager
-    def once(walk, result, chosen, *size):
-        key = walk.robot.title, len(chosen), *size
-        if key not in known_frames:
-            with draw(walk, result, chosen, *size) as frames:
-                known_frames[key] = [*frames]
-        yield iter(known_frames[key])
-
-    monkeypatch.setattr(videos, "_drawn", once)
-
-
 @pytest.mark.slow
-@pytest.mark.usefixtures("frames_once")
 def test_a_part_of_a_cycle_is_a_walk_too_and_a_video_is_written_where_frames_can_be_drawn(
     stepwell, tmp_path, bare
 ):
@@ -96,8 +73,14 @@ def test_a_part_of_a_cycle_is_a_walk_too_and_a_video_is_written_where_frames_can
     if "No video" in result.stderr:
         assert names == WRITTEN - FIGURES
         pytest.skip(result.stderr.strip())
-    assert names == WRITTEN - FIGURES | {"walk.mp4", "walk.gif"}
+    assert names == WRITTEN - FIGURES | {"walk.mp4", "walk.gif", "still.png"}
     assert "walk.gif" in result.stdout
+
+
+def test_a_view_that_does_not_exist_is_refused_before_the_walk(stepwell, tmp_path):
+    result = stepwell("walk", "robot-forward", "--view", "sid", "--out", "out")
+    assert (result.exit_code, (tmp_path / "out").exists()) == (2, False)
+    says(result.stderr, "--view", "mean side?")
 
 
 @pytest.fixture
@@ -110,7 +93,6 @@ def bare(monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("frames_once")
 def test_without_pyav_there_is_the_gif_and_a_line_that_says_what_to_install(
     stepwell, tmp_path, monkeypatch, bare
 ):
@@ -119,7 +101,7 @@ def test_without_pyav_there_is_the_gif_and_a_line_that_says_what_to_install(
     assert result.exit_code == 0
     if "No video" in result.stderr:
         pytest.skip(result.stderr.strip())
-    assert written(tmp_path / "out") == WRITTEN - FIGURES | {"walk.gif"}
+    assert written(tmp_path / "out") == WRITTEN - FIGURES | {"walk.gif", "still.png"}
     (line,) = result.stderr.splitlines()
     assert install("video") in line and "libx264" in line and "GPL" in line
 
@@ -128,7 +110,9 @@ def test_without_pyav_there_is_the_gif_and_a_line_that_says_what_to_install(
 def test_without_a_graphics_system_a_line_says_so_and_the_rest_is_there(
     stepwell, tmp_path, monkeypatch, bare
 ):
-    monkeypatch.setattr(import_module("stepwell.simulation.videos"), "SYSTEMS", ("no such system",))
+    monkeypatch.setattr(
+        import_module("stepwell.simulation.drawing"), "SYSTEMS", ("no such system",)
+    )
     result = stepwell("walk", "robot-forward", "--cycles", 0.1, "--out", "out")
     assert result.exit_code == 0
     assert result.stderr.startswith("No video: frames cannot be drawn off screen.")

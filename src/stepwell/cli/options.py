@@ -252,15 +252,28 @@ class Folder(Output):
     out: Annotated[Path, _OUT] = field(kw_only=True)
 
 
+def view_of(view: str | None) -> str | None:
+    """The view of a video, or a refusal of a view that does not exist."""
+    if view is not None:
+        with usable("--view"):
+            sw.simulation.view_angles(view)
+    return view
+
+
 class FilmedOutput(Output):
     """Output options of a simulation, whose folder contains a video too."""
 
     no_video: bool = flag("Write no video.", "--no-video")
+    view: str | None = option(
+        "View of the video: above, side, front, three-quarter, or azimuth and elevation [deg].",
+        "--view VIEW",
+        callback=view_of,
+    )
 
     @property
     def writing(self) -> dict[str, Any]:
         """Whether a video is written too; problems with it are warnings."""
-        return {**super().writing, "video": not self.no_video, "warn": warn}
+        return {**super().writing, "video": not self.no_video, "view": self.view, "warn": warn}
 
 
 Robust = Annotated[

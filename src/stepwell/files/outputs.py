@@ -39,8 +39,14 @@ _OF_COMMANDS = {
     "robot sweep": ("sweep.csv sweep.nc sweep.json", "sweep"),
     "sweep report": ("study.csv study.json", "outcomes influences"),
     "atlas show": ("atlas.json", "graph_classes"),
-    "walk": ("robot.toml walk.json walk.nc walk.mp4 walk.gif", "gait trajectory contacts"),
-    "maze": ("robot.toml arena.toml maze.json walk.nc maze.mp4 maze.gif", "maze timeline"),
+    "walk": (
+        "robot.toml walk.json walk.nc walk.mp4 walk.gif still.png",
+        "gait trajectory contacts",
+    ),
+    "maze": (
+        "robot.toml arena.toml maze.json walk.nc maze.mp4 maze.gif still.png",
+        "maze timeline",
+    ),
     # The folder meshes has files of its own names.
     "export": ("robot.toml arena.toml robot.xml robot.sdf walk.py", ""),
     "lab read": ("recordings.csv recordings.nc recordings.parquet recordings.json", "recordings"),

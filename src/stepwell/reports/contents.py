@@ -239,6 +239,7 @@ def _simulated(
     account: Account,
     *,
     video: bool = False,
+    view: sw.simulation.View | None = None,
     warn: Warn = warnings.warn,
 ) -> Contents:
     """Contents of a walk, on an empty floor or through an arena."""
@@ -253,7 +254,7 @@ def _simulated(
         {"robot.toml": design_text(account), **arena, "walk.nc": walk.to_netcdf},
         draws if len(walk.time) else {},
         motion=partial(replay, result),
-        film=partial(_film, result, warn) if video else None,
+        film=partial(_film, result, view, warn) if video else None,
     )
 
 
@@ -264,6 +265,7 @@ def _sweep(sweep: sw.simulation.Sweep, _: Account) -> Contents:
 
 def _film(
     result: sw.simulation.Walk | sw.simulation.Maze,
+    view: sw.simulation.View | None,
     warn: Warn,
     folder: Path,
     progress: Progress | None,
@@ -276,7 +278,9 @@ def _film(
     targets = (folder / f"{name}.mp4", folder / f"{name}.gif")
     for some in (targets, targets[1:]):
         try:
-            sw.simulation.video(result, *some, speed=speed, progress=progress)
+            how = {"speed": speed, "view": view, "progress": progress}
+            sw.simulation.video(result, *some, **how)
+            sw.simulation.picture(result, folder / "still.png", view=view)
             return
         except ModuleNotFoundError as error:  # an MP4 needs what a GIF does not
             warn(str(error))

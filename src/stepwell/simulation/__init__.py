@@ -7,12 +7,13 @@ from stepwell.simulation.comparison import (
     compare_gaits,
     convergence,
 )
+from stepwell.simulation.drawing import VideoError, drawing_system, view_angles
 from stepwell.simulation.exports import exchange, mjcf, sdf
 from stepwell.simulation.mazes import TOUCHED, Contact, GaitChange, Maze, Outcome, maze, mazes
 from stepwell.simulation.model import HEIGHT, obstacle_names, spec
 from stepwell.simulation.simulator import Integrator, Linkage, Settings, mujoco
 from stepwell.simulation.sweeps import Sweep, Trial, sweep
-from stepwell.simulation.videos import VideoError, drawing_system, video
+from stepwell.simulation.videos import View, picture, video
 from stepwell.simulation.walks import LOADED, Walk, walk
 from stepwell.simulation.worlds import device, screen_mazes, screen_walks
 
@@ -30,6 +31,7 @@ __all__ = [
     "Sweep",
     "Trial",
     "VideoError",
+    "View",
     "Walk",
     "compare_gaits",
     "convergence",
@@ -38,11 +40,13 @@ __all__ = [
     "maze",
     "mazes",
     "mjcf",
+    "picture",
     "screen_mazes",
     "screen_walks",
     "sdf",
     "spec",
     "sweep",
     "video",
+    "view_angles",
     "walk",
 ]

@@ -137,6 +137,7 @@ def spec(
     _options(model, robot, settings)
     _scenery(model)
     body = _body(model, robot, settings)
+    _light(body)
     carriage = _carriage(model, robot, body)
     anchors: dict[str, dict[int, Any]] = {leg.name: {} for leg in robot.legs}
     for antenna in robot.antennas:
@@ -167,36 +168,50 @@ def _options(model: Any, robot: Robot, settings: Settings) -> None:
 
 
 def _scenery(model: Any) -> None:
-    model.visual.headlight.ambient = (0.45, 0.45, 0.45)
-    model.visual.headlight.diffuse = (0.25, 0.25, 0.25)
+    model.visual.headlight.ambient = (0.42, 0.42, 0.43)
+    model.visual.headlight.diffuse = (0.18, 0.18, 0.18)
     model.visual.headlight.specular = (0.0, 0.0, 0.0)
-    model.visual.quality.shadowsize = 2048
+    model.visual.quality.shadowsize, model.visual.quality.offsamples = 2048, 4
     model.visual.global_.offwidth, model.visual.global_.offheight = 1920, 1080
-    model.visual.map.znear, model.visual.map.zfar = 0.01, 50.0
+    model.visual.map.znear, model.visual.map.zfar = 0.05, 200.0
+    model.visual.rgba.haze = (0.97, 0.98, 0.99, 1.0)
     model.stat.extent = 0.3
+    sky = {"rgb1": (0.97, 0.98, 0.99), "rgb2": (0.80, 0.85, 0.90), "width": 256, "height": 1536}
+    kinds = mujoco.mjtTexture
+    gradient = {"type": kinds.mjTEXTURE_SKYBOX, "builtin": mujoco.mjtBuiltin.mjBUILTIN_GRADIENT}
+    model.add_texture(name="sky", **gradient, **sky)
     model.add_texture(
         name="floor",
         type=mujoco.mjtTexture.mjTEXTURE_2D,
         width=256,
         height=256,
         builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
-        rgb1=(0.93, 0.93, 0.91),
-        rgb2=(0.86, 0.86, 0.84),
+        rgb1=(0.96, 0.96, 0.95),
+        rgb2=(0.91, 0.92, 0.92),
     )
     role = mujoco.mjtTextureRole
     layers = ["floor" if i == role.mjTEXROLE_RGB else "" for i in range(role.mjNTEXROLE)]
     # One square of the floor is 100 mm wide.
-    model.add_material(name="floor", textures=layers, texrepeat=(5, 5), texuniform=True)
-    model.worldbody.add_light(
-        pos=(0.0, 0.0, 3.0),
-        dir=(0.2, 0.3, -1.0),
-        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
-        diffuse=(0.35, 0.35, 0.35),
-        specular=(0.0, 0.0, 0.0),
-        castshadow=True,
+    model.add_material(
+        name="floor", textures=layers, texrepeat=(5, 5), texuniform=True, specular=0.0
     )
     floor = {"type": mujoco.mjtGeom.mjGEOM_PLANE, "size": (0, 0, 0.05), "material": "floor"}
     model.worldbody.add_geom(name="floor", **floor, **parts.STANDS)
+
+
+def _light(body: Any) -> None:
+    """Add a lamp that stays over the robot, so that its parts cast shadows wherever it walks."""
+    far, towards = 0.6, np.array([0.32, -0.38, -1.0])
+    body.add_light(
+        name="lamp",
+        pos=-far * towards / np.linalg.norm(towards),
+        dir=towards,
+        mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACKCOM,
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        diffuse=(0.45, 0.45, 0.44),
+        specular=(0.2, 0.2, 0.2),
+        castshadow=True,
+    )
 
 
 def _body(model: Any, robot: Robot, settings: Settings) -> Any:

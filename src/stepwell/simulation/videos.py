@@ -1,47 +1,43 @@
-"""Videos of walks and of runs in an arena."""
+"""Videos and pictures of walks and of runs in an arena."""
 
 import io
-import json
 import os
-import subprocess
-import sys
-import tempfile
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
-from importlib import import_module
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stepwell.base import InputError, StepwellError, most, need, notify, problem, write_atomic
-from stepwell.robot import Arena
+from stepwell import base
+from stepwell.robot import TOLERANCE, Arena, Leg, Robot
+from stepwell.simulation import parts
+from stepwell.simulation.drawing import (
+    FIELD,
+    Camera,
+    DrawingProcess,
+    Frame,
+    VideoError,
+    view_angles,
+)
 from stepwell.simulation.mazes import Maze
-from stepwell.simulation.model import spec
-from stepwell.simulation.simulator import mujoco
+from stepwell.simulation.model import HEIGHT, spec
+from stepwell.simulation.simulator import Model, mujoco
 from stepwell.simulation.walks import Walk
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
 
-Frame = NDArray[np.uint8]
+View = str | tuple[float, float]
 
-SYSTEMS = ("egl", "osmesa") if sys.platform == "linux" else ("",)
-TRAIL = (0.84, 0.37, 0.0, 1.0)
-PATIENCE = 60.0  # how long a graphics system may take to start [s]
-# Reach of the antennas beyond the body's origin [m].
-EDGE = 0.25
 GIF_WIDTH = 480
 GIF_COLOURS = 192
-READY = b"ready\n"
-GOAL = (0.0, 0.62, 0.45, 0.35)
-
-
-class VideoError(StepwellError, RuntimeError):
-    """Frames cannot be drawn, or a file cannot be written; the text has an action."""
+EDGE = 0.25  # reach of the antennas beyond the body's origin [m]
+LIFTED = 0.06  # height of the labels over the floor [m] ...
+OUTSIDE = 0.06  # ... and their distance from the leg [m]
+INSET = 0.36  # width of the inset over that of the picture [1]
+INCH = 0.0254  # [m]
 
 
 def video(
@@ -51,168 +47,327 @@ def video(
     height: int = 540,
     fps: int = 25,
     speed: float | None = None,
+    view: View | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Path, ...]:
     """Write a run as a video, drawn off screen.
 
+    The states of the cells are written beside each leg, in the colours of their bands, inner first;
+    a dot is a cell between its stops.
+
     Args:
-        result: a walk, followed by the camera; or a run in an arena, with the whole arena in view
-            and the path drawn.
+        result: a walk, followed by the camera; or a run in an arena, with the whole arena in view,
+            the path drawn and a close-up of the robot in a corner.
         files: output files, .mp4 or .gif, each written atomically.
         width, height: of the picture [pixels], even numbers.
         fps: frames a second.
         speed: multiple of real time; by default 1 for a walk; in an arena, the one for a video of
             20 s.
+        view: "above", "side", "front" or "three-quarter", or azimuth and elevation [deg] of the
+            direction in which the camera looks, as numbers or as "145,-28"; three-quarter for a
+            walk and from above in an arena by default.
         progress: called with (done, total) frames.
 
     Raises:
-        ValueError: a file that is neither .mp4 nor .gif, an odd size, or a speed that is not > 0.
+        ValueError: a file that is neither .mp4 nor .gif, an odd size, a speed that is not > 0, or
+            another view.
         ExtraError: PyAV for MP4, or Pillow for GIF, is not installed.
         VideoError: neither EGL nor OSMesa works, or more frames than the limit.
     """
     targets = tuple(Path(file) for file in files)
     _require_usable(targets, width, height, speed)
-    walk = result.walk if isinstance(result, Maze) else result
-    if len(walk.time) < 2:
-        raise InputError("the run has no samples: it ended before the first one.")
+    shots = _Shots(result, (width, height), view)
+    walk = shots.walk
     if speed is None:
         speed = max(1.0, walk.time[-1] / 20.0) if isinstance(result, Maze) else 1.0
     count = (walk.time[-1] - max(walk.time[0], 0.0)) * fps / speed
-    if count > most("frames"):
-        raise VideoError(f"{problem('frames', count, 'These are')} Or use a higher speed.")
+    if count > base.most("frames"):
+        text = base.problem("frames", count, "These are")
+        raise VideoError(f"{text} Or use a higher speed.")
     begin = max(walk.time[0], 0.0) if walk.time[-1] > 0 else walk.time[0]
     times = np.arange(begin, walk.time[-1], speed / fps)
     # The samples that become frames.
     chosen = np.minimum(np.searchsorted(walk.time, times), len(walk.time) - 1)
     encoders = [_ENCODERS[target.suffix.lower()](width, height, fps) for target in targets]
-    with _drawn(walk, result, chosen, width, height) as frames:
-        for done, frame in enumerate(frames, 1):
+    with shots.drawing() as drawing:
+        for done, sample in enumerate(chosen, 1):
+            frame = shots.frame(drawing, sample, chosen[:done][-2:])
             for encoder in encoders:
                 encoder.add(frame)
-            notify(progress, done, len(chosen))
+            base.notify(progress, done, len(chosen))
     for target, encoder in zip(targets, encoders, strict=True):
-        write_atomic(target, encoder.finish())
+        base.write_atomic(target, encoder.finish())
     return targets
+
+
+def picture(
+    result: Walk | Maze,
+    file: str | os.PathLike[str],
+    *,
+    time: float | None = None,
+    view: View | None = None,
+    size: tuple[float, float] = (0.170, 0.0956),
+    dpi: int = 300,
+) -> Path:
+    """Write one moment of a run as a PNG picture for print, drawn as in `video`.
+
+    Args:
+        result: as for `video`.
+        file: output file, .png, written atomically.
+        time: the moment [s]; by default the last in which a foot is lifted, in an arena the end.
+        view: as for `video`.
+        size: width and height on paper [m].
+        dpi: pixels per inch.
+
+    Raises:
+        ValueError: a file that is not .png, or another view.
+        ExtraError: Pillow is not installed.
+        VideoError: neither EGL nor OSMesa works.
+    """
+    base.need("figures")
+    from PIL import Image
+
+    target = Path(file)
+    if target.suffix.lower() != ".png":
+        raise base.InputError(f"{target}: must end in .png.")
+    width, height = (2 * round(length / INCH * dpi / 2) for length in size)
+    shots = _Shots(result, (width, height), view)
+    shots.model.vis.quality.shadowsize = 4096
+    walk = shots.walk
+    moment = _telling(result) if time is None else time
+    sample = min(int(np.searchsorted(walk.time, moment)), len(walk.time) - 1)
+    with shots.drawing() as drawing:
+        frame = shots.frame(drawing, sample, np.arange(0, sample + 1, max(1, sample // 2000)))
+    out = io.BytesIO()
+    Image.fromarray(frame).save(out, format="PNG", dpi=(dpi, dpi))
+    base.write_atomic(target, out.getvalue())
+    return target
+
+
+def _telling(result: Walk | Maze) -> float:
+    """The moment [s] that shows most: the end of a path, or the last one with a lifted foot."""
+    if isinstance(result, Maze):
+        return float(result.walk.time[-1])
+    lifted = np.flatnonzero(result.foot_height.max(axis=1) > 0.9 * result.foot_height.max())
+    return float(result.time[lifted[-1]])
 
 
 def _require_usable(targets: Iterable[Path], width: int, height: int, speed: float | None) -> None:
     for target in targets:
         if target.suffix.lower() not in _ENCODERS:
-            raise InputError(f"{target}: must end in .mp4 or .gif.")
+            raise base.InputError(f"{target}: must end in .mp4 or .gif.")
     if width % 2 or height % 2 or width < 16 or height < 16:
-        raise InputError(f"width, height = {width}, {height}: must be even and at least 16.")
+        raise base.InputError(f"width, height = {width}, {height}: must be even and at least 16.")
     if speed is not None and not speed > 0:
-        raise InputError(f"speed = {speed}: must be > 0.")
+        raise base.InputError(f"speed = {speed}: must be > 0.")
 
 
-@contextmanager
-def _drawn(
-    walk: Walk, result: Walk | Maze, chosen: NDArray[np.intp], width: int, height: int
-) -> Iterator[Iterator[Frame]]:
-    """The frames, from the first graphics system that works."""
-    with tempfile.TemporaryDirectory(prefix="stepwell-") as folder:
-        model, run = Path(folder, "model.mjb"), Path(folder, "run.npz")
-        mujoco.mj_saveModel(spec(walk.robot, walk.arena, walk.settings).compile(), str(model))
-        trail = np.stack([walk.x, walk.y, np.full(len(walk.x), 0.002)], axis=1)[chosen]
-        np.savez(
-            run,
-            view=json.dumps(_view(walk, isinstance(result, Maze), width, height)),
-            positions=walk.positions[chosen],
-            trail=trail if isinstance(result, Maze) else trail[:0],
-        )
-        tried: list[str] = []
-        drawing = [sys.executable, "-m", "stepwell.simulation.videos", str(model), str(run)]
-        pipe = subprocess.PIPE
-        for system in SYSTEMS:
-            process = subprocess.Popen(drawing, stdout=pipe, stderr=pipe, env=_environment(system))
-            assert process.stdout is not None
-            try:
-                if process.stdout.readline() == READY:
-                    yield _frames(process, len(chosen), width, height)
-                    return
-                tried.append(f"{system or 'this system'}: {_last_line(process)}")
-            finally:
-                process.kill()
-                process.communicate()
-        raise VideoError(
-            "No video: frames cannot be drawn off screen. "
-            + " ".join(f"({one})" for one in tried)
-            + " On Debian and Ubuntu, install libegl1 and libgl1-mesa-dri; figures do not need "
-            "them."
-        )
+class _Shots:
+    """The pictures of a run: a camera, or two for a run in an arena, and labels."""
+
+    def __init__(self, result: Walk | Maze, size: tuple[int, int], view: View | None):
+        self.walk = result.walk if isinstance(result, Maze) else result
+        if len(self.walk.time) < 2:
+            raise base.InputError("the run has no samples: it ended before the first one.")
+        angles = None if view is None else view_angles(view)
+        walk, self.maze = self.walk, isinstance(result, Maze)
+        self.model: Model = spec(walk.robot, walk.arena, walk.settings).compile()
+        around, shadows = _outline(self.model, walk), 1.5 * _reach(self.model)
+        if self.maze:
+            whole = _whole(walk, size, angles or (90.0, -75.0))
+            small = 2 * round(INSET * size[0] / 2), 2 * round(INSET * size[1] / 2)
+            # Walls hide the robot from a lower camera; left is left in both pictures.
+            near = Camera(small, (90.0, -62.0), lit=shadows).round(around)
+            self.cameras = [whole, near]
+            self.corner = _free_corner(whole, _seen(walk), small)
+        else:
+            near = Camera(size, angles or view_angles("three-quarter"), lit=shadows).round(around)
+            self.cameras, self.corner = [near], (0, 0)
+        self.labels = Labels(walk.robot, max(near.size[1], round(0.6 * size[1])))
+
+    def drawing(self) -> DrawingProcess:
+        """The process that draws the pictures."""
+        goal = self.walk.arena.goal if self.walk.arena and self.maze else None
+        disc = (*goal.at, goal.radius) if goal else None
+        return DrawingProcess(self.model, self.cameras, disc)
+
+    def frame(self, drawing: DrawingProcess, sample: int, path: NDArray[np.intp]) -> Frame:
+        """The picture at a sample, with the path through more samples."""
+        walk, position = self.walk, self.walk.positions[sample]
+        points = np.stack([walk.x[path], walk.y[path]], axis=1) if self.maze else ()
+        frames = drawing.frames(position, points)
+        fractions = [walk._share(leg.name)[sample] for leg in walk.robot.legs]
+        near = self.labels.add(frames[-1], self.cameras[-1], position[:7], fractions)
+        return _with_inset(frames[0], near, self.corner) if self.maze else near
 
 
-def drawing_system() -> str | None:
-    """The graphics system for frames off screen, in the order of videos; None without one."""
-    for system in SYSTEMS:
-        try:
-            tried = subprocess.run(
-                [sys.executable, "-c", "import mujoco; mujoco.GLContext(8, 8).make_current()"],
-                env=_environment(system),
-                capture_output=True,
-                timeout=PATIENCE,
-            )
-        except subprocess.TimeoutExpired:
-            continue
-        if tried.returncode == 0:
-            return system or "the system's own"
-    return None
+def _corners(model: Model) -> base.Floats:
+    """(n, 3) corners of the parts of a robot [m] at its start, from the floor under its origin."""
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_forward(model, data)
+    body = model.body("body").id
+    shown = (model.body_rootid[model.geom_bodyid] == body) & (model.geom_rgba[:, 3] > 0)
+    signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, -1).T
+    boxes = [
+        (model.geom_aabb[geom, :3] + model.geom_aabb[geom, 3:] * signs)
+        @ data.geom_xmat[geom].reshape(3, 3).T
+        + data.geom_xpos[geom]
+        for geom in np.flatnonzero(shown)
+    ]
+    return np.concatenate(boxes) - data.qpos[:3] * [1.0, 1.0, 0.0]
 
 
-def _environment(system: str) -> dict[str, str]:
-    given = {"MUJOCO_GL": system, "PYOPENGL_PLATFORM": system} if system else {}
-    return os.environ | given
+def _reach(model: Model) -> float:
+    """Largest distance of a part from the axis through the origin [m]."""
+    return float(np.linalg.norm(_corners(model)[:, :2], axis=1).max())
 
 
-def _last_line(process: subprocess.Popen[bytes]) -> str:
-    _, errors = process.communicate(timeout=PATIENCE)
-    lines = [line for line in errors.decode(errors="replace").splitlines() if line.strip()]
-    return lines[-1].strip() if lines else "it ended without a message"
+def _outline(model: Model, walk: Walk) -> base.Floats:
+    """(n, 3) points round a robot and its labels [m], in all directions that it takes."""
+    x, y, z = _corners(model).T
+    beside = [label_place(leg, out) for leg in walk.robot.legs for out in (0.0, OUTSIDE)]
+    x, y, z = np.concatenate([[x, y, z], np.array(beside).T], axis=1)
+    turns = walk.yaw - walk.yaw[0]
+    turned = [
+        np.stack([x * np.cos(a) - y * np.sin(a), x * np.sin(a) + y * np.cos(a), z], axis=1)
+        for a in np.linspace(turns.min(), turns.max(), 9)
+    ]
+    return np.concatenate(turned)
 
 
-def _frames(
-    process: subprocess.Popen[bytes], count: int, width: int, height: int
-) -> Iterator[Frame]:
-    assert process.stdout is not None
-    size = width * height * 3
-    for _ in range(count):
-        data = process.stdout.read(size)
-        if len(data) < size:
-            raise VideoError(f"No video: the drawing process ended early ({_last_line(process)}).")
-        yield np.frombuffer(data, np.uint8).reshape(height, width, 3)
+def label_place(leg: Leg, outside: float = OUTSIDE) -> parts.Vec3:
+    """Place of a leg's label in the frame of the body [m]."""
+    return leg.at[0] - 0.02, leg.at[1] + leg.side * outside, LIFTED
 
 
-def _view(walk: Walk, whole: bool, width: int, height: int) -> dict[str, object]:
-    view: dict[str, object] = {"width": width, "height": height, "trail": TRAIL}
-    if not whole:
-        near = {"camera": (0.36, 145.0, -28.0), "lookat": (0.0, 0.0, 0.015)}
-        return view | near | {"follow": True, "width_m": 0.001, "shadows": True}
+def _seen(walk: Walk) -> base.Floats:
+    """(n, 3) points of a run that have to be in view [m]: path, obstacles, goal."""
     arena = walk.arena or Arena()
-    if arena.goal is not None:
-        view["goal"] = (*arena.goal.at, arena.goal.radius)
-    # All points in view [m].
-    points = [*zip(walk.x, walk.y, strict=True)]
-    points += [end for wall in arena.walls for end in (wall.start, wall.end)]
+    points = [*zip(walk.x + EDGE, walk.y + EDGE, strict=True)]
+    points += [*zip(walk.x - EDGE, walk.y - EDGE, strict=True)]
+    for wall in arena.walls:
+        start, end = np.array(wall.start), np.array(wall.end)
+        points += [tuple(start + (end - start) * part) for part in np.linspace(0.0, 1.0, 9)]
     for disc in (*arena.cylinders, *filter(None, [arena.goal])):
         points += [np.add(disc.at, disc.radius), np.subtract(disc.at, disc.radius)]
-    low, high = np.min(points, axis=0) - EDGE, np.max(points, axis=0) + EDGE
-    middle, size = (low + high) / 2, high - low
-    # MuJoCo's free camera has a vertical field of view of 45°; 10 % more leaves an edge.
-    across = max(size[1], size[0] * height / width) * 1.10
-    return view | {
-        "camera": (across / 2 / np.tan(np.radians(22.5)), 90.0, -75.0),
-        "lookat": (*middle, 0.0),
-        "follow": False,
-        "shadows": False,
-        "width_m": 0.002 * max(1.0, across),
-    }
+    flat = np.array(points)
+    return np.concatenate(
+        [np.c_[flat, np.zeros(len(flat))], np.c_[flat, np.full(len(flat), HEIGHT)]]
+    )
+
+
+def _whole(walk: Walk, size: tuple[int, int], angles: tuple[float, float]) -> Camera:
+    """A camera that has the whole arena in view."""
+    camera = Camera(size, angles, follows=False).round(_seen(walk))
+    # Lines are two pixels wide in a picture of 540.
+    line = 2 * camera.distance * np.tan(FIELD / 2) / 540
+    return Camera(
+        size, angles, camera.target, camera.distance, False, lit=0.45 * camera.distance, line=line
+    )
+
+
+def _free_corner(camera: Camera, points: base.Floats, size: tuple[int, int]) -> tuple[int, int]:
+    """Upper left pixel of a picture in the corner with the fewest points."""
+    pixels, gap = camera.pixels(points, np.zeros(3)), camera.size[1] // 60
+    ends = [(gap, whole - part - gap) for whole, part in zip(camera.size, size, strict=True)]
+    corners = [(x, y) for y in ends[1][::-1] for x in ends[0]]
+
+    def hidden(corner: tuple[int, int]) -> int:
+        inside = (pixels >= corner) & (pixels <= np.add(corner, size))
+        return int(inside.all(axis=1).sum())
+
+    return min(corners, key=hidden)
+
+
+def _with_inset(frame: Frame, inset: Frame, corner: tuple[int, int]) -> Frame:
+    """A picture with a smaller one in it, in a frame."""
+    (x, y), (height, width, _) = corner, inset.shape
+    frame, edge = frame.copy(), max(1, len(frame) // 270)
+    frame[y - edge : y + height + edge, x - edge : x + width + edge] = 70
+    frame[y : y + height, x : x + width] = inset
+    return frame
+
+
+class Labels:
+    """States of the cells beside each leg of a robot, in the colours of their bands."""
+
+    def __init__(self, robot: Robot, height: int):
+        self.robot = robot
+        self.size = max(10, round(height / 20))
+        self.fonts: Any = None
+        if base.have("figures"):
+            from PIL import ImageFont
+
+            self.fonts = ImageFont.load_default(self.size)
+
+    def add(
+        self, frame: Frame, camera: Camera, pose: base.Floats, fractions: Sequence[base.Floats]
+    ) -> Frame:
+        """A picture with the states, from the fraction of each cell's travel."""
+        if self.fonts is None:
+            return frame
+        from PIL import Image, ImageDraw
+
+        image = Image.fromarray(frame)
+        draw = ImageDraw.Draw(image)
+        points = []
+        for leg in self.robot.legs:
+            turned = np.empty(3)
+            mujoco.mju_rotVecQuat(turned, np.array(label_place(leg)), pose[3:7])
+            points.append(turned + pose[:3] * [1.0, 1.0, 0.0])
+        places = self._apart(camera.pixels(np.array(points), pose[:3]))
+        for leg, (x, y), each in zip(self.robot.legs, places, fractions, strict=True):
+            self._write(draw, (x, y), leg.name, each)
+        return np.asarray(image)
+
+    def _apart(self, places: base.Floats) -> base.Floats:
+        """Places of labels that do not cover each other."""
+        places = places.copy()
+        lowest_first = np.argsort(-places[:, 1], kind="stable")
+        for i, label in enumerate(lowest_first):
+            for lower in lowest_first[:i]:
+                near = np.abs(places[label] - places[lower]) < [6 * self.size, 1.7 * self.size]
+                if near.all():
+                    places[label, 1] = places[lower, 1] - 1.8 * self.size
+        return places
+
+    def _write(self, draw: Any, at: tuple[float, float], name: str, fractions: base.Floats) -> None:
+        side, gap = 1.35 * self.size, 0.12 * self.size
+        word = draw.textlength(f"{name} ", font=self.fonts)
+        half = (word + len(fractions) * side) / 2 + 3 * gap, side / 2 + 2 * gap
+        # Inside the picture.
+        most = np.array(draw.im.size) - half
+        x, y = np.clip(at, half, most)
+        x -= half[0] - 3 * gap
+        draw.rounded_rectangle(
+            (
+                x - 3 * gap,
+                y - side / 2 - 2 * gap,
+                x + word + len(fractions) * side + 2 * gap,
+                y + side / 2 + 2 * gap,
+            ),
+            radius=2 * gap,
+            fill=(255, 255, 255),
+        )
+        draw.text((x, y), name, fill=(34, 34, 34), font=self.fonts, anchor="lm")
+        for number, fraction in enumerate(fractions):
+            left = x + word + number * side
+            colour = tuple(round(255 * part) for part in parts.BANDS[number % len(parts.BANDS)][:3])
+            state = "0" if fraction <= TOLERANCE else "1" if fraction >= 1.0 - TOLERANCE else "·"
+            draw.rounded_rectangle(
+                (left + gap, y - side / 2, left + side - gap, y + side / 2), radius=gap, fill=colour
+            )
+            draw.text(
+                (left + side / 2, y), state, fill=(255, 255, 255), font=self.fonts, anchor="mm"
+            )
 
 
 class _Mp4:
     """MP4 with H.264, encoded frame by frame."""
 
     def __init__(self, width: int, height: int, fps: int):
-        need("video")
+        base.need("video")
         import av
 
         self._out = io.BytesIO()
@@ -237,7 +392,7 @@ class _Gif:
     """GIF with fewer and smaller frames, in one palette."""
 
     def __init__(self, width: int, height: int, fps: int):
-        need("figures")
+        base.need("figures")
         from PIL import Image
 
         self._image = Image
@@ -271,65 +426,3 @@ class _Gif:
 
 
 _ENCODERS = {".mp4": _Mp4, ".gif": _Gif}
-
-
-def _draw_frames(model_file: str, run_file: str) -> None:
-    """Write every frame to the output of a separate process, as height x width x 3 bytes.
-
-    The graphics system is chosen by an environment variable that is read once, when MuJoCo is
-    imported. Separate processes can try several systems, and a driver that crashes ends only its
-    own process.
-    """
-    # Directly, without `simulator`: here the graphics system is needed.
-    mujoco: Any = import_module("mujoco")
-    # Output of a driver must not end up between the frames.
-    frames = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)
-    run = np.load(run_file)
-    view = json.loads(str(run["view"]))
-    model = mujoco.MjModel.from_binary_path(model_file)
-    data = mujoco.MjData(model)
-    renderer = mujoco.Renderer(model, view["height"], view["width"], max_geom=5000)
-    frames.write(READY)
-    camera = mujoco.MjvCamera()
-    camera.distance, camera.azimuth, camera.elevation = view["camera"]
-    camera.lookat[:] = view["lookat"]
-    options = mujoco.MjvOption()
-    options.geomgroup[4] = 0
-    trail = run["trail"]
-    # Shadows and reflections take most of a software renderer's time.
-    for flag in (mujoco.mjtRndFlag.mjRND_SHADOW, mujoco.mjtRndFlag.mjRND_REFLECTION):
-        renderer.scene.flags[flag] = view["shadows"]
-    for frame, position in enumerate(run["positions"]):
-        data.qpos[:] = position
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_camlight(model, data)
-        mujoco.mj_tendon(model, data)
-        if view["follow"]:
-            camera.lookat[:2] = position[:2]
-        renderer.update_scene(data, camera, options)
-        scene = renderer.scene
-        if "goal" in view:
-            x, y, radius = view["goal"]
-            disc = scene.geoms[scene.ngeom]
-            size, place = np.array([radius, 0.0005, 0.0]), np.array([x, y, 0.0005])
-            colour = np.array(GOAL, dtype=np.float32)
-            shape = mujoco.mjtGeom.mjGEOM_CYLINDER
-            mujoco.mjv_initGeom(disc, shape, size, place, np.eye(3).ravel(), colour)
-            scene.ngeom += 1
-        for a, b in pairwise(trail[: frame + 1]):
-            if scene.ngeom >= scene.maxgeom:
-                break
-            geom = scene.geoms[scene.ngeom]
-            shape = mujoco.mjtGeom.mjGEOM_CAPSULE
-            colour = np.array(view["trail"], dtype=np.float32)
-            mujoco.mjv_initGeom(geom, shape, np.zeros(3), np.zeros(3), np.eye(3).ravel(), colour)
-            mujoco.mjv_connector(geom, shape, view["width_m"], a, b)
-            scene.ngeom += 1
-        frames.write(renderer.render().tobytes())
-    frames.close()
-
-
-if __name__ == "__main__":
-    _draw_frames(*sys.argv[1:])
