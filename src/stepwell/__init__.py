@@ -136,6 +136,7 @@ __all__ = [
     "load",
     "load_arena",
     "load_element",
+    "make_env",
     "margin",
     "parameter_map",
     "preset",
@@ -169,6 +170,37 @@ def load(design: str | os.PathLike[str]) -> Any:
     from stepwell import files
 
     return files.load(design).subject
+
+
+# Here, because robots and arenas by name are read by a package above the simulation.
+def make_env(
+    robot: Any, arena: Any = None, *, render_mode: str | None = None, **episode: Any
+) -> Any:
+    """A robot in an arena as an environment of Gymnasium, whose action is the stroke.
+
+    Args:
+        robot: a Robot, the name of a preset such as "robot-antennas", or a design file.
+        arena: an Arena, the name of one such as "three-walls", or a file; a bare floor by default.
+        render_mode: "rgb_array" for pictures by `render`, None for none.
+        episode: reward, interval, limit, random_start, size and settings, as in
+            `stepwell.simulation.Episode`.
+
+    Returns:
+        A `stepwell.simulation.RobotEnv` with the usual wrappers of Gymnasium.
+
+    Raises:
+        ValueError: the robot or the arena cannot be read, or an option is out of range.
+        ExtraError: Gymnasium or MuJoCo is not installed.
+    """
+    from stepwell import files, simulation
+    from stepwell.robot import Arena, Robot
+
+    if not isinstance(robot, Robot):
+        named = robot in files.presets() and not os.path.exists(robot)
+        robot = files.load(f"preset:{robot}" if named else robot).robot
+    if arena is not None and not isinstance(arena, Arena):
+        arena = files.load_arena(arena)
+    return simulation.make_env(robot, arena, render_mode=render_mode, **episode)
 
 
 def __getattr__(name: str) -> Any:

@@ -239,7 +239,7 @@ def _simulated(
     account: Account,
     *,
     video: bool = False,
-    view: sw.simulation.View | None = None,
+    view: str | tuple[float, float] | None = None,
     warn: Warn = warnings.warn,
 ) -> Contents:
     """Contents of a walk, on an empty floor or through an arena."""
@@ -265,7 +265,7 @@ def _sweep(sweep: sw.simulation.Sweep, _: Account) -> Contents:
 
 def _film(
     result: sw.simulation.Walk | sw.simulation.Maze,
-    view: sw.simulation.View | None,
+    view: str | tuple[float, float] | None,
     warn: Warn,
     folder: Path,
     progress: Progress | None,

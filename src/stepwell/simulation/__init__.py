@@ -1,5 +1,8 @@
 """Simulation of robots in MuJoCo: model, walks, runs in an arena, sweeps, videos."""
 
+from typing import TYPE_CHECKING
+
+from stepwell.base import late
 from stepwell.simulation.comparison import (
     Convergence,
     GaitComparison,
@@ -13,13 +16,17 @@ from stepwell.simulation.mazes import TOUCHED, Contact, GaitChange, Maze, Outcom
 from stepwell.simulation.model import HEIGHT, obstacle_names, spec
 from stepwell.simulation.simulator import Integrator, Linkage, Settings, mujoco
 from stepwell.simulation.sweeps import Sweep, Trial, sweep
-from stepwell.simulation.videos import View, picture, video
+from stepwell.simulation.videos import picture, video
 from stepwell.simulation.walks import LOADED, Walk, walk
 from stepwell.simulation.worlds import device, screen_mazes, screen_walks
+
+if TYPE_CHECKING:
+    from stepwell.simulation.environment import Episode, Reward, RobotEnv, make_env
 
 __all__ = [
     "GaitChange",
     "Contact",
+    "Episode",
     "GaitComparison",
     "Convergence",
     "Integrator",
@@ -27,16 +34,18 @@ __all__ = [
     "Maze",
     "Outcome",
     "Resolution",
+    "Reward",
+    "RobotEnv",
     "Settings",
     "Sweep",
     "Trial",
     "VideoError",
-    "View",
     "Walk",
     "compare_gaits",
     "convergence",
     "device",
     "exchange",
+    "make_env",
     "maze",
     "mazes",
     "mjcf",
@@ -50,3 +59,7 @@ __all__ = [
     "view_angles",
     "walk",
 ]
+
+# Gymnasium is imported with them.
+_LATE = {"environment": ("Episode", "Reward", "RobotEnv", "make_env")}
+__getattr__, __dir__ = late("stepwell.simulation", _LATE, __all__)

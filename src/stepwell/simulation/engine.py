@@ -118,14 +118,18 @@ class SimulatedRun:
         count = max(1, math.ceil((end - begin) / CHUNK - 1e-9))
         return [begin + (end - begin) * (i + 1) / count for i in range(count)]
 
-    def advance(self, until: float) -> None:
-        """Step to this time [s], or until the run goes wrong."""
+    def advance(self, until: float, command: Floats | None = None) -> None:
+        """Step to this time [s], or until the run goes wrong.
+
+        `command` (steps,) [m] is the stroke of each step, that of the robot's drive by default.
+        """
         steps = round((until - self.now) / self.settings.time_step)
         if steps <= 0 or self.stopped:
             return
-        command, given = self.command(steps)[None, :, None], (self.model, self.data, self.state)
+        control = (self.command(steps) if command is None else command)[None, :, None]
+        given = self.model, self.data, self.state
         with quietly():
-            states, readings = rollout.rollout(*given, command, initial_warmstart=self._warm)
+            states, readings = rollout.rollout(*given, control, initial_warmstart=self._warm)
         self._warm = self.data.qacc_warmstart.copy()
         self.take(states[0], readings[0])
 
