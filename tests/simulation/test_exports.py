@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
@@ -12,9 +13,21 @@ import numpy as np
 import pytest
 
 import stepwell as sw
+from robot import robots
+from robot.made import parts
 from simulation.robots import explorer, robot, walked
-from stepwell.robot import Drive, Profile
-from stepwell.simulation import Linkage, Settings, exchange, exports, mujoco, sdf, spec
+from stepwell.robot import Drive, Profile, Robot, with_parts
+from stepwell.simulation import (
+    Linkage,
+    Settings,
+    control_script,
+    exchange,
+    exports,
+    mujoco,
+    sdf,
+    spec,
+)
+from stepwell.simulation.live import LiveParts
 
 
 def into(folder: Path, files: dict[str, str]) -> Path:
@@ -96,7 +109,7 @@ def test_meshes_are_files_that_both_formats_place_alike(tmp_path, with_a_mesh):
     assert pose == pytest.approx([0, 0, 0.05, 0, 0, 0, 1], abs=1e-7)
 
 
-def drake(text: str, caplog):
+def drake(given: str | Path, caplog):
     """The plant that Drake reads, with Gazebo's parser, and the messages of this parser."""
     pytest.importorskip("pydrake", reason="Drake reads SDF files on Linux only")
     from pydrake.multibody.parsing import Parser
@@ -104,7 +117,10 @@ def drake(text: str, caplog):
 
     plant = MultibodyPlant(1e-3)
     with caplog.at_level(logging.INFO):
-        Parser(plant).AddModelsFromString(text, "sdf")
+        if isinstance(given, Path):
+            Parser(plant).AddModels(str(given))
+        else:
+            Parser(plant).AddModelsFromString(given, "sdf")
     own = "Ignoring unsupported SDFormat element"
     return plant, [one.getMessage() for one in caplog.records if own not in one.getMessage()]
 
@@ -182,6 +198,52 @@ def test_bands_and_the_lever_of_an_antenna_are_in_the_sdf():
     assert follower is not None and follower.get("joint") == "left.antenna.joint"
     gear = explorer().antennas[0].gear
     assert float(follower.findtext("multiplier") or "") == pytest.approx(gear)
+
+
+@cache
+def made() -> Robot:
+    """A robot with antennas made of parts."""
+    one = robots.explorer()
+    return with_parts(one, parts(one))
+
+
+def test_a_robot_made_of_parts_is_exported_with_every_part(tmp_path, caplog):
+    one = made()
+    files = exchange(one)
+    into(tmp_path, files)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
+    assert model.nmesh == len(one.made.shapes) == sum(name.endswith(".obj") for name in files)
+    whole = spec(one).compile()
+    assert model.geom_pos == pytest.approx(whole.geom_pos, abs=2e-6)
+    assert model.body_mass == pytest.approx(whole.body_mass, rel=1e-5)
+    # Faces stay flat: every corner has the normal of its face.
+    assert model.nmeshnormal == whole.nmeshnormal
+    plant, remarks = drake(tmp_path / "robot.sdf", caplog)
+    assert remarks == []
+    place = plant.GetModelInstanceByName(one.title or "robot")
+    hinged = spec(one, None, Settings(linkage=Linkage.HINGES)).compile()
+    moving = (hinged.body_rootid == hinged.body("body").id).sum()
+    assert len(plant.GetBodyIndices(place)) == moving + files["robot.sdf"].count('.carrier">')
+    seen = {shape.part for shape in one.made.shapes if not shape.collides}
+    assert all(f'{part}"' in files["robot.sdf"] for part in seen)
+
+
+def test_the_script_moves_parts_that_are_only_drawn_as_our_pictures_do(tmp_path):
+    into(tmp_path, exchange(made()))
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    for step in range(1200):
+        data.ctrl[0] = control_script.stroke(model, step * 0.001)
+        mujoco.mj_step(model, data)
+    mujoco.mj_kinematics(model, data)
+    control_script.Followers(model).update(data)
+    poses = data.mocap_pos.copy(), data.mocap_quat.copy()
+    LiveParts(model).update(data)
+    assert len(poses[0]) > 4
+    assert poses[0] == pytest.approx(data.mocap_pos, abs=1e-9)
+    same = np.abs(np.sum(poses[1] * data.mocap_quat, axis=1))
+    assert same == pytest.approx(1.0, abs=1e-9)
 
 
 def test_a_loose_antenna_follows_nothing():

@@ -54,12 +54,50 @@ def advances(model: Any, cycles: int) -> list[float]:
     return [float(one / number(model, "u_max")) for one in moved]
 
 
+def turned(rest: Any, now: Any) -> Any:
+    """The smallest rotation (w, x, y, z) from the direction of one vector (3,) to another's."""
+    axis, turn = np.cross(rest, now), np.empty(4)
+    angle = np.arctan2(np.linalg.norm(axis), rest @ now)
+    mujoco.mju_axisAngle2Quat(turn, axis / max(np.linalg.norm(axis), 1e-12), angle)
+    return turn
+
+
+class Followers:
+    """Bodies that are only drawn, each from its joint "near" to its joint "far" on other bodies."""
+
+    def __init__(self, model: Any):
+        names = {model.body(i).name: i for i in range(model.nbody) if model.body_mocapid[i] >= 0}
+        self.ends = [
+            (model.body_mocapid[body], model.site(f"near {part}").id, model.site(f"far {part}").id)
+            for name, body in names.items()
+            for part in [name.removeprefix("drawn ")]
+        ]
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+        mujoco.mj_kinematics(model, data)
+        self.rest = [self.arrow(data, near, far) for _, near, far in self.ends]
+
+    def arrow(self, data: Any, near: int, far: int) -> Any:
+        """Vector between two points [m] in the frame of the robot's body."""
+        return data.body("body").xmat.reshape(3, 3).T @ (data.site_xpos[far] - data.site_xpos[near])
+
+    def update(self, data: Any) -> None:
+        """Move them to their joints."""
+        for (body, near, far), rest in zip(self.ends, self.rest, strict=True):
+            turn = turned(rest, self.arrow(data, near, far))
+            data.mocap_pos[body] = data.site_xpos[near]
+            mujoco.mju_mulQuat(data.mocap_quat[body], data.body("body").xquat, turn)
+
+
 def show(model: Any) -> None:
     """Walk in MuJoCo's viewer, from the keyframe `settled`; the mouse can push the robot."""
     from mujoco import viewer
 
+    followers = Followers(model)
+
     def control(model: Any, data: Any) -> None:
         data.ctrl[0] = stroke(model, data.time)
+        followers.update(data)
 
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("settled").id)

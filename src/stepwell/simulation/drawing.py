@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepwell.base import Floats, InputError, StepwellError, nearest_word
+from stepwell.simulation.live import LiveParts
 from stepwell.simulation.simulator import Model, mujoco
 
 Frame = NDArray[np.uint8]
@@ -257,6 +258,7 @@ class _Scene:
             model.vis.map.shadowclip = wide * camera["lit"] / model.stat.extent
             width, height = camera["size"]
             self.renderers.append(mujoco.Renderer(model, height, width, max_geom=5000))
+        self.live = LiveParts(model)
         floor = model.geom("floor").id
         stands = (model.geom_contype & model.geom_conaffinity[floor]) > 0
         self.stands = np.flatnonzero(stands & (model.geom_type == mujoco.mjtGeom.mjGEOM_SPHERE))
@@ -265,6 +267,7 @@ class _Scene:
         """Take on the next position, and lengthen the path."""
         self.data.qpos[:] = request["position"]
         self.path += request["path"]
+        self.live.update(self.data)
         for step in ("mj_kinematics", "mj_comPos", "mj_camlight", "mj_tendon"):
             getattr(self.mujoco, step)(self.model, self.data)
 

@@ -12,7 +12,7 @@ from stepwell.base import Floats, InputError, check, need
 from stepwell.robot import Arena, Robot, other_start
 from stepwell.simulation.drawing import Camera, DrawingProcess, Frame, view_angles
 from stepwell.simulation.engine import SimulatedRun
-from stepwell.simulation.model import obstacle_names
+from stepwell.simulation.model import obstacle_names, spec
 from stepwell.simulation.simulator import Settings
 
 need("env")
@@ -167,7 +167,8 @@ class RobotEnv(gymnasium.Env):
         if self._drawing is None:
             sides = AROUND * np.array([[-1, -1, 0], [1, -1, 0], [-1, 1, 0], [1, 1, 0]])
             camera = Camera(self.episode.size, view_angles((90.0, -62.0)), lit=2 * AROUND)
-            self._drawing = DrawingProcess(run.model, [camera.round(sides)])
+            model = spec(run.robot, run.arena, run.settings).compile()
+            self._drawing = DrawingProcess(model, [camera.round(sides)])
         # The full state begins with the time and the joint positions.
         return self._drawing.frames(run.state[1 : 1 + run.model.nq])[0].copy()
 

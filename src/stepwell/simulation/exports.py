@@ -66,15 +66,25 @@ def mesh_files(model: Model) -> dict[str, str]:
 
 def obj(model: Model, number: int) -> str:
     """A mesh as an OBJ file [m], in the frame in which it was given to the model."""
-    first, count = model.mesh_vertadr[number], model.mesh_vertnum[number]
-    vertices = model.mesh_vert[first : first + count].astype(float)
+    m = model
     # MuJoCo turns and moves a mesh into its principal axes.
     turn = np.empty(9)
-    mujoco.mju_quat2Mat(turn, model.mesh_quat[number])
-    given = vertices @ turn.reshape(3, 3).T + model.mesh_pos[number]
-    begin, faces = model.mesh_faceadr[number], model.mesh_facenum[number]
-    lines = [f"v {x:.8g} {y:.8g} {z:.8g}" for x, y, z in given]
-    lines += [f"f {a} {b} {c}" for a, b, c in model.mesh_face[begin : begin + faces] + 1]
+    mujoco.mju_quat2Mat(turn, m.mesh_quat[number])
+    back = turn.reshape(3, 3).T
+
+    def part(values: Any, begin: Any, count: Any) -> Any:
+        return values[begin[number] : begin[number] + count[number]]
+
+    vertices = part(m.mesh_vert, m.mesh_vertadr, m.mesh_vertnum) @ back + m.mesh_pos[number]
+    normals = part(m.mesh_normal, m.mesh_normaladr, m.mesh_normalnum) @ back
+    corners = part(m.mesh_face, m.mesh_faceadr, m.mesh_facenum) + 1
+    upright = part(m.mesh_facenormal, m.mesh_faceadr, m.mesh_facenum) + 1
+    lines = [f"v {x:.8g} {y:.8g} {z:.8g}" for x, y, z in vertices]
+    lines += [f"vn {x:.6g} {y:.6g} {z:.6g}" for x, y, z in normals]
+    lines += [
+        "f " + " ".join(f"{v}//{n}" for v, n in zip(face, own, strict=True))
+        for face, own in zip(corners, upright, strict=True)
+    ]
     return "\n".join(lines) + "\n"
 
 
@@ -121,7 +131,7 @@ def _with_files(text: str, files: dict[str, str]) -> str:
         return text
     tree = Xml.fromstring(text)
     for mesh in tree.iter("mesh"):
-        for part in ("vertex", "face"):
+        for part in ("vertex", "normal", "face", "facenormal"):
             mesh.attrib.pop(part, None)
         mesh.set("file", files[mesh.attrib["name"]])
     return Xml.tostring(tree, encoding="unicode") + "\n"

@@ -171,8 +171,10 @@ def _scenery(model: Any) -> None:
     model.visual.headlight.ambient = (0.42, 0.42, 0.43)
     model.visual.headlight.diffuse = (0.18, 0.18, 0.18)
     model.visual.headlight.specular = (0.0, 0.0, 0.0)
-    model.visual.quality.shadowsize, model.visual.quality.offsamples = 2048, 4
+    model.visual.quality.shadowsize, model.visual.quality.offsamples = 4096, 4
     model.visual.global_.offwidth, model.visual.global_.offheight = 1920, 1080
+    # Specks at the edge of the shadows are far from the robot.
+    model.visual.map.shadowclip = 2.5
     model.visual.map.znear, model.visual.map.zfar = 0.05, 200.0
     model.visual.rgba.haze = (0.97, 0.98, 0.99, 1.0)
     model.stat.extent = 0.3

@@ -126,6 +126,8 @@ class _Writer:
             inertial = _Frame(m.body_ipos[body], m.body_iquat[body])
             _add_inertia(link, inertial, m.body_mass[body], m.body_inertia[body])
             self.add_shapes(link, body)
+            for follower in self.followers(body):
+                self.add_shapes(link, follower, self.frame(body).inverse @ self.frame(follower))
             if body != base:
                 self.add_joints(robot, body, where)
         self.add_loops(robot)
@@ -136,13 +138,22 @@ class _Writer:
         m = self.model
         still = _add(world, "model", name="surroundings")
         _add(still, "static", "true")
-        for body in np.flatnonzero((m.body_weldid == 0) & (m.body_geomnum > 0)):
+        drawn = (m.body_mocapid >= 0) | (m.body_geomnum == 0)
+        for body in np.flatnonzero((m.body_weldid == 0) & ~drawn):
             link = _add(still, "link", name=self.name(body))
             self.frame(body).add_to(link)
             self.add_shapes(link, body)
 
-    def add_shapes(self, link: Xml.Element, body: int) -> None:
-        """Add what is seen of a body, and what collides."""
+    def followers(self, body: int) -> list[int]:
+        """Bodies that are only drawn, from a joint on this one: here they stay as they are."""
+        m = self.model
+        names = [(int(i), m.body(i).name) for i in np.flatnonzero(m.body_mocapid >= 0)]
+        near = [(i, m.site(name.replace("drawn ", "near ", 1)).id) for i, name in names]
+        return [i for i, site in near if m.site_bodyid[site] == body]
+
+    def add_shapes(self, link: Xml.Element, body: int, within: _Frame | None = None) -> None:
+        """Add what is seen of a body, and what collides; `within` is its frame in the link."""
+        within = within or _Frame(np.zeros(3), _LEVEL)
         m, first = self.model, self.model.body_geomadr[body]
         for geom in range(first, first + m.body_geomnum[body]):
             label = m.geom(geom).name or f"shape {geom - first + 1}"
@@ -150,13 +161,13 @@ class _Writer:
             colour = m.geom_rgba[geom] if plain else m.mat_rgba[m.geom_matid[geom]]
             colour = np.round(colour.astype(float), 4)
             if colour[3] > 0:
-                visual = self.add_shape(link, "visual", label, geom)
+                visual = self.add_shape((link, "visual", label), geom, within)
                 _add(visual, "transparency", 1.0 - colour[3])
                 material = _add(visual, "material")
                 for part in ("ambient", "diffuse"):
                     _add(material, part, [*colour[:3], 1.0])
             if m.geom_contype[geom] or m.geom_conaffinity[geom]:
-                surface = _add(self.add_shape(link, "collision", label, geom), "surface")
+                surface = _add(self.add_shape((link, "collision", label), geom, within), "surface")
                 friction = _add(_add(surface, "friction"), "ode")
                 for part in ("mu", "mu2"):
                     _add(friction, part, m.geom_friction[geom, 0])
@@ -164,10 +175,13 @@ class _Writer:
                 _add(contact, "category_bitmask", str(m.geom_contype[geom]))
                 _add(contact, "collide_bitmask", str(m.geom_conaffinity[geom]))
 
-    def add_shape(self, link: Xml.Element, tag: str, label: str, geom: int) -> Xml.Element:
-        """Add a shape that is seen or that collides."""
+    def add_shape(
+        self, element: tuple[Xml.Element, str, str], geom: int, within: _Frame
+    ) -> Xml.Element:
+        """Add a shape that is seen or that collides; `element` has its link, tag and name."""
+        link, tag, label = element
         m, shape = self.model, _add(link, tag, name=label)
-        where = _Frame(m.geom_pos[geom], m.geom_quat[geom])
+        where = within @ _Frame(m.geom_pos[geom], m.geom_quat[geom])
         if m.geom_type[geom] == GEOM.mjGEOM_MESH:
             # The file has the mesh in the frame in which it was given to the model.
             mesh = m.geom_dataid[geom]

@@ -52,7 +52,7 @@ def video(
 ) -> tuple[Path, ...]:
     """Write a run as a video, drawn off screen.
 
-    The states of the cells are written beside each leg, in the colours of their bands, inner first;
+    The states of the cells are written beside each leg, in the colours of the figures, inner first;
     a dot is a cell between its stops.
 
     Args:
@@ -132,7 +132,6 @@ def picture(
         raise base.InputError(f"{target}: must end in .png.")
     width, height = (2 * round(length / INCH * dpi / 2) for length in size)
     shots = _Shots(result, (width, height), view)
-    shots.model.vis.quality.shadowsize = 4096
     walk = shots.walk
     moment = _telling(result) if time is None else time
     sample = min(int(np.searchsorted(walk.time, moment)), len(walk.time) - 1)
@@ -172,6 +171,7 @@ class _Shots:
         angles = None if view is None else view_angles(view)
         walk, self.maze = self.walk, isinstance(result, Maze)
         self.model: Model = spec(walk.robot, walk.arena, walk.settings).compile()
+        self.model.vis.quality.shadowsize = 2048 if size[0] < 1500 else 4096
         around, shadows = _outline(self.model, walk), 1.5 * _reach(self.model)
         if self.maze:
             whole = _whole(walk, size, angles or (90.0, -75.0))
@@ -290,7 +290,7 @@ def _with_inset(frame: Frame, inset: Frame, corner: tuple[int, int]) -> Frame:
 
 
 class Labels:
-    """States of the cells beside each leg of a robot, in the colours of their bands."""
+    """States of the cells beside each leg of a robot, in the colours of the figures."""
 
     def __init__(self, robot: Robot, height: int):
         self.robot = robot
