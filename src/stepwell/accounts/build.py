@@ -11,7 +11,17 @@ from stepwell.accounts.head import About, Shape, keys, recorded
 from stepwell.accounts.parts import CARD, FULL, Account, Fact, Notes, Picture, RecordTable
 from stepwell.accounts.words import assumed, cells_of
 from stepwell.base import Quantity, Schema, amount, counted, number
-from stepwell.build import BandUse, Build, Clearance, Collision, ExceededLimit, Layout, Part
+from stepwell.build import (
+    BandUse,
+    Build,
+    Clearance,
+    Collision,
+    ExceededLimit,
+    Layout,
+    Part,
+    RobotBuild,
+    RobotLayout,
+)
 
 
 def build_schema(shape: Shape) -> Schema:
@@ -24,10 +34,10 @@ def build_schema(shape: Shape) -> Schema:
         *keys(mass="g", fastener_mass="g", stroke=("mm", "chain.full_stroke")),
         Quantity("peak_force", "N", read=lambda made: made.cycle and made.cycle.peak_force),
         Quantity("block_masses", "g", holds=[float]),
-        Quantity("findings", holds=[_FINDING]),
-        Quantity("parts", holds=[_PART], read=_parts),
-        Quantity("fasteners", holds=[_FASTENER], read=lambda one: _fasteners(one.layout)),
-        Quantity("bands", holds=[_BAND]),
+        Quantity("findings", holds=[FINDING]),
+        Quantity("parts", holds=[PART], read=parts_of),
+        Quantity("fasteners", holds=[FASTENER], read=lambda one: fastener_counts(one.layout)),
+        Quantity("bands", holds=[BAND]),
         Quantity("sweep", holds=_SWEEP),
         Quantity("yield", read="yield_", holds=sampled, missing=True),
         *keys(notes=[str]),
@@ -44,7 +54,7 @@ def _of_unit(name: str, unit: str) -> Quantity:
     return Quantity(name, unit, read=read) if unit else Quantity(name, read=read, holds=float)
 
 
-_FINDING: Schema = (
+FINDING: Schema = (
     *keys(check=str, parts=[str]),
     *(_of_unit(name, unit) for unit in ("mm", "MPa", "N") for name in ("value", "allowed")),
     *(
@@ -60,7 +70,7 @@ def _size(part: Part, axis: int) -> float:
     return bounds[axis + 2] - bounds[axis]
 
 
-_PART: Schema = (
+PART: Schema = (
     Quantity("name", head="part", read="part.name"),
     Quantity("mark", head="mark", read="part.mark"),
     Quantity("layer", head="layer", read="part.layer", holds=int, left=False),
@@ -70,7 +80,7 @@ _PART: Schema = (
     Quantity("holes", head="holes", read=lambda row: len(row["part"].holes), holds=int, left=False),
     Quantity("mass", "g", "mass"),
 )
-_FASTENER: Schema = (
+FASTENER: Schema = (
     Quantity("use", head="use", read=itemgetter(0)),
     Quantity("size", head="size", read=itemgetter(1)),
     Quantity("count", head="count", read=itemgetter(2), holds=int, left=False),
@@ -81,7 +91,7 @@ def _end(name: str, number: int) -> Callable[[BandUse], float]:
     return lambda one: getattr(one, name)[number]
 
 
-_BAND: Schema = (
+BAND: Schema = (
     Quantity("cell", head="cell", read=lambda one: one.cell + 1, holds=int, left=False),
     Quantity("band", head="band", read=lambda one: one.number + 1, holds=int, left=False),
     Quantity("holes", head="holes", form=" ".join, holds=[str]),
@@ -97,7 +107,7 @@ _BAND: Schema = (
     Quantity("shift", "mm", holds=[float]),
     Quantity("fits", "mm", holds=[float]),
 )
-_CLEARANCE: Schema = (
+CLEARANCE: Schema = (
     Quantity("parts", head="parts", holds=[str]),
     Quantity("distance", "mm", "least distance", form=lambda mm: _distance_words(mm)),
 )
@@ -111,7 +121,7 @@ _SWEEP: Schema = (
     *keys(free=bool, pairs=int),
     Quantity("collisions", holds=[_COLLISION]),
     Quantity("undecided", holds=[[str]]),
-    Quantity("clearances", holds=[_CLEARANCE]),
+    Quantity("clearances", holds=[CLEARANCE]),
 )
 
 
@@ -119,12 +129,13 @@ def _distance_words(millimetres: float) -> str:
     return "they touch at the stops" if millimetres <= 0.01 else number(millimetres, 2)
 
 
-def _parts(made: Build) -> list[dict[str, Any]]:
+def parts_of(made: Build | RobotBuild) -> list[dict[str, Any]]:
+    """Each cut part with its mass [kg]."""
     density = made.build_file.sheet.density
     return [{"part": part, "mass": part.mass(density)} for part in made.layout.parts]
 
 
-def _fasteners(layout: Layout) -> list[tuple[str, str, int]]:
+def fastener_counts(layout: Layout | RobotLayout) -> list[tuple[str, str, int]]:
     """Use, size and count of the fasteners; heads belong to screws."""
     counts = Counter((one.use, one.size) for one in layout.fasteners if one.size)
     return [(use, size, count) for (use, size), count in sorted(counts.items())]
@@ -148,34 +159,34 @@ def build_account(made: Build, about: About) -> Account:
     facts = (
         Fact("Build file", made.build_file.title),
         Fact("Sweep", _sweep_words(made)),
-        Fact("Least clearance", _closest_words(closest)),
+        Fact("Least clearance", closest_words(closest)),
         Fact("Yield", "" if sampled is None else _yield_words(made)),
         Fact("Errors of a build", "" if sampled is None else yields.sample_words(sampled)),
         Fact("Mass", _mass_words(made)),
         Fact("Actuator", _actuator_words(made)),
     )
-    parts = RecordTable(_PART, recorded(_PART, _parts(made)), more="parts", level=FULL)
-    scales = [one for one in _BAND if one.name.startswith("scale")]
+    parts = RecordTable(PART, recorded(PART, parts_of(made)), more="parts", level=FULL)
+    scales = [one for one in BAND if one.name.startswith("scale")]
     bands = RecordTable(
-        [one for one in _BAND if one not in scales],
-        recorded(_BAND, made.bands),
+        [one for one in BAND if one not in scales],
+        recorded(BAND, made.bands),
         "Holes of the hooks on the inner and the outer block; 0 and 1 are the states of the cell, "
         "and the scale is a kitchen scale that the band pulls.",
         scales,
         more="bands",
         level=CARD,
     )
-    fasteners = RecordTable(_FASTENER, recorded(_FASTENER, _fasteners(made.layout)), level=FULL)
+    fasteners = RecordTable(FASTENER, recorded(FASTENER, fastener_counts(made.layout)), level=FULL)
     close = RecordTable(
-        _CLEARANCE,
-        recorded(_CLEARANCE, made.sweep.clearances),
+        CLEARANCE,
+        recorded(CLEARANCE, made.sweep.clearances),
         "Pairs that come closer than 1.5 mm; least distances exact to 0.1 mm. Pins in slots have "
         "the fit of the build file.",
         more="pairs",
         level=FULL,
     )
     sections = {
-        "Findings": Notes([str(one) for one in made.findings], CARD, _first(made)),
+        "Findings": Notes([str(one) for one in made.findings], CARD, first_of(made)),
         "Notes": Notes(made.notes),
         "Bands": bands,
         "Parts": (parts, Picture("layers", "The parts in their layers, all cells at 0")),
@@ -188,7 +199,7 @@ def build_account(made: Build, about: About) -> Account:
     return Account(made, title, "build/1", verdict, facts, sections, (), origin, seed=seed)
 
 
-def _first(made: Build) -> list[str]:
+def first_of(made: Build | RobotBuild) -> list[str]:
     """The first finding and the number of the others, for a screen; empty without others."""
     first, *others = map(str, made.findings or [""])
     more = counted(len(others), "more finding")
@@ -216,7 +227,8 @@ def _sweep_words(made: Build) -> str:
     return f"undecided for {counted(len(swept.undecided), 'pair')} of bodies"
 
 
-def _closest_words(closest: list[Clearance]) -> str:
+def closest_words(closest: list[Clearance]) -> str:
+    """The least clearance of all."""
     if not closest:
         return ""
     first = closest[0]

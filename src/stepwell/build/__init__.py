@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from stepwell.build.plates import Fastener
     from stepwell.build.robots.robot_builds import RobotBuild
     from stepwell.build.robots.robot_layout import RobotLayout, robot_layout
+    from stepwell.build.robots.robot_sweep import RobotOverlap, robot_sweep
     from stepwell.build.sweeps import Clearance, Collision, MotionSweep, sweep
     from stepwell.build.tolerances import build_yield, tolerances_of
 
@@ -45,6 +46,7 @@ __all__ = [
     "MotionSweep",
     "RobotBuild",
     "RobotLayout",
+    "RobotOverlap",
     "build",
     "build_files",
     "build_presets",
@@ -57,6 +59,7 @@ __all__ = [
     "loads_build_file",
     "preset_text",
     "robot_layout",
+    "robot_sweep",
     "sweep",
     "tolerances_of",
 ]
@@ -90,6 +93,7 @@ _LATE = {
     "plates": ("Fastener",),
     "robots.robot_builds": ("RobotBuild",),
     "robots.robot_layout": ("RobotLayout", "robot_layout"),
+    "robots.robot_sweep": ("RobotOverlap", "robot_sweep"),
     "sweeps": ("Clearance", "Collision", "MotionSweep", "sweep"),
     "tolerances": ("build_yield", "tolerances_of"),
 }

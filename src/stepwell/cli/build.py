@@ -5,8 +5,8 @@ from typing import Any
 
 import stepwell as sw
 from stepwell.cli.design import bands_of
-from stepwell.cli.options import Design, Group, Output, flag, option, read_chain
-from stepwell.cli.screen import answered, progress, usable, warn
+from stepwell.cli.options import Design, Group, Output, flag, option, read_design
+from stepwell.cli.screen import answered, progress, usable, warn, wrong
 from stepwell.cli.tolerances import BUILD_FILE, materials
 
 
@@ -44,7 +44,7 @@ def build(
         autocompletion=materials,
     ),
     samples: int | None = option(
-        "Number of Monte Carlo samples, for the yield.", "N", min=1, show_default="2000"
+        "Number of Monte Carlo samples, for the yield of a chain.", "N", min=1, show_default="2000"
     ),
     target: str | None = option(
         "Target: a sequence such as 00>10>11>01>00, for the yield; the cycle of the nominal "
@@ -57,10 +57,11 @@ def build(
 ) -> None:
     """Compute the solid parts of a design, and check that they move free of each other.
 
-    The result contains the sweep over all angles, exceeded limits with a way out, masses, bands
-    with their hooks, and the yield within the errors of the build file. With --out, drawings (DXF,
-    SVG), meshes (STL, 3MF), nested sheets, coupon, drilling template, parts list and assembly guide
-    are written into a folder. If the design cannot be built, nothing is written without --draft and
+    The design is a chain, or a robot of two legs. The result contains the sweep over all angles,
+    exceeded limits with a way out, masses, bands with their hooks; of a chain the yield within the
+    errors of the build file, of a robot its shortest period. With --out, drawings (DXF, SVG),
+    meshes (STL, 3MF), nested sheets, coupon, drilling template, parts list and assembly guide are
+    written into a folder. If the design cannot be built, nothing is written without --draft and
     the exit code is 3.
 
     Example: stepwell build preset:paper-forward --out parts
@@ -70,13 +71,17 @@ def build(
     if choice.step:
         sw.base.need("step")
     bands = [_named(band, text) for text in choice.bands or () for band in bands_of(text)]
-    text, chain = read_chain(design)
+    text, subject = read_design(design)
     output.check_output_folder("build", design=text)
     with usable("--material"):
         build_file = load_build_file(material)
     more: dict[str, Any] = {} if samples is None else {"samples": samples}
+    if target is not None:
+        more["target"] = target
+    if more and isinstance(subject, sw.robot.Robot):
+        raise wrong(f"--{next(iter(more))}", "is for the yield of a chain: omit it for a robot.")
     with usable(design), progress("sweep") as tell:
-        made = build(chain, build_file, target=target, progress=tell, **more)
+        made = build(subject, build_file, progress=tell, **more)
     possible = made.can_be_built
     if output.out is not None and not possible and not choice.draft:
         warn(f"{output.out}: nothing is written, because checks failed; --draft writes drafts.")

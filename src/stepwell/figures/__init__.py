@@ -36,6 +36,7 @@ from stepwell.figures.motion.moving import moving
 from stepwell.figures.motion.overview import landscape, overview, standard, standard_draws
 from stepwell.figures.motion.stroke_program import stroke_program
 from stepwell.figures.motion.strokes import force_stroke, snap_motion, travel_stroke
+from stepwell.figures.robots.build import robot_parts
 from stepwell.figures.robots.gaits import prediction, sweep
 from stepwell.figures.robots.mazes import maze, maze_timeline
 from stepwell.figures.robots.robot import robot_above, robot_drawing, robot_side
@@ -83,6 +84,7 @@ __all__ = [
     "recordings",
     "robot_above",
     "robot_drawing",
+    "robot_parts",
     "robot_side",
     "save",
     "snap_motion",

@@ -16,6 +16,7 @@ from stepwell.figures.cells.mechanism import mechanism
 from stepwell.figures.motion.overview import overview
 from stepwell.figures.motion.stroke_program import stroke_program
 from stepwell.figures.motion.strokes import force_stroke
+from stepwell.figures.robots.build import robot_parts
 from stepwell.figures.robots.gaits import prediction, sweep
 from stepwell.figures.robots.mazes import maze
 from stepwell.figures.robots.robot import robot_drawing
@@ -38,6 +39,7 @@ def plot(value: Any, **options: Any) -> Figure:
     | a margin, a yield, a result of `design` | `margins`, `yield_bars`, `force_plane` |
     | a map | `transition_map` |
     | a build | `layers` |
+    | a build of a robot | `robot_parts` |
     | a robot, a prediction | `robot_drawing`, `prediction` |
     | a walk, a path through an arena, a sweep | `trajectory`, `maze`, `sweep` |
     | a recording, a test of bands | `recording`, `band_laws` |
@@ -96,6 +98,7 @@ def _chain(chain: Chain, **options: Any) -> Figure:
 _USUAL: dict[str, Callable[..., Figure]] = {
     "Atlas": graphs.graph_classes,
     "Build": layers,
+    "RobotBuild": robot_parts,
     "BandFit": lambda fit, **options: measured.band_laws(fit.test, fit.choice, **options),
     "BandTest": lambda test, **options: measured.band_laws(
         test, **{"choice": choose_law(test)} | options

@@ -30,7 +30,7 @@ _OF_COMMANDS = {
     "build": (
         "design.toml build.toml build.json parts.csv bands.csv coupon.dxf coupon.svg coupon.txt "
         "guide.html guide.pdf template-A4.pdf template-letter.pdf",
-        "layers",
+        "layers parts",
     ),
     "check": ("design.toml check.json", ""),
     "yield": ("design.toml yield.json yield.csv survival.json", "yield force-plane"),

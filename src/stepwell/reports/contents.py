@@ -21,7 +21,7 @@ from stepwell.reports.write import Content, Contents, Draw, Progress, boundary_r
 from stepwell.studio import replay
 
 if TYPE_CHECKING:
-    from stepwell.build import Build
+    from stepwell.build import Build, RobotBuild
     from stepwell.design import Check, Design, MapView, Reprogramming, Run, Survival
 
 # Nodes along an axis of a map, and its half width as a multiple of the margin.
@@ -120,6 +120,23 @@ def _build(
     motion = _replay(made.chain, made.chain, MOST_PLAYED)
     names = {*OUTPUTS["build"], *written}
     return Contents("build", "build.json", written, draws, motion=motion, names=names)
+
+
+def _robot_build(
+    made: RobotBuild, account: Account, files: Mapping[str, str | bytes] | None = None
+) -> Contents:
+    """Contents of a build of a robot: `files` to cut and assemble it, design and build file."""
+    from stepwell.build import build_files, draft_comment, dumps_build_file
+
+    draft = draft_comment(made)
+    written: dict[str, Content] = {
+        "design.toml": draft + design_text(account),
+        "build.toml": draft + dumps_build_file(made.build_file),
+        **(build_files(made) if files is None else files),
+    }
+    draws: dict[str, Draw] = {"parts": partial(figures.robot_parts, made)}
+    names = {*OUTPUTS["build"], *written}
+    return Contents("build", "build.json", written, draws, names=names)
 
 
 def _design(design: Design, account: Account) -> Contents:
@@ -338,6 +355,7 @@ CONTENTS: dict[str, Callable[..., Contents]] = {
     "Prediction": _prediction,
     "Program": _program,
     "Reprogramming": _reprogramming,
+    "RobotBuild": _robot_build,
     "Run": _run,
     "Status": _study,
     "Survival": _survival,

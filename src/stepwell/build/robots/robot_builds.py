@@ -7,13 +7,14 @@ from stepwell import base
 from stepwell.build.build_file import BuildFile
 from stepwell.build.builds import BandUse, band_use
 from stepwell.build.limits import ExceededLimit
+from stepwell.build.robots.masses import body_mass
 from stepwell.build.robots.robot_layout import RobotLayout, robot_layout
 from stepwell.build.robots.robot_limits import leg_paths, peak_force, robot_findings
 from stepwell.build.robots.robot_sweep import robot_sweep
 from stepwell.build.robots.solids import robot_parts
 from stepwell.build.sweeps import MotionSweep
 from stepwell.mechanism import Cell
-from stepwell.robot import Drive, Robot, RobotParts, with_parts
+from stepwell.robot import BodyMass, Drive, Robot, RobotParts, body_names, with_parts
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -21,14 +22,14 @@ class RobotBuild(base.ByValue, base.Drawn):
     """The solid parts of a robot, whether they move free of each other, and what limits them.
 
     Attributes:
-        design, build_file: the robot as designed, and the sizes and material.
+        drawing, build_file: the robot as designed, and the sizes and material.
         layout: parts, fasteners, bands and cords with their places.
         sweep: overlaps and clearances at all angles of all cells and antennas.
         findings: exceeded limits, overlaps first; empty if it can be built.
         peak_force: largest force of the actuator [N]: both legs and the drag of the floor.
     """
 
-    design: Robot
+    drawing: Robot
     build_file: BuildFile
     layout: RobotLayout
     sweep: MotionSweep
@@ -47,7 +48,12 @@ class RobotBuild(base.ByValue, base.Drawn):
     @property
     def title(self) -> str:
         """Of the design."""
-        return self.design.title or "Robot"
+        return self.drawing.title or "Robot"
+
+    @cached_property
+    def masses(self) -> tuple[BodyMass, ...]:
+        """Mass, centre and inertia of every rigid body."""
+        return tuple(body_mass(self.layout, name) for name in body_names(self.drawing))
 
     @cached_property
     def made(self) -> RobotParts:
@@ -66,27 +72,37 @@ class RobotBuild(base.ByValue, base.Drawn):
         and its period is at least the shortest one of the actuator.
         """
         own = self.build_file
-        foot = replace(self.design.foot, radius=own.robot.foot_radius)
-        return with_parts(replace(self.design, foot=foot, drive=self._drive), self.made)
+        foot = replace(self.drawing.foot, radius=own.robot.foot_radius)
+        return with_parts(replace(self.drawing, foot=foot, drive=self._drive), self.made)
 
     @property
     def _drive(self) -> Drive:
         """The drive with the speed of the actuator, and a longer period if it needs one."""
         least = self.least_period
-        period = max(self.design.drive.period, least)
+        period = max(self.drawing.drive.period, least)
         speed = self.build_file.linear_actuator.speed
-        return replace(self.design.drive, speed=speed, period=period)
+        return replace(self.drawing.drive, speed=speed, period=period)
 
     @property
     def least_period(self) -> float:
         """Shortest period of a cycle of the actuator [s]."""
         speed = self.build_file.linear_actuator.speed
-        return replace(self.design.drive, speed=speed, period=1e9).least_period
+        return replace(self.drawing.drive, speed=speed, period=1e9).least_period
 
     @cached_property
     def mass(self) -> float:
         """Mass of all parts and fasteners, actuator, battery and board [kg]."""
-        return self.made.mass
+        return sum(one.mass for one in self.masses)
+
+    @property
+    def centre(self) -> tuple[float, float, float]:
+        """Centre of mass of the robot at rest [m]."""
+        x, y, z = sum(one.mass * one.centre for one in self.masses) / self.mass
+        return float(x), float(y), float(z)
+
+    def mass_of(self, *bodies: str) -> float:
+        """Mass of these rigid bodies together [kg]."""
+        return sum(one.mass for one in self.masses if one.body in bodies)
 
     @cached_property
     def sheet_mass(self) -> float:
@@ -106,7 +122,7 @@ class RobotBuild(base.ByValue, base.Drawn):
 
     def band_words(self, one: BandUse) -> tuple[str, str, str]:
         """Name of a band's cell, and of its two hooks."""
-        leg = self.design.legs[one.cell // 2]
+        leg = self.drawing.legs[one.cell // 2]
         inner, outer = one.holes
         return f"{leg.name} {leg.chain.names[one.cell % 2]}", inner, outer
 
@@ -114,7 +130,7 @@ class RobotBuild(base.ByValue, base.Drawn):
     def notes(self) -> tuple[str, ...]:
         """What a reader has to know of this build, a sentence each."""
         notes: list[str] = []
-        period, own = self.design.drive.period, self.build_file.linear_actuator
+        period, own = self.drawing.drive.period, self.build_file.linear_actuator
         if self.least_period > period * (1.0 + 1e-9):
             notes.append(
                 f"The design has a period of {period:.3g} s, and the actuator needs "

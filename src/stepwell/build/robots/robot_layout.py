@@ -129,6 +129,10 @@ class RobotLayout(ByValue):
         arrays: dict[Parameter, Floats] = {k: np.array([v]) for k, v in pose.items()}
         return self.motions.of(body, arrays)
 
+    def frames_of(self, part: Part, pose: Mapping[Parameter, float]) -> PartFrame:
+        """The place of one part at a pose."""
+        return carried(self.places[part.name], self.moved(self.body[part.name], pose))
+
     def frames(self, pose: Mapping[Parameter, float]) -> dict[str, PartFrame]:
         """The place of every part at a pose, see `pose`."""
         moved = {name: self.moved(name, pose) for name in set(self.body.values())}

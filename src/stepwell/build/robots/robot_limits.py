@@ -251,7 +251,7 @@ def head_on(one: AntennaPlan, wall: float) -> float:
 
 
 def _flip(robot: Robot, one: AntennaPlan) -> float:
-    """The displacement of the anchor for the gait at full swing [m]; 0 if it is the gait at rest."""
+    """The displacement of the anchor for the gait at full swing [m]; 0 for the gait at rest."""
     flips = [flip for flip in robot.predict().flips if flip.antenna == one.antenna.name]
     return max((flip.displacement for flip in flips), default=0.0)
 
