@@ -9,13 +9,15 @@ from stepwell.build.exports.before import first_measurement
 from stepwell.build.exports.coupon import coupon
 from stepwell.build.exports.cutting import cutting
 from stepwell.build.exports.dxf import Version, dxf_text
-from stepwell.build.exports.guide import guide, guide_html, guide_pdf
+from stepwell.build.exports.guide import Guide, guide, guide_html, guide_pdf
 from stepwell.build.exports.page import PAPERS, Page, pdf_bytes
 from stepwell.build.exports.parts_list import bands_csv, parts_csv
+from stepwell.build.exports.robot_guide import robot_guide
 from stepwell.build.exports.sheets import CutSheet, sheets
 from stepwell.build.exports.solids import mesh_of, step_bytes, stl_bytes, threemf_bytes
 from stepwell.build.exports.svg import svg_text
 from stepwell.build.exports.template import template_page, template_pages
+from stepwell.build.robots.robot_builds import RobotBuild
 from stepwell.design import BandType
 
 DRAFT = "DRAFT"
@@ -45,7 +47,7 @@ class FileOptions(ByValue):
 
 
 def build_files(
-    build: Build, options: FileOptions | None = None, *, progress: Shows | None = None
+    build: Build | RobotBuild, options: FileOptions | None = None, *, progress: Shows | None = None
 ) -> Mapping[str, str | bytes]:
     """Names and contents of all files of a build; `stepwell.reports.write` writes them.
 
@@ -81,19 +83,25 @@ def build_files(
         parts_csv(build, nested),
         bands_csv(build, options.bands),
     )
-    content = guide(
-        build.layout,
-        nested,
-        title=build.chain.title or "Chain",
-        sequence=None if build.cycle is None else str(build.cycle.sequence),
-        first=first_measurement(build.yield_),
-        draft=draft,
-    )
+    content = _guide(build, nested, draft)
     files["guide.html"], files["guide.pdf"] = guide_html(content), guide_pdf(content)
     return dict(_named(files, draft))
 
 
-def _draft(build: Build, options: FileOptions) -> str:
+def _guide(build: Build | RobotBuild, nested: tuple[CutSheet, ...], draft: str) -> Guide:
+    if isinstance(build, RobotBuild):
+        return robot_guide(build, nested, draft=draft)
+    return guide(
+        build.layout,
+        nested,
+        title=build.title,
+        sequence=None if build.cycle is None else str(build.cycle.sequence),
+        first=first_measurement(build.yield_),
+        draft=draft,
+    )
+
+
+def _draft(build: Build | RobotBuild, options: FileOptions) -> str:
     """Why the files are a draft; empty if the build has no finding."""
     found = _reasons(build)
     if found and not options.draft:
@@ -105,11 +113,11 @@ def _draft(build: Build, options: FileOptions) -> str:
     return found[0] if found else ""
 
 
-def _reasons(build: Build) -> list[str]:
+def _reasons(build: Build | RobotBuild) -> list[str]:
     return [] if build.can_be_built else [*map(str, build.findings)] or ["parts collide"]
 
 
-def draft_comment(build: Build) -> str:
+def draft_comment(build: Build | RobotBuild) -> str:
     """A line for the top of TOML files of a build that cannot be built; else empty."""
     return "".join(f"# {DRAFT}: {' '.join(why.split())}\n" for why in _reasons(build)[:1])
 
@@ -144,7 +152,7 @@ def _sheet_files(
     }
 
 
-def _coupon_files(build: Build, options: FileOptions, draft: str) -> Files:
+def _coupon_files(build: Build | RobotBuild, options: FileOptions, draft: str) -> Files:
     sheet, pins = build.build_file.sheet, (build.build_file.pin, build.build_file.hook)
     made = coupon(sheet.material, sheet.thickness, tuple(one.diameter for one in pins))
     text = _dxf(dxf_text(made.cutting, options.dxf, layered=True), draft)
@@ -156,7 +164,7 @@ def _coupon_files(build: Build, options: FileOptions, draft: str) -> Files:
     }
 
 
-def _template_files(build: Build, draft: str) -> Files:
+def _template_files(build: Build | RobotBuild, draft: str) -> Files:
     parts = [part for part in build.layout.parts if part.holes]
     title = _titled("Drilling template", draft)
     files: Files = {}

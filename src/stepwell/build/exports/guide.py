@@ -54,6 +54,9 @@ class Guide(NamedTuple):
         whole: the picture of the finished mechanism.
         checks: what to measure before the first pull.
         intro: what to read before measuring.
+        marks: what the engraved marks mean.
+        order: of the steps.
+        lines: what lines in the pictures mean.
         draft: why it is a draft; empty if all checks passed.
     """
 
@@ -64,6 +67,12 @@ class Guide(NamedTuple):
     checks: tuple[Expected, ...]
     intro: str
     draft: str
+    marks: str = (
+        "Marks are engraved: the number of the block with B, S or T for its bottom, spacer and top "
+        "plate; the number of the cell on levers. Block 0 is the fixed one."
+    )
+    order: str = "from the lowest layer upwards"
+    lines: str = "; dashed lines lead to their places"
 
 
 def guide(
@@ -109,14 +118,14 @@ def _maps(step: AssemblyStep, layout: Layout, sheets: Sequence[CutSheet]) -> lis
     """Where the new parts are on their sheets, or the new fasteners at full size."""
     names = {one.name for one in step.new if isinstance(one, Part)}
     maps = [
-        (_map(sheet, names), f"Lower left corner of sheet {sheet.name}")
+        (sheet_map(sheet, names), f"Lower left corner of sheet {sheet.name}")
         for sheet in sheets
         if names & {part.name for part in sheet.parts}
     ]
     sizes = {one.size: one for one in step.new if isinstance(one, Fastener)}
     if step.kind == "hook":
         maps += _hook_plans(layout, [one for one in step.new if isinstance(one, Fastener)])
-    return maps + [(_full_size(one), f"{size}, at full size") for size, one in sizes.items()]
+    return maps + [(full_size(one), f"{size}, at full size") for size, one in sizes.items()]
 
 
 def _hook_plans(layout: Layout, hooks: Sequence[Fastener]) -> Iterator[tuple[Page, str]]:
@@ -154,7 +163,7 @@ def _label(page: Page, at: Vec2, text: str, behind: str) -> None:
     page.text(at, text, 2.7, anchor="middle", bold=True)
 
 
-def _map(sheet: CutSheet, names: set[str]) -> Page:
+def sheet_map(sheet: CutSheet, names: set[str]) -> Page:
     """The used corner of a sheet, the parts of these names in colour."""
     placed = [
         (part, [one.moved(*place) for one in (part.outline, *part.openings)])
@@ -177,7 +186,7 @@ def _map(sheet: CutSheet, names: set[str]) -> Page:
     return page
 
 
-def _full_size(one: Fastener) -> Page:
+def full_size(one: Fastener) -> Page:
     """A fastener from the side at full size: what lies on it is the right one."""
     length, diameter = MM * (one.high - one.low), MM * one.diameter
     flat = one.use in ("shim", "nut")
@@ -250,10 +259,9 @@ def _title_page(content: Guide, size: Vec2) -> Page:
 def _how_to_read(content: Guide) -> tuple[str, ...]:
     return (
         "Cut the coupon first, and enter its kerf and fits in the build file: see coupon.txt.",
-        f"Assembly in {len(content.steps)} steps, from the lowest layer upwards. New parts are "
-        "orange, new fasteners blue, new bands red; dashed lines lead to their places.",
-        "Marks are engraved: the number of the block with B, S or T for its bottom, spacer and top "
-        "plate; the number of the cell on levers. Block 0 is the fixed one.",
+        f"Assembly in {len(content.steps)} steps, {content.order}. New parts are "
+        f"orange, new fasteners blue, new bands red{content.lines}.",
+        content.marks,
         f"Measure the values of the last page, \u201c{_BEFORE}\u201d, before the drive is pulled.",
     )
 

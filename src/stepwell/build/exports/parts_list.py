@@ -6,6 +6,7 @@ from stepwell.base import GRAVITY, csv_text, grouped
 from stepwell.build.builds import BandUse, Build
 from stepwell.build.contour import GRAMS, MM
 from stepwell.build.exports.sheets import CutSheet
+from stepwell.build.robots.robot_builds import RobotBuild
 from stepwell.design import BandType
 
 PARTS_HEAD = ("what", "name", "mark", "quantity", "size", "material", "mass_g", "sheet")
@@ -32,12 +33,12 @@ BANDS_HEAD = (
 _WITHIN = 2.0
 
 
-def parts_csv(build: Build, sheets: Sequence[CutSheet] = ()) -> str:
+def parts_csv(build: Build | RobotBuild, sheets: Sequence[CutSheet] = ()) -> str:
     """Cut parts, one a row with its sheet; fasteners of one size a row; quantities to buy."""
     return csv_text(PARTS_HEAD, [*_part_rows(build, sheets), *_fastener_rows(build)])
 
 
-def _part_rows(build: Build, sheets: Sequence[CutSheet]) -> Iterator[tuple[str, ...]]:
+def _part_rows(build: Build | RobotBuild, sheets: Sequence[CutSheet]) -> Iterator[tuple[str, ...]]:
     density = build.build_file.sheet.density
     on = {part.name: sheet.name for sheet in sheets for part in sheet.parts}
     for part in build.layout.parts:
@@ -54,14 +55,17 @@ def _part_rows(build: Build, sheets: Sequence[CutSheet]) -> Iterator[tuple[str, 
         )
 
 
-def _fastener_rows(build: Build) -> Iterator[tuple[str, ...]]:
+def _fastener_rows(build: Build | RobotBuild) -> Iterator[tuple[str, ...]]:
     """Fasteners by use and size; heads belong to their screws."""
     bought = [one for one in build.layout.fasteners if one.use != "head"]
     for (use, size), same in grouped(((one.use, one.size), one) for one in bought).items():
         yield use, size, "", str(len(same)), size, "", "", ""
+    for box in build.layout.boxes if isinstance(build, RobotBuild) else ():
+        if box.size:
+            yield "bought", box.name, "", "1", box.size, "", f"{GRAMS * box.mass:.2f}", ""
 
 
-def bands_csv(build: Build, available: Sequence[BandType] = ()) -> str:
+def bands_csv(build: Build | RobotBuild, available: Sequence[BandType] = ()) -> str:
     """Rubber bands: lengths, and forces as on a kitchen scale, in both states of their cells.
 
     The last column has the names of the available bands whose forces in both states are those of
@@ -70,18 +74,21 @@ def bands_csv(build: Build, available: Sequence[BandType] = ()) -> str:
     return csv_text(BANDS_HEAD, [_band_row(build, one, available) for one in build.bands])
 
 
-def _band_row(build: Build, one: BandUse, available: Sequence[BandType]) -> tuple[str, ...]:
-    band = build.layout.cells[one.cell].cell.bands[one.number]
+def _band_row(
+    build: Build | RobotBuild, one: BandUse, available: Sequence[BandType]
+) -> tuple[str, ...]:
+    band = build.band_cell(one).bands[one.number]
+    cell, inner, outer = build.band_words(one)
     states = (
         value
         for length, force in zip(one.lengths, one.tensions, strict=True)
         for value in (f"{MM * length:.2f}", f"{force:.3f}", f"{GRAMS * force / GRAVITY:.1f}")
     )
     return (
-        str(one.cell + 1),
+        cell,
         str(one.number + 1),
-        f"{one.holes[0]} of block {one.cell}",
-        f"{one.holes[1]} of block {one.cell + 1}",
+        inner,
+        outer,
         f"{MM * one.rest_length:.2f}",
         f"{band.stiffness:.4g}",
         *states,
@@ -93,7 +100,9 @@ def _band_row(build: Build, one: BandUse, available: Sequence[BandType]) -> tupl
     )
 
 
-def _suitable(build: Build, one: BandUse, available: Sequence[BandType]) -> Iterator[str]:
+def _suitable(
+    build: Build | RobotBuild, one: BandUse, available: Sequence[BandType]
+) -> Iterator[str]:
     """Names of the available bands that pull as the design's, each with its deviation."""
     most = _WITHIN * build.build_file.tolerance.stiffness
     for kind in available:

@@ -20,7 +20,7 @@ from stepwell.build.plates import Fastener
 # Image of the unit vector of y, and of z: seen from the front, from above.
 _Y, _Z = (0.32, 0.62), (0.0, 0.85)
 # New items are lifted by this height [m]; a picture's largest scale.
-LIFT, _LARGEST = 0.022, 1.25
+LIFT, LARGEST = 0.022, 1.25
 _SAGITTA = 3e-5
 _THINNEST = 1e-6
 
@@ -80,11 +80,11 @@ class ObliqueView:
             x0, y0, x1, y1 = part.outline.moved(*self.frames[part.name]).bounds
             corners += [(x, y, z) for x in (x0, x1) for y in (y0, y1) for z in (0.0, part.top)]
         highest = max([one.high for one in layout.fasteners] + [p.top for p in layout.parts])
-        flat = np.array([_flat(*one) for one in corners])
+        flat = np.array([flat_of(*one) for one in corners])
         low, high = flat.min(axis=0), flat.max(axis=0)
         high[1] += _Z[1] * (highest - max(p.top for p in layout.parts) + LIFT)
         low[1] -= _Z[1] * 0.003  # heads of screws
-        self.scale = min(_LARGEST, *(np.array(size) / (MM * (high - low))))
+        self.scale = min(LARGEST, *(np.array(size) / (MM * (high - low))))
         self.origin = -MM * self.scale * low
         width, height = MM * self.scale * (high - low)
         self.size = float(width), float(height)
@@ -136,7 +136,7 @@ class ObliqueView:
 
     def centre(self, one: Fastener) -> Vec2:
         """Place of a fastener in plan [m]."""
-        x, y = self.blocks[one.block]
+        x, y = self.blocks[int(one.block)]
         return float(x) + one.centre[0], float(y) + one.centre[1]
 
     def _around(self, point: Vec2) -> set[str]:
@@ -246,8 +246,14 @@ class ObliqueView:
         page.line(self.on(loop.ring(_SAGITTA), middle), Pen(colour, None, 0.9), closed=True)
 
 
-def _flat(x: float, y: float, z: float) -> Vec2:
+def flat_of(x: float, y: float, z: float) -> Vec2:
+    """The image of a point [m], unscaled."""
     return x + _Y[0] * y, _Y[1] * y + _Z[1] * z
+
+
+def up_in_plan(height: float) -> Floats:
+    """The shift in plan (2,) [m] that has the image of a height [m]."""
+    return np.array([-_Y[0], 1.0]) * (_Z[1] * height / _Y[1])
 
 
 @lru_cache(maxsize=1024)
@@ -257,7 +263,7 @@ def _swept(contour: Contour, angle: float, height: float) -> tuple[Floats, ...]:
 
     ring = contour.moved(angle=angle).ring(_SAGITTA)
     # In plan, a height is a shift that has the same image.
-    up = np.array([-_Y[0], 1.0]) * (_Z[1] * height / _Y[1])
+    up = up_in_plan(height)
     both = shapely.MultiPoint(np.concatenate([ring, ring + up])).convex_hull
     if shapely.MultiPoint(ring).convex_hull.area > shapely.Polygon(ring).area * (1.0 + 1e-9):
         ahead = np.roll(ring, -1, axis=0)

@@ -8,8 +8,10 @@ from stepwell.build.contour import MM
 from stepwell.build.layouts import BandPath, Layout
 from stepwell.build.part import Part
 from stepwell.build.plates import Fastener
+from stepwell.build.robots.making import Bought
+from stepwell.build.robots.robot_layout import RobotBand
 
-Item = Part | Fastener | BandPath
+Item = Part | Fastener | BandPath | RobotBand | Bought
 
 # Order of items whose lower faces have one height.
 _RANKS = {"shim": 0, "block": 1, "lever": 2, "bar": 3, "pin": 4, "screw": 5, "hook": 6, "nut": 7}

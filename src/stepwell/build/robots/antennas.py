@@ -54,7 +54,6 @@ def _rod(make: Maker, leg: LegMaker, one: AntennaPlan) -> tuple[float, float, fl
     plan, antenna, high = one.plan, one.antenna, one.plan.heights
     own, build_file = plan.build_file.robot, plan.build_file
     px, py = antenna.pivot
-    make.step = "antennas"
     make.now("body", PartRole.PIN)
     joint = (f"{antenna.name}.antenna", 0)
     hole = build_file.pin.diameter + build_file.pin.lever_fit

@@ -34,7 +34,6 @@ def body_plate(make: Maker) -> None:
     if reach > front:
         corners[2:2] = [(front, -narrow), (reach, -narrow), (reach, narrow), (front, narrow)]
     make.now("body", PartRole.BODY)
-    make.step = "body plate"
     make.part(
         "body-plate",
         plan.heights.rail,
@@ -87,7 +86,6 @@ def t_foot(make: Maker) -> None:
     plan, high = make.plan, make.plan.heights
     supports = [(float(x), float(y)) for x, y in plan.robot.body.supports]
     make.now("body", PartRole.SUPPORT)
-    make.step = "T-foot"
     xs = [x for x, _ in supports]
     boxes = [(min(xs) - _BAR, -_BAR, max(xs) + _BAR, _BAR)]
     for x, y in supports:
@@ -133,7 +131,6 @@ def body_block(one: LegMaker) -> None:
     """The body's block of a leg, on a mount that reaches over no slider."""
     plan, leg, high, make = one.plan, one.leg, one.plan.heights, one.make
     make.now("body", PartRole.BODY)
-    make.step = "blocks"
     crank = plan.antenna_of(leg)
     edge = plan.build_file.screw.hole / 2.0 + plan.build_file.sheet.bridge
     row = plan.spacer + edge
@@ -181,7 +178,6 @@ def holder(make: Maker) -> None:
     plan, high = make.plan, make.plan.heights
     own, robot = plan.build_file.linear_actuator, plan.build_file.robot
     make.now("body", PartRole.BODY)
-    make.step = "actuator"
     axis = high.rail + plan.thick + GAP + own.height / 2.0
     _cheek_pair(make, "holder", (plan.fixed_hole, high.rail, axis), own.width)
     front = plan.fixed_hole + own.behind
@@ -249,7 +245,6 @@ def carriage(make: Maker, legs: list[LegMaker]) -> None:
     plan, high = make.plan, make.plan.heights
     own, actuator = plan.build_file.robot, plan.build_file.linear_actuator
     make.now("carriage", PartRole.CARRIAGE)
-    make.step = "carriage"
     rear, front = plan.bar
     wide = own.rail / 2.0 + own.flange
     boxes, slots = [], []

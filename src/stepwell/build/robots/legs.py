@@ -168,7 +168,6 @@ class LegMaker:
         plan, leg, high = self.plan, self.leg, self.plan.heights
         first, _ = leg.cells
         self.make.now(self.body(f"{self.cell(0)}.block"), PartRole.MIDDLE_BLOCK)
-        self.make.step = "blocks"
         row = leg.middle
         x0, x1 = leg.outer - plan.half, leg.inner + plan.half
         face, back = row - plans.near(first) / 2.0, row + plan.back
@@ -242,7 +241,6 @@ class LegMaker:
     def _levers(self) -> None:
         build_file, leg = self.plan.build_file, self.leg
         hole = build_file.pin.diameter + build_file.pin.lever_fit
-        self.make.step = "levers"
         rows = ((0, leg.body, leg.row, 1.0), (1, leg.outer, leg.middle, -1.0))
         for number, x, row, way in rows:
             cell = leg.cells[number]
@@ -268,7 +266,6 @@ class LegMaker:
         plan, leg, high = self.plan, self.leg, self.plan.heights
         own = plan.build_file.robot
         self.make.now(self.body("slider"), PartRole.MIDDLE_BLOCK)
-        self.make.step = "sliders"
         mean = leg.row
         reach = plans.swing(leg.cells[0]) / 2.0
         wide = own.rail / 2.0 + own.flange
@@ -347,7 +344,6 @@ class LegMaker:
         """One front link, two rear links, and the foot of two discs."""
         plan, leg = self.plan, self.leg
         own, foot = plan.build_file.robot, plan.robot.foot
-        self.make.step = "feet"
         hole = plan.build_file.pin.diameter + plan.build_file.pin.lever_fit
         depth = float(foot.depth(0.0))
         apex = (leg.front + leg.rear) / 2.0

@@ -55,21 +55,17 @@ class Bought(ByValue):
 
 @dataclass
 class Maker:
-    """Collects parts, fasteners and boxes; `body`, `role` and `step` hold for what follows."""
+    """Collects parts, fasteners and boxes; `body` and `role` hold for what follows."""
 
     plan: RobotPlan
     body: str = "body"
     role: str = PartRole.BODY
-    step: str = ""
     parts: list[Part] = field(default_factory=list)
     places: dict[str, PartFrame] = field(default_factory=dict)
     bodies: dict[str, str] = field(default_factory=dict)
     roles: dict[str, str] = field(default_factory=dict)
     fasteners: list[Fastener] = field(default_factory=list)
     boxes: list[Bought] = field(default_factory=list)
-    # The step of each part by name, and of each fastener by its number.
-    steps: dict[str, str] = field(default_factory=dict)
-    fastened: list[str] = field(default_factory=list)
 
     def now(self, body: str, role: str) -> None:
         """Set the body and the role of what follows."""
@@ -93,12 +89,11 @@ class Maker:
         )
         self.parts.append(replace(part, base=base))
         self.places[name], self.bodies[name] = place, self.body
-        self.roles[name], self.steps[name] = self.role, self.step
+        self.roles[name] = self.role
 
     def add(self, one: Fastener) -> None:
         """Add a fastener of the present body."""
         self.fasteners.append(one)
-        self.fastened.append(self.step)
 
     def pin(
         self,

@@ -58,9 +58,8 @@ class RobotLayout(ByValue):
         fasteners: bought parts: pins, hooks, screws, nuts, shims, posts.
         boxes: actuator, rod, battery and board.
         bands, cords: the bands of both legs; from each antenna to its crank.
-        places, body, roles, steps: of each part by its name: frame in the reference pose, rigid
-            body, kind for its colour, step of the assembly.
-        fastened: step of the assembly of each fastener.
+        places, body, roles: of each part by its name: frame in the reference pose, rigid body,
+            kind for its colour.
     """
 
     robot: Robot
@@ -73,8 +72,6 @@ class RobotLayout(ByValue):
     places: Mapping[str, PartFrame] = field(hash=False)
     body: Mapping[str, str] = field(hash=False)
     roles: Mapping[str, str] = field(hash=False)
-    steps: Mapping[str, str] = field(hash=False)
-    fastened: tuple[str, ...] = ()
 
     def __repr__(self):
         return (
@@ -189,8 +186,6 @@ def robot_layout(robot: Robot, build_file: BuildFile) -> RobotLayout:
         make.places,
         make.bodies,
         make.roles,
-        make.steps,
-        tuple(make.fastened),
     )
 
 
