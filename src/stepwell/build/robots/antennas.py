@@ -17,6 +17,8 @@ from stepwell.robot import PartRole
 STOP_AT = 8e-3
 # Half the thickness of the cord [m].
 CORD = 0.4e-3
+# Width of a rod, and from its hub to where it is as narrow [m].
+ROD, _SHOULDER = 4e-3, 8e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,7 +39,7 @@ class Cord(ByValue):
 
 
 def width(one: AntennaPlan) -> float:
-    """Width of rods and cranks [m]: the hole of a joint and a web on both sides."""
+    """Width of hubs and cranks [m]: the hole of a joint and a web on both sides."""
     build_file = one.plan.build_file
     return build_file.pin.diameter + build_file.pin.lever_fit + 2.0 * build_file.sheet.bridge
 
@@ -72,9 +74,12 @@ def _rod(make: Maker, leg: LegMaker, one: AntennaPlan) -> tuple[float, float, fl
     arm = math.atan2(leg.leg.side * math.cos(antenna.swing / 2.0), -math.sin(antenna.swing / 2.0))
     way = arm - rod
     tip = (antenna.length, 0.0)
+    hub = width(one)
     points: list[Vec2] = [
         (own.cord_arm * math.cos(way), own.cord_arm * math.sin(way)),
         (0.0, 0.0),
+        (hub / 2.0, 0.0),
+        (_SHOULDER, 0.0),
         tip,
     ]
     if antenna.hook > 0.0:
@@ -85,7 +90,7 @@ def _rod(make: Maker, leg: LegMaker, one: AntennaPlan) -> tuple[float, float, fl
     make.part(
         f"{antenna.name}-antenna",
         one.base,
-        ribbon(points, width(one)),
+        ribbon(points, [hub] * 3 + [ROD] * (len(points) - 3)),
         PartFrame(px, py, rod),
         holes=[Hole((0.0, 0.0), hole, "hub"), Hole(points[0], 2.0 * CORD + 2e-4, "cord")],
     )
@@ -113,7 +118,6 @@ def _crank(make: Maker, leg: LegMaker, one: AntennaPlan) -> tuple[float, float, 
     make.now("body", PartRole.BODY)
     ends = (high.bottom, high.crank + plan.thick)
     make.pin(f"{name}-crank-pivot", at, ends, joint=(f"{name}.crank", 0))
-    shim = build_file.lever.shim
     make.shims(f"{name}-crank-pivot", at, [high.roof], (f"{name}.crank", 0))
     half, away = one.turn / 2.0, width(one) / 2.0 + build_file.pin.diameter / 2.0
     reach = high.crank + plan.thick - high.top
@@ -145,7 +149,7 @@ def _crank(make: Maker, leg: LegMaker, one: AntennaPlan) -> tuple[float, float, 
     make.part(
         f"{name}-crank",
         high.crank,
-        ribbon([end, (0.0, 0.0), anchor], width(one)),
+        ribbon([end, (0.0, 0.0), anchor], [width(one)] * 3),
         PartFrame(*at),
         holes=[Hole((0.0, 0.0), hole, "pivot"), Hole(end, 2.0 * CORD + 2e-4, "cord")],
     )
@@ -156,5 +160,4 @@ def _crank(make: Maker, leg: LegMaker, one: AntennaPlan) -> tuple[float, float, 
     size = f"tube {mm(own_hook.diameter)} x {mm(own_hook.cap_width)}, {mm(own_hook.cap)} long"
     low = made.high - own_hook.cap
     make.add(Fastener(made.name, "cap", size, own_hook.cap_width, make.body, hook, low, made.high))
-    del shim
     return at[0] + end[0], at[1] + end[1], high.crank + plan.thick / 2.0

@@ -16,7 +16,7 @@ from stepwell.robot import PartRole
 # Half the width of a bar of the T-foot, and from a support to the post beside it [m].
 _BAR, _TO_POST = 7e-3, 17e-3
 # Half the length of a cheek that holds the actuator, its edge above the pin, half its tenon [m].
-_CHEEK, _ABOVE, _TENON = 5.5e-3, 4.5e-3, 3e-3
+_CHEEK, _ABOVE, _TENON = 4e-3, 4.5e-3, 3e-3
 # Length of the countersunk screws in posts [m]; diameter of posts across their flats [m].
 _SUNK, _POST = 8e-3, 5.5e-3
 # Rear screw of a body's block whose crank needs room: from its row towards the midline [m].

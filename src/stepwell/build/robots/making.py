@@ -187,27 +187,32 @@ def unplaced(point: Vec2, place: PartFrame) -> Vec2:
     return c * x + s * y, c * y - s * x
 
 
-def ribbon(points: Sequence[Vec2], width: float) -> Contour:
-    """The outline of a bent strip along a line through points [m], with round ends."""
-    at, half = np.array(points, float), width / 2.0
+def ribbon(points: Sequence[Vec2], widths: Sequence[float]) -> Contour:
+    """The outline of a bent strip along a line through points [m], with round ends.
+
+    Args:
+        points: (n, 2) of its middle line [m].
+        widths: (n,) at each of them [m].
+    """
+    at, half = np.array(points, float), np.array(widths, float) / 2.0
     ahead = np.diff(at, axis=0)
     ahead /= np.hypot(*ahead.T)[:, None]
     normal = np.column_stack([-ahead[:, 1], ahead[:, 0]])
     left, right = [], []
     ends = at.copy()
-    ends[0] -= half * ahead[0]
-    ends[-1] += half * ahead[-1]
+    ends[0] -= half[0] * ahead[0]
+    ends[-1] += half[-1] * ahead[-1]
     for i, point in enumerate(ends):
         before, after = normal[max(i - 1, 0)], normal[min(i, len(normal) - 1)]
         across = before + after
-        across = across / (1.0 + before @ after) * half
+        across = across / (1.0 + before @ after) * half[i]
         left.append(point + across)
         right.append(point - across)
     corners = [(float(x), float(y)) for x, y in [*right, *left[::-1]]]
     count = len(at)
-    radii = [
-        half if i in (0, count - 1, count, 2 * count - 1) else 0.0 for i in range(len(corners))
-    ]
+    round_ = {0: half[0], 2 * count - 1: half[0], count - 1: half[-1], count: half[-1]}
+    # A hair less, for the sides of a strip that tapers.
+    radii = [0.98 * float(round_.get(i, 0.0)) for i in range(len(corners))]
     return Contour.rounded(corners, radii)
 
 

@@ -333,6 +333,13 @@ class AntennaPlan:
         hub = self.plan.build_file.robot.cord_arm
         return hub * math.sin(self.antenna.swing / 2.0) / math.sin(self.turn / 2.0)
 
+    @property
+    def aligned(self) -> float:
+        """Distance of the hub from the midline at which the cord runs along the body [m]."""
+        row = self.leg.row - self.pivot[1] - self.cord_arm * math.cos(self.turn / 2.0)
+        hub = self.plan.build_file.robot.cord_arm * math.cos(self.antenna.swing / 2.0)
+        return row - hub
+
     def crank_turn(self, swing: float) -> float:
         """Rotation of the crank from rest [rad] at a swing of the rod [rad]; the cord is long."""
         ratio = self.plan.build_file.robot.cord_arm / self.cord_arm

@@ -12,7 +12,7 @@ from stepwell.build import limits
 from stepwell.build.build_file import mm
 from stepwell.build.layouts import layout as chain_layout
 from stepwell.build.limits import ExceededLimit, rounded_up, setting
-from stepwell.build.robots.antennas import width
+from stepwell.build.robots.antennas import ROD
 from stepwell.build.robots.legs import PINS
 from stepwell.build.robots.plan import AntennaPlan
 from stepwell.build.robots.robot_layout import RobotLayout, turned
@@ -43,9 +43,9 @@ def robot_findings(
     collisions = swept.collisions[:_MOST]
     return (
         *_rail(layout),
+        *_hubs(layout),
         *(_overlap(layout, one) for one in collisions),
         *_post(layout),
-        *_hubs(layout),
         *limits.webs_findings(layout),
         *limits.kerf_findings(layout),
         *limits.bed_findings(layout),
@@ -115,6 +115,7 @@ def _hubs(layout: RobotLayout) -> Iterator[ExceededLimit]:
     pin, edge = layout.build_file.pin, layout.build_file.block.edge
     least = pin.diameter + pin.plate_fit + layout.build_file.sheet.bridge
     least = max(least, 2.0 * edge)
+    aligned = layout.plan.antennas[0].aligned
     if apart < least - 1e-7:
         yield ExceededLimit(
             "antenna",
@@ -124,7 +125,8 @@ def _hubs(layout: RobotLayout) -> Iterator[ExceededLimit]:
             "m",
             f"antennas {antennas[0].name} and {antennas[1].name} meet at rest: their hubs are "
             f"{mm(apart)} mm apart and {mm(2.0 * edge)} mm wide.",
-            f"Move their pivots {mm(rounded_up(least))} mm or more apart (antenna.pivot_mm).",
+            f"Move their pivots to y = {mm(aligned)} and -{mm(aligned)} mm, in line with their "
+            f"cranks (antenna.pivot_mm).",
         )
 
 
@@ -239,7 +241,7 @@ def head_on(one: AntennaPlan, wall: float) -> float:
     def behind(swing: float) -> bool:
         turn = antenna.angle + antenna.side * swing
         ahead = max(turned(point, turn)[0] for point in (tip, end))
-        return antenna.pivot[0] + ahead + width(one) / 2.0 <= wall
+        return antenna.pivot[0] + ahead + ROD / 2.0 <= wall
 
     swing = antenna.swing
     if behind(swing):
@@ -269,6 +271,8 @@ def _overlap(layout: RobotLayout, one: RobotOverlap) -> ExceededLimit:
         for name, low, high in one.ranges
         if name[0] == "stroke"
     ]
+    if not where and one.ranges:
+        where = ["some strokes"]
     at = f" at {', '.join(where)}" if where else " at rest"
     states = f" (states {', '.join(one.states)} included)" if one.states else ""
     return ExceededLimit(
@@ -292,8 +296,21 @@ def _way_out(layout: RobotLayout, parts: list[str], one: RobotOverlap) -> str:
     names = [antenna.name for antenna in layout.robot.antennas]
     antennas = [part for part in parts if part in {f"{name}-antenna" for name in names}]
     far = mm(rounded_up(one.overlap + 1e-3, 1e-3))
+    if any("cord" in part for part in parts):
+        aligned = mm(layout.plan.antennas[0].aligned)
+        return (
+            f"Move the pivots of the antennas to y = {aligned} and -{aligned} mm, where the cords "
+            f"run along the body (antenna.pivot_mm)."
+        )
     if len(antennas) == 2 or any("hub" in part or "spacer" in part for part in parts):
         return f"Move the pivots of the two antennas {far} mm or more apart (antenna.pivot_mm)."
+    if antennas and any(part == "actuator" or part.startswith("holder") for part in parts):
+        own = layout.build_file.linear_actuator
+        return (
+            f"Use an actuator with a linear_actuator.closed_mm of "
+            f"{mm(own.closed - rounded_up(one.overlap, 1e-3) - 1e-3)} or less, or antennas with "
+            f"less swing."
+        )
     if antennas:
         swings = [low for name, low, _ in one.ranges if name[0] == "antenna"]
         if swings and min(swings) > 0.02:
@@ -307,11 +324,6 @@ def _way_out(layout: RobotLayout, parts: list[str], one: RobotOverlap) -> str:
         )
     if "actuator" in parts or "battery" in parts or "board" in parts:
         return f"Use a smaller one, or legs {far} mm or more further from the midline (leg.at_mm)."
-    if any("cord" in part for part in parts):
-        return (
-            f"Move the pivot of the antenna {far} mm or more to its side (antenna.pivot_mm), so "
-            f"that its cord runs clear."
-        )
     return (
         f"Move the leg or the support {far} mm or more apart (leg.at_mm, body.supports_mm), or use "
         f"smaller parts in the build file."

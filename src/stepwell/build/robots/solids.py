@@ -10,7 +10,7 @@ from stepwell.build.contour import Contour
 from stepwell.build.exports.solids import mesh_of
 from stepwell.build.part import Part
 from stepwell.build.plates import Fastener
-from stepwell.build.robots.antennas import width
+from stepwell.build.robots.antennas import ROD
 from stepwell.build.robots.making import Bought
 from stepwell.build.robots.masses import body_mass, in_robot
 from stepwell.build.robots.robot_layout import RobotLayout, turned
@@ -171,7 +171,7 @@ def _foot(layout: RobotLayout, body: str) -> Iterator[Shape]:
 def _segments(layout: RobotLayout, number: int) -> Iterator[Floats]:
     """Straight pieces of a rod and its hook, in the frame of the part [m]."""
     one = layout.plan.antennas[number]
-    antenna, wide = one.antenna, width(one)
+    antenna, wide = one.antenna, ROD
     tip = (antenna.length, 0.0)
     yield Contour.slot((0.0, 0.0), tip, wide).ring(1e-4)
     if antenna.hook > 0.0:
