@@ -16,7 +16,8 @@ from stepwell.base import InputError, of_kind
 # the class, and the kinds of records, with the version of their names.
 FILES = {
     "atlas": ("Atlas", "atlas/2"),
-    "build": ("Build", "build/1"),
+    "builds.chain": ("Build", "build/1"),
+    "builds.robot": ("RobotBuild", "robot_build/1"),
     "chain": ("Cell Chain Element", ""),
     "changes": ("Margin", ""),
     "check": ("Check", "check/2"),
@@ -33,7 +34,6 @@ FILES = {
     "map": ("MapView", "map/3"),
     "package": ("Installation Presets Verdicts", "doctor/1 folder/1 paper/1 presets/1"),
     "robot": ("Arena AssumedRanges Prediction Robot", "ranges/1 robot/1"),
-    "robot_build": ("RobotBuild", "robot_build/1"),
     "run": ("Cycle Path Program Run Unreachable", "program/2 run/2"),
     "study": ("Status", "study/1"),
     "walks": ("Convergence Maze Sweep Walk", "convergence/1 maze/1 sweep/1 walk/1"),

@@ -139,7 +139,7 @@ class BodyPoses(Protocol):
         ...
 
 
-class Swept(Protocol):
+class SweptMechanism(Protocol):
     """A mechanism of flat parts whose bodies a sweep compares."""
 
     def bodies(self) -> list[Any]:

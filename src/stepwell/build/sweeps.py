@@ -16,7 +16,16 @@ import numpy as np
 from stepwell.base import ByValue, Floats
 from stepwell.build.bodies import SweptChain
 from stepwell.build.layouts import Layout
-from stepwell.build.rigid import BodyPoses, Freedom, Overlap, Piece, RigidBody, Swept, area, layers
+from stepwell.build.rigid import (
+    BodyPoses,
+    Freedom,
+    Overlap,
+    Piece,
+    RigidBody,
+    SweptMechanism,
+    area,
+    layers,
+)
 
 if TYPE_CHECKING:
     import shapely
@@ -91,13 +100,13 @@ class MotionSweep(ByValue):
     poses: int
 
 
-def swept_of(layout: Layout | Swept) -> Swept:
+def swept_of(layout: Layout | SweptMechanism) -> SweptMechanism:
     """A layout of a chain as a mechanism for sweeps; others are one."""
     return SweptChain(layout) if isinstance(layout, Layout) else layout
 
 
 def sweep(
-    layout: Layout | Swept, progress: Callable[[int, int], None] | None = None
+    layout: Layout | SweptMechanism, progress: Callable[[int, int], None] | None = None
 ) -> MotionSweep:
     """Compare all bodies of a layout over all angles of its cells.
 
@@ -163,7 +172,7 @@ class Compared:
     poses: int = 0
 
 
-def compare(layout: Layout | Swept, a: RigidBody, b: RigidBody) -> Iterator[Compared]:
+def compare(layout: Layout | SweptMechanism, a: RigidBody, b: RigidBody) -> Iterator[Compared]:
     """Results for two bodies, one for each layer in which both have parts."""
     layout = swept_of(layout)
     moves: Freedom | None = None
@@ -222,7 +231,7 @@ def _bounded(result: Compared) -> None:
 class Distances:
     """Distances of two bodies in one layer: one stands, shrunk a little, the other moves."""
 
-    swept: Swept
+    swept: SweptMechanism
     still: RigidBody
     moving: RigidBody
     pieces: tuple[list[Piece], list[Piece]]  # of both
@@ -231,7 +240,7 @@ class Distances:
 
     @classmethod
     def of(
-        cls, swept: Swept, a: RigidBody, b: RigidBody, low: float, high: float
+        cls, swept: SweptMechanism, a: RigidBody, b: RigidBody, low: float, high: float
     ) -> "Distances | None":
         """For two bodies between two heights; None if one has nothing there."""
         import shapely
@@ -297,7 +306,7 @@ def lines_of(ends: Floats) -> Any:
     return np.asarray(shapely.linestrings(ends))
 
 
-def describe(swept: Swept, found: Compared) -> Iterator[Overlap]:
+def describe(swept: SweptMechanism, found: Compared) -> Iterator[Overlap]:
     """The collisions of two bodies in one layer, part by part."""
     moves, distances = found.freedom, found.distances
     count = _SAMPLES.get(len(moves.low), _FEW_SAMPLES)

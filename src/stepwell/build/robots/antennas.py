@@ -11,6 +11,7 @@ from stepwell.build.plates import Fastener
 from stepwell.build.robots.legs import LegMaker
 from stepwell.build.robots.making import Maker, PartFrame, ribbon
 from stepwell.build.robots.plan import AntennaPlan
+from stepwell.build.stack import pin_length_below
 from stepwell.robot import PartRole
 
 # From the crank's pivot along its anchor arm to the two stops [m].
@@ -121,7 +122,8 @@ def _crank(make: Maker, leg: LegMaker, one: AntennaPlan) -> tuple[float, float, 
     make.shims(f"{name}-crank-pivot", at, [high.roof], (f"{name}.crank", 0))
     half, away = one.turn / 2.0, width(one) / 2.0 + build_file.pin.diameter / 2.0
     reach = high.crank + plan.thick - high.top
-    size = f"ISO 8734 {mm(build_file.pin.diameter)} x {mm(math.floor(1e3 * reach) * 1e-3)}"
+    length = pin_length_below(reach)
+    size = f"ISO 8734 {mm(build_file.pin.diameter)} x {mm(length)}"
     for number, way in enumerate((1.0, -1.0)):
         # The stop at rest lies outboard of the arm, the one at full displacement inboard.
         along = (-math.cos(half), way * math.sin(half))
@@ -139,7 +141,7 @@ def _crank(make: Maker, leg: LegMaker, one: AntennaPlan) -> tuple[float, float, 
                 "body",
                 spot,
                 high.top,
-                high.top + math.floor(1e3 * reach) * 1e-3,
+                high.top + length,
             )
         )
     make.now(f"{name}.crank", PartRole.CRANK)

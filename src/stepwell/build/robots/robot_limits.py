@@ -136,7 +136,7 @@ def _post(layout: RobotLayout) -> Iterator[ExceededLimit]:
     room = high.foot - high.floor
     if room < screw.head - 1e-7:
         post = layout.build_file.robot.standoff - (screw.head - room)
-        value = math.floor(post * 1e3 + 1e-6) * 1e-3
+        value = -rounded_up(-post, 1e-3)
         yield ExceededLimit(
             "post",
             ("t-foot",),

@@ -60,7 +60,7 @@ class RobotFreedom(Freedom):
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class BodyLine:
     """A band, or a piece of a cord, between points of two bodies.
 
     Attributes:
@@ -117,7 +117,7 @@ class SweptRobot:
             yield _room_of_v(layout, leg)
         for band in layout.bands:
             ends = tuple(zip(band.bodies, (band.p, band.q), strict=True))
-            line = Line((ends[0], ends[1]), (0.0, 1.0), band.low, band.high, band.width)
+            line = BodyLine((ends[0], ends[1]), (0.0, 1.0), band.low, band.high, band.width)
             held = frozenset(f"{use} {hole}" for hole in band.holes for use in ("hook", "pin"))
             name = f"band {band.number + 1} of {band.leg}.{_cell(layout, band)}"
             yield RobotBody(name=name, moves_as=name, path=line, rank=_BANDS, hooks=held)
@@ -192,7 +192,7 @@ class SweptRobot:
     def _owner(self, body: RobotBody) -> str:
         """The leg of a body; empty for all others."""
         names = {leg.leg.name for leg in self.layout.plan.legs}
-        if isinstance(body.path, Line):
+        if isinstance(body.path, BodyLine):
             owners = [one.partition(".") for one, _ in body.path.ends]
             return next((one for one, _, kind in owners if one in names and kind not in _SWUNG), "")
         owner, _, kind = body.moves_as.partition(".")
@@ -200,7 +200,7 @@ class SweptRobot:
 
     def _reach(self, body: RobotBody, driver: str) -> dict[Parameter, tuple[str, float]]:
         motions = self.layout.motions
-        if not isinstance(body.path, Line):
+        if not isinstance(body.path, BodyLine):
             return motions.reach(body.moves_as, body.extent, driver)
         both = []
         for owner, point in body.path.ends:
@@ -483,7 +483,7 @@ def _cord_bodies(cord: Cord) -> Iterator[RobotBody]:
     for i in range(_PIECES):
         share = i / _PIECES, (i + 1) / _PIECES
         z = [cord.start[2] + one * (cord.end[2] - cord.start[2]) for one in share]
-        line = Line(ends, share, min(z) - CORD, max(z) + CORD, 2.0 * CORD)
+        line = BodyLine(ends, share, min(z) - CORD, max(z) + CORD, 2.0 * CORD)
         name = f"cord of {cord.antenna}"
         yield RobotBody(
             name=name,

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Iterator
 
 from stepwell import base
-from stepwell.accounts import build as chains
+from stepwell.accounts.builds import chain as chains
 from stepwell.accounts.head import About, keys, recorded
 from stepwell.accounts.parts import CARD, FULL, Account, Fact, Notes, Picture, RecordTable
 from stepwell.base import Quantity, Schema, amount, counted, number

@@ -1,0 +1,1 @@
+"""Accounts of builds: of a chain and of a robot."""
