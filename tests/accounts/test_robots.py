@@ -14,6 +14,7 @@ from facts import says
 from stepwell import files
 from stepwell.accounts import About, account, card, page, terminal
 from stepwell.accounts.robot import depth_words
+from stepwell.paper import AssumedRange, AssumedRanges
 from stepwell.robot import leg_cycles, predict
 from stepwell.simulation import Convergence, Resolution, Sweep, Trial, compare_gaits
 
@@ -58,12 +59,22 @@ def convergence():
     return Convergence(sw.preset("robot-forward"), rows)
 
 
+@pytest.fixture(scope="module")
+def ranges():
+    """Ranges of two numbers: one ends above, the other nowhere."""
+    rows = (
+        AssumedRange("rail [N]", ("blocks.rail_friction_N",), 0.0, 0.0, 0.0328, "", "00>01>11"),
+        AssumedRange("mass [g]", ("body.mass_g",), 260.0, 52.0, 1300.0, "", ""),
+    )
+    return AssumedRanges(sw.preset("robot-forward"), ("00>10>11>01>00",) * 2, rows)
+
+
 def text_of(found) -> str:
     return "\n".join(line.text for line in terminal(found, full=True))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["prediction", "walk", "maze", "sweep", "convergence"])
+@pytest.mark.parametrize("name", ["prediction", "walk", "maze", "sweep", "convergence", "ranges"])
 def test_every_record_keeps_to_the_generated_schema(name, request):
     found = account(request.getfixturevalue(name))
     assert violations(found.record) == []
@@ -162,6 +173,15 @@ def test_a_convergence_has_the_largest_deviation_and_its_definition(convergence)
     for form in (text_of(found), card(found), page(found)):
         assert "0.750 to 0.752" in form and "0.15 %" in form
     assert "root mean square" in text_of(found).lower()
+
+
+def test_ranges_have_the_gait_that_stays_and_the_states_outside(ranges):
+    found = account(ranges)
+    rail, mass = found.record["ranges"]
+    assert (rail["low"], rail["high"], rail["above"]) == (0.0, 0.0328, "00>01>11")
+    assert mass["keys"] == ["body.mass_g"] and not mass["above"]
+    for form in (text_of(found), card(found), page(found)):
+        assert "1 of these end" in form and "0.0328" in form
 
 
 def test_robots_and_arenas_have_cards_of_their_own():

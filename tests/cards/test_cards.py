@@ -21,7 +21,17 @@ ROOMS = "mechanism", "statics", "sequences", "design", "lab", "robot", "simulati
 # What is given, and what is told as a part of something else: these show what they print.
 PARTS = {
     *("Accumulator", "AnchorBox", "AnchorMove", "AnchorPolygon", "Antenna", "Band", "Blocks"),
-    *("Body", "Boundary", "Candidate", "CellReading", "Change", "Choice"),
+    *(
+        "Body",
+        "BodyMass",
+        "RobotParts",
+        "Shape",
+        "Boundary",
+        "Candidate",
+        "CellReading",
+        "Change",
+        "Choice",
+    ),
     *("Counting", "Critical", "Cubic", "Curve", "Cycles", "Cylinder", "Draws", "Drive"),
     *("DriveNeeds", "GaitComparison"),
     *("OtherLanding", "Estimate", "Fitted", "FittedParameter", "Flip", "Floor"),

@@ -15,6 +15,7 @@ from stepwell import simulation
 from stepwell.accounts import account
 from stepwell.base import Installation, StepwellError, installation
 from stepwell.design import DEFAULT_TOLERANCES, Run, fraction_of
+from stepwell.paper import AssumedRange, AssumedRanges
 from stepwell.studies import Atlas, Axis, GraphClass, SampledGraphs, Space, Status, sweep
 
 _AXES = (Axis("outer.q.x", 0.0, 0.02),)
@@ -111,6 +112,9 @@ def of_robots() -> dict[str, Any]:
         robot.maze(arena, limit=4),
         sweep,
         simulation.convergence(robot, [0.001, 0.0005], cycles=2),
+        AssumedRanges(
+            robot, ("00>10>11>01>00",) * 2, (AssumedRange("a", ("b",), *[1.0] * 3, "", ""),)
+        ),
     )
     return {type(value).__name__: value for value in values}
 

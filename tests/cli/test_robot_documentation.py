@@ -26,13 +26,13 @@ def test_every_subcommand_and_option_of_robot_is_documented(name):
                 assert f"`{option}" in section, option
 
 
-@pytest.mark.parametrize("arguments", [(), ("show",), ("sweep",), ("converge",)])
+@pytest.mark.parametrize("arguments", [(), ("show",), ("sweep",), ("converge",), ("ranges",)])
 def test_the_help_of_robot_ends_with_the_exit_codes(stepwell, arguments):
     text = stepwell("robot", *arguments, "-h").stdout
     assert " ".join(text.split()).endswith(EXIT_CODES)
 
 
-@pytest.mark.parametrize("kind", ["robot", "walk", "maze", "sweep", "convergence"])
+@pytest.mark.parametrize("kind", ["robot", "walk", "maze", "sweep", "convergence", "ranges"])
 def test_every_name_of_the_robots_json_is_documented(kind):
     names = names_of(schema_of(kind))
     assert {"stepwell", "files"} < names

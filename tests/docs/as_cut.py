@@ -1,7 +1,8 @@
 """The tables of docs/as-cut.md, from walks, ranges and mazes of the robots as they can be cut.
 
 docs/as-cut.json has what was computed. `python tests/docs/as_cut.py walks ranges mazes` computes
-these parts again, minutes each; without a part it only writes the page.
+these parts again, minutes each, and of arenas the variants that are missing; without a part it only
+writes the page.
 """
 
 from __future__ import annotations
@@ -53,10 +54,10 @@ def walks() -> dict[str, Any]:
 
 
 def ranges() -> dict[str, Any]:
-    """Ranges of all assumed numbers for the robots that keep the paper's motions."""
+    """Ranges of all assumed numbers for the robots that step, where they keep the paper's gaits."""
     found: dict[str, Any] = {}
-    for variant in ("idealised", "rollers", "dry-stiff"):
-        for name in WALKS:
+    for variant in ("idealised", "rollers-firm", "dry-stiff"):
+        for name in ("forward", "backward", "left"):
             one = assumed_ranges(buildable(name, variant))
             found.setdefault(variant, {})[name] = [
                 {
@@ -70,6 +71,7 @@ def ranges() -> dict[str, Any]:
                 for each in one.ranges
             ]
             print(variant, name, flush=True)
+            save("ranges", found)
     return found
 
 
@@ -86,12 +88,14 @@ def arenas() -> dict[str, list[Any]]:
 def in_mazes() -> dict[str, Any]:
     """Arenas that each robot with antennas leaves behind, with the controls of three walls."""
     found: dict[str, Any] = {}
-    for variant in VARIANTS:
+    done = record().get("mazes", {})
+    found |= {variant: done[variant] for variant in VARIANTS if variant in done}
+    for variant in (variant for variant in VARIANTS if variant not in found):
         one = buildable("antennas", variant)
         off = replace(one, antennas=[replace(each, connected=False) for each in one.antennas])
         for kind, every in arenas().items():
             robots = {kind: one}
-            if kind == "three-walls" and variant != "dry":
+            if kind == "three-walls" and "dry" not in variant:
                 robots |= {f"{kind}, levers off": off, f"{kind}, no antennas": bare(one)}
             for label, each in robots.items():
                 limit = LIMITS[kind] * one.drive.period
@@ -110,6 +114,11 @@ def bare(one: Robot) -> Robot:
 
 
 PARTS = {"walks": walks, "ranges": ranges, "mazes": in_mazes}
+
+
+def save(part: str, found: dict[str, Any]) -> None:
+    """Write what was computed so far."""
+    FILE.write_text(json.dumps(record() | {part: found}, indent=1) + "\n", "utf-8")
 
 
 def record() -> dict[str, Any]:
@@ -201,6 +210,6 @@ def written(text: str) -> str:
 
 if __name__ == "__main__":
     for part in sys.argv[1:]:
-        FILE.write_text(json.dumps(record() | {part: PARTS[part]()}, indent=1) + "\n", "utf-8")
+        save(part, PARTS[part]())
     if PAGE.exists():
         PAGE.write_text(written(PAGE.read_text("utf-8")), "utf-8")

@@ -67,9 +67,9 @@ _PREDICTION: Schema = (
 
 _RANGE: Schema = (
     Quantity("label", head="number"),
-    Quantity("value", head="value", form=4),
-    Quantity("low", head="from", form=3),
-    Quantity("high", head="to", form=3),
+    Quantity("value", head="value", form=4, holds=float),
+    Quantity("low", head="from", form=3, holds=float),
+    Quantity("high", head="to", form=3, holds=float),
     Quantity("below", head="below"),
     Quantity("above", head="above"),
     *keys(keys=[str]),

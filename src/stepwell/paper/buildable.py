@@ -11,8 +11,9 @@ MATERIAL = "acrylic-3mm"
 # Friction of the middle slider's rail [N]: estimated for sliding without lubricant, 0.08 to 0.16 N,
 # and assumed for rollers.
 DRY, ROLLERS = 0.15, 0.01
-# Factor on the stiffness of bands that step over the friction of dry rails: 75 over 30 N/m.
-STIFFER = 2.5
+# Factors on the stiffness of the bands, 37.5 and 75 over 30 N/m: enough for rollers, and for dry
+# rails.
+FIRM, STIFF = 1.25, 2.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,8 +36,9 @@ class Variant(base.ByValue):
 VARIANTS = {
     "idealised": Variant("idealised", cut=False),
     "rollers": Variant("cut, rollers", rail_friction=ROLLERS),
+    "rollers-firm": Variant("cut, rollers, bands × 1.25", True, ROLLERS, FIRM),
     "dry": Variant("cut, dry rails", rail_friction=DRY),
-    "dry-stiff": Variant("cut, dry rails, stiffer bands", True, DRY, STIFFER),
+    "dry-stiff": Variant("cut, dry rails, bands × 2.5", True, DRY, STIFF),
 }
 
 
