@@ -151,8 +151,11 @@ def _text(robot: Robot, chain: list[str], shared: Common, *, own_chains: bool) -
     odd = robot.unusual or any(of_robot(robot))
     head = [*_title(robot.title), *["unusual = true"] * odd]
     text = [*head, *[""] * bool(head), *chain]
+    # Without friction there is no line, as for cells.
+    unused = [] if robot.blocks.rail_friction else ["rail_friction_N"]
     for name in schema.PARTS:
-        text += [f"[{name}]", *table_lines(schema.TABLES[name], getattr(robot, name)), ""]
+        lines_of = table_lines(schema.TABLES[name], getattr(robot, name), left_out=unused)
+        text += [f"[{name}]", *lines_of, ""]
     for leg in robot.legs:
         text += ["[[leg]]", *table_lines(schema.LegKeys, leg, left_out=["chain"]), ""]
         if own_chains:

@@ -20,6 +20,7 @@ Tree = dict[str, Any]
 def tree_of(robot: Robot) -> Tree:
     """Tables of the robot's file, with every key of every leg and every cell."""
     tree = parsed(whole_text(robot), "this robot, written as a design file", "is empty.")
+    tree["blocks"].setdefault("rail_friction_N", Decimal(0))
     for leg in tree["leg"]:
         for cell in leg["chain"]["cell"]:
             cell.setdefault("friction_N", Decimal(0))
