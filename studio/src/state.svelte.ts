@@ -22,6 +22,8 @@ const THEME = "stepwell.theme";
 // Quick questions follow a short rest of the hand; what takes long, and a hand that drags, waits for a longer one.
 const FOLLOW_MS = 120;
 const REST_MS = 400;
+// After the answer to a move, when the hand counts as still: panels wait for it.
+const STILL_MS = 150;
 
 /** What is asked of a design whenever it has changed. */
 export interface Follower {
@@ -99,6 +101,8 @@ class Studio {
   at = $state(0);
   playing = $state(false);
   dragging = $state<string | null>(null);
+  /** Whether a drag moves the design at this moment; panels ask and paint once the hand is still. */
+  moving = $state(false);
   locked = $state.raw<ReadonlySet<string>>(new Set());
   /** Pitch of the holes that anchors snap to [mm]; 0 is none. */
   pitch = $state(0);
@@ -135,6 +139,7 @@ class Studio {
   private saving = 0;
   private resting = 0;
   private following = 0;
+  private stopping = 0;
   private readonly wire: Wire;
 
   constructor() {
@@ -277,17 +282,20 @@ class Studio {
   drag(design: Design): void {
     if (!this.marked) this.mark();
     this.marked = true;
+    this.moving = true;
     this.show(design);
   }
 
   /** Ends a drag; the design stays as it is. */
   endDrag(): void {
     this.dragging = null;
+    this.moving = false;
   }
 
   /** Ends a drag; the design is the one before it. */
   cancelDrag(): void {
     this.dragging = null;
+    this.moving = false;
     const before = this.marked && this.history.cancel();
     this.marked = false;
     if (before) this.show(before.design);
@@ -474,6 +482,7 @@ class Studio {
     this.fresh = new Set();
     this.underWay.clear();
     window.clearTimeout(this.resting);
+    window.clearTimeout(this.stopping);
     for (const { type } of this.followers()) this.wire.cancel(type);
     this.busy = true;
     this.asked = this.wire.ask("evaluate", this.design, this.leg, {}, (view) =>
@@ -484,6 +493,8 @@ class Studio {
   private answered(view: View): void {
     this.known = view.seq;
     this.calm();
+    window.clearTimeout(this.stopping);
+    if (this.moving) this.stopping = window.setTimeout(() => (this.moving = false), STILL_MS);
     if (!view.ok) {
       this.problems = view.problems ?? [];
       return;
