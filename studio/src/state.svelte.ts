@@ -84,10 +84,10 @@ class Studio {
   );
   /** The margins of the present design; null while they are searched. */
   limits = $derived<View | null>(
-    this.views.evaluate?.method !== "search"
-      ? (this.views.evaluate ?? null)
-      : this.fresh.has("margin")
-        ? this.views.margin
+    this.fresh.has("margin") && this.views.margin.ok
+      ? this.views.margin
+      : this.views.evaluate?.method !== "search"
+        ? (this.views.evaluate ?? null)
         : null,
   );
   /** The design that was put beside the present one. */
@@ -485,7 +485,7 @@ class Studio {
     window.clearTimeout(this.stopping);
     for (const { type } of this.followers()) this.wire.cancel(type);
     this.busy = true;
-    this.asked = this.wire.ask("evaluate", this.design, this.leg, {}, (view) =>
+    this.asked = this.wire.ask("evaluate", this.design, this.leg, this.moving ? { moves: true } : {}, (view) =>
       this.answered(view),
     );
   }

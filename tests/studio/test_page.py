@@ -10,6 +10,7 @@ from stepwell import files
 from studio.browser import (
     Opened,
     anchors,
+    chain_shown,
     compare,
     drag,
     field,
@@ -32,6 +33,9 @@ def test_every_number_after_a_drag_is_pythons(page: Page):
     drag(page, "q", "outer", -70, 30)
     assert anchors(page, "outer") != before
     compare(page)
+    changes = chain_shown(page).margin().changes
+    least = min(changes, key=lambda one: (one.parameter != "anchor", one.distance))
+    expect(page.locator(".summary")).to_contain_text(f"then {least.becomes}")
 
 
 def test_an_anchor_on_the_moving_block_follows_the_pointer(page: Page):

@@ -264,16 +264,21 @@ def _samples_at(events: Iterable[Event], path: Path) -> list[int]:
     return samples
 
 
-def margins_of(limits: Margin | None) -> dict[str, Any]:
-    """Margins of every anchor and every stiffness, and the smallest one."""
+def margins_of(limits: Margin | None, *, becomes: bool = True) -> dict[str, Any]:
+    """Margins of every anchor and every stiffness, and the smallest one.
+
+    `becomes` adds the sequence after the smallest change, which takes a cycle of its own.
+    """
     if limits is None:
         return {"margins": [], "margin": None, "method": "search"}
     known = [change for change in limits.changes if np.isfinite(change.distance)]
     known.sort(key=lambda change: (change.parameter != "anchor", change.distance))
+    least = _change(known[0]) if known else None
+    if least and becomes:
+        least["becomes"] = known[0].becomes
     return {
         "margins": [_change(change) for change in limits.changes],
-        # The sequence after a change takes a cycle of its own: computed for the nearest only.
-        "margin": _change(known[0]) | {"becomes": known[0].becomes} if known else None,
+        "margin": least,
         "method": limits.method.name.lower(),
     }
 

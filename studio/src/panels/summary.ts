@@ -6,11 +6,14 @@ export default {
   name: "summary",
   title: "Summary",
   place: "top" as const,
-  // Where no closed form tells the margin it is searched aside.
+  // Where no closed form tells the margin it is searched aside; what follows past it waits for a still hand.
   follows: {
     type: "margin",
     long: true,
-    ask: () => (studio.views.evaluate.method === "search" ? {} : null),
+    ask: () => {
+      const { method, margin } = studio.views.evaluate;
+      return method === "search" || (margin && margin.becomes === undefined) ? {} : null;
+    },
   },
   asks: ["evaluate"],
   view: Summary,

@@ -19,8 +19,10 @@ from stepwell.studio.ask import Ask, PageDesign, View
 def answer_evaluate(design: PageDesign, ask: Ask) -> View:
     """The cycle, and the margins that are known in closed form.
 
-    Keys have the same names for chains of volumes or angles; `units` has their units.
+    Keys have the same names for chains of volumes or angles; `units` has their units. The sequence
+    after the smallest change is left out for a design that `moves` under a hand.
     """
+    moves = ask.switch("moves", default=False)
     ask.close()
     chain = design.chain
     cycle = chain.cycle()
@@ -29,7 +31,7 @@ def answer_evaluate(design: PageDesign, ask: Ask) -> View:
         **motion.path_header(cycle.path, path),
         **motion.cycle_header(cycle),
         # A search takes 100 times as long as the rest: panel `margin` runs it separately.
-        **motion.margins_of(proved_margin(chain)),
+        **motion.margins_of(proved_margin(chain), becomes=not moves),
         "names": list(chain.names),
         "full_stroke_mm": chain.full_stroke * display_unit(chain.measure.travel_unit)[1],
     }
