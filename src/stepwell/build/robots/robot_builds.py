@@ -1,6 +1,6 @@
 """A robot's build: layout, sweep, limits, masses, and the robot that the parts make."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from stepwell import base
@@ -15,30 +15,47 @@ from stepwell.build.robots.solids import robot_parts
 from stepwell.build.sweeps import MotionSweep
 from stepwell.mechanism import Cell
 from stepwell.robot import BodyMass, Drive, Robot, RobotParts, body_names, with_parts
+from stepwell.statics import Path
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RobotBuild(base.ByValue, base.Drawn):
     """The solid parts of a robot, whether they move free of each other, and what limits them.
 
+    The sweep takes seconds and is computed when it or the findings are first read.
+
     Attributes:
         drawing, build_file: the robot as designed, and the sizes and material.
         layout: parts, fasteners, bands and cords with their places.
-        sweep: overlaps and clearances at all angles of all cells and antennas.
-        findings: exceeded limits, overlaps first; empty if it can be built.
-        peak_force: largest force of the actuator [N]: both legs and the drag of the floor.
+        swept: the sweep, if it is known.
     """
 
     drawing: Robot
     build_file: BuildFile
     layout: RobotLayout
-    sweep: MotionSweep
-    findings: tuple[ExceededLimit, ...]
-    peak_force: float
+    swept: MotionSweep | None = field(default=None, compare=False)
 
     def __repr__(self):
-        verdict = "can be built" if self.can_be_built else f"{len(self.findings)} findings"
-        return f"RobotBuild({self.layout!r}, {self.build_file.sheet.material}, {verdict})"
+        return f"RobotBuild({self.layout!r}, {self.build_file.sheet.material})"
+
+    @cached_property
+    def sweep(self) -> MotionSweep:
+        """Overlaps and clearances at all angles of all cells and antennas."""
+        return self.swept or robot_sweep(self.layout)
+
+    @cached_property
+    def findings(self) -> tuple[ExceededLimit, ...]:
+        """Exceeded limits, overlaps first; empty if it can be built."""
+        return robot_findings(self.layout, self._paths, self.sweep)
+
+    @cached_property
+    def _paths(self) -> dict[str, Path]:
+        return leg_paths(self.drawing)
+
+    @property
+    def peak_force(self) -> float:
+        """Largest force of the actuator [N]: both legs and the drag of the floor."""
+        return peak_force(self._paths, self.drawing)
 
     @property
     def can_be_built(self) -> bool:
@@ -164,14 +181,14 @@ def build_robot(
     Args:
         robot: two legs of two cells each, and up to two antennas.
         build_file: sizes and material.
-        progress: called with (done, total) pairs of bodies of the sweep.
+        progress: called with (done, total) pairs of bodies of the sweep, which is then computed
+            at once.
         swept: the sweep of this robot and build file, if it is known.
 
     Raises:
         ValueError: a robot for which there is no layout; the text names the part and the number.
     """
     layout = robot_layout(robot, build_file)
-    swept = swept or robot_sweep(layout, progress)
-    paths = leg_paths(robot)
-    found = robot_findings(layout, paths, swept)
-    return RobotBuild(robot, build_file, layout, swept, found, peak_force(paths, robot))
+    if swept is None and progress is not None:
+        swept = robot_sweep(layout, progress)
+    return RobotBuild(robot, build_file, layout, swept)
