@@ -1,4 +1,4 @@
-"""Pictures of docs/how-to/cut-and-assemble.md: the mechanism, a step of its guide, its sheet.
+"""Pictures of the pages on parts: a mechanism or a robot, a step of its guide, its sheet.
 
 `python tests/docs/build_pictures.py` writes docs/img/build; a test compares them.
 """
@@ -6,9 +6,10 @@
 from pathlib import Path
 
 import stepwell as sw
-from stepwell.build import layout, load_build_file
+from stepwell.build import MotionSweep, layout, load_build_file
 from stepwell.build.exports.guide import guide
 from stepwell.build.exports.page import Page, Pen
+from stepwell.build.exports.robot_guide import robot_guide
 from stepwell.build.exports.sheets import sheets
 from stepwell.mechanism import Chain
 
@@ -36,7 +37,18 @@ def pictures() -> dict[str, str]:
     (step,) = (one for one in content.steps if one.step.kind == "lever")
     ((sheet, _),) = step.maps
     shown = {"whole": content.whole, "step": step.picture, "sheet": sheet}
+    shown |= _of_robot()
     return {f"{name}.svg": _framed(page).svg(name) for name, page in shown.items()}
+
+
+def _of_robot() -> dict[str, Page]:
+    """A robot with antennas, and the step of its guide that adds the Vs."""
+    # The sweep has no part in the pictures.
+    free = MotionSweep(True, (), (), (), 0, 0)
+    made = sw.build(sw.preset("robot-antennas"), swept=free)
+    content = robot_guide(made, ())
+    (step,) = (one for one in content.steps if one.step.title == "Antennas and cranks")
+    return {"robot-whole": content.whole, "robot-step": step.picture}
 
 
 if __name__ == "__main__":
