@@ -16,6 +16,7 @@ import stepwell as sw
 from lab.machine import pair, unit
 from sizes import cases
 from stepwell import figures, files, lab, simulation
+from stepwell.build import MotionSweep
 from stepwell.design import (
     Tolerances,
     boundaries,
@@ -99,6 +100,8 @@ def of_robots(name: str) -> Iterator[partial[object]]:
     yield partial(figures.robot_above, robot)
     yield partial(figures.robot_side, robot)
     yield partial(figures.prediction, replace(robot, antennas=antennas[:1]).predict())
+    free = MotionSweep(True, (), (), (), 0, 0)
+    yield partial(figures.robot_parts, sw.build(replace(robot, antennas=()), swept=free))
     yield partial(figures.maze, maze)
     yield partial(figures.maze_timeline, maze)
     for draw in (figures.gait, figures.trajectory, figures.contacts):

@@ -8,7 +8,7 @@ from stepwell.build.build_file import mm
 from stepwell.build.contour import Contour
 from stepwell.build.part import Hole
 from stepwell.build.plates import Fastener
-from stepwell.build.robots.legs import LegMaker
+from stepwell.build.robots.legs import PLACES, LegMaker
 from stepwell.build.robots.making import Maker, PartFrame, ribbon
 from stepwell.build.robots.plan import AntennaPlan
 from stepwell.build.stack import pin_length_below
@@ -27,12 +27,13 @@ class Cord(ByValue):
     """A cord in tension from the hub of an antenna to its crank.
 
     Attributes:
-        antenna: its name.
+        antenna, parts: its name, and the names of its rod and its crank.
         hub, crank: bodies of its ends.
         start, end: of the cord [m], in the robot's body frame and the reference pose.
     """
 
     antenna: str
+    parts: tuple[str, str]
     hub: str
     crank: str
     start: tuple[float, float, float]
@@ -50,7 +51,8 @@ def antenna_parts(make: Maker, leg: LegMaker, one: AntennaPlan) -> Cord:
     start = _rod(make, leg, one)
     end = _crank(make, leg, one)
     name = one.antenna.name
-    return Cord(name, f"{name}.antenna", f"{name}.crank", start, end)
+    parts = f"{one.label}-antenna", f"{one.label}-crank"
+    return Cord(name, parts, f"{name}.antenna", f"{name}.crank", start, end)
 
 
 def _rod(make: Maker, leg: LegMaker, one: AntennaPlan) -> tuple[float, float, float]:
@@ -62,11 +64,11 @@ def _rod(make: Maker, leg: LegMaker, one: AntennaPlan) -> tuple[float, float, fl
     hole = build_file.pin.diameter + build_file.pin.lever_fit
     spread = high.flange if one.under else high.slide
     disc = Contour.circle((0.0, 0.0), build_file.block.edge)
-    make.part(f"{antenna.name}-antenna-spacer", spread, disc, PartFrame(px, py))
+    make.part(f"{one.label}-antenna-spacer", spread, disc, PartFrame(px, py))
     ends = (
         (high.under, high.rail + plan.thick) if one.under else (high.rail, high.above + plan.thick)
     )
-    make.pin(f"{antenna.name}-hub", (px, py), ends, joint=joint)
+    make.pin(f"{one.label}-hub", (px, py), ends, joint=joint)
     if one.under:
         # Flush with the body plate, over which the other antenna passes.
         make.fasteners[-1] = _lowered(make.fasteners[-1], ends[1])
@@ -89,7 +91,7 @@ def _rod(make: Maker, leg: LegMaker, one: AntennaPlan) -> tuple[float, float, fl
             (tip[0] + antenna.hook * math.cos(bent), tip[1] + antenna.hook * math.sin(bent))
         )
     make.part(
-        f"{antenna.name}-antenna",
+        f"{one.label}-antenna",
         one.base,
         ribbon(points, [hub] * 3 + [ROD] * (len(points) - 3)),
         PartFrame(px, py, rod),
@@ -118,8 +120,8 @@ def _crank(make: Maker, leg: LegMaker, one: AntennaPlan) -> tuple[float, float, 
     hole = build_file.pin.diameter + build_file.pin.lever_fit
     make.now("body", PartRole.BODY)
     ends = (high.bottom, high.crank + plan.thick)
-    make.pin(f"{name}-crank-pivot", at, ends, joint=(f"{name}.crank", 0))
-    make.shims(f"{name}-crank-pivot", at, [high.roof], (f"{name}.crank", 0))
+    make.pin(f"{one.label}-crank-pivot", at, ends, joint=(f"{name}.crank", 0))
+    make.shims(f"{one.label}-crank-pivot", at, [high.roof], (f"{name}.crank", 0))
     half, away = one.turn / 2.0, width(one) / 2.0 + build_file.pin.diameter / 2.0
     reach = high.crank + plan.thick - high.top
     length = pin_length_below(reach)
@@ -134,7 +136,7 @@ def _crank(make: Maker, leg: LegMaker, one: AntennaPlan) -> tuple[float, float, 
         )
         make.add(
             Fastener(
-                f"{name}-stop-{number + 1}",
+                f"{one.label}-stop-{number + 1}",
                 "stop",
                 size,
                 build_file.pin.diameter,
@@ -149,7 +151,7 @@ def _crank(make: Maker, leg: LegMaker, one: AntennaPlan) -> tuple[float, float, 
     anchor = (-arm * math.cos(half), side * arm * math.sin(half))
     end = (-cord * math.sin(half), -side * cord * math.cos(half))
     make.part(
-        f"{name}-crank",
+        f"{one.label}-crank",
         high.crank,
         ribbon([end, (0.0, 0.0), anchor], [width(one)] * 3),
         PartFrame(*at),
@@ -157,7 +159,7 @@ def _crank(make: Maker, leg: LegMaker, one: AntennaPlan) -> tuple[float, float, 
     )
     top = high.bands + build_file.band.width + build_file.hook.cap
     hook = (at[0] + anchor[0], at[1] + anchor[1])
-    make.pin(leg.name(f"{leg.cell(0)}-p"), hook, (high.crank, top), use="hook")
+    make.pin(leg.name(f"{PLACES[0]}-p"), hook, (high.crank, top), use="hook")
     made, own_hook = make.fasteners[-1], build_file.hook
     size = f"tube {mm(own_hook.diameter)} x {mm(own_hook.cap_width)}, {mm(own_hook.cap)} long"
     low = made.high - own_hook.cap

@@ -24,6 +24,10 @@ PINS, _TENON = 9e-3, 3e-3
 _TAB, _BELOW = 6e-3, 4.5e-3
 
 
+# The two cells of a leg in names of parts.
+PLACES = ("inner", "outer")
+
+
 @dataclass(frozen=True)
 class LegMaker:
     """Makes the parts of one leg."""
@@ -34,7 +38,7 @@ class LegMaker:
 
     def name(self, part: str) -> str:
         """Name of a part or a fastener of this leg."""
-        return f"{self.leg.leg.name}-{part}"
+        return f"{self.leg.label}-{part}"
 
     def body(self, part: str) -> str:
         """Name of a rigid body of this leg."""
@@ -96,7 +100,7 @@ class LegMaker:
         for number in (0, 1):
             x = at[0] + (number - 0.5) * self.plan.build_file.lever.spacing
             joint = (self.body(self.cell(cell)), number)
-            name = self.name(f"{self.cell(cell)}-{'ab'[number]}")
+            name = self.name(f"{PLACES[cell]}-{'ab'[number]}")
             self.make.pin(name, self.at(x, at[1]), (high.bottom, high.roof), joint=joint)
             shim = self.plan.build_file.lever.shim
             bases = (high.middle - shim, high.middle + self.plan.thick)
@@ -107,7 +111,7 @@ class LegMaker:
         high, build_file = self.plan.heights, self.plan.build_file
         top = high.bands + build_file.band.width + build_file.hook.cap
         for number, (along, across) in enumerate(self.hooks(cell, end)):
-            name = self.name(f"{self.cell(cell)}-{end}{number + 1 if number else ''}")
+            name = self.name(f"{PLACES[cell]}-{end}{number + 1 if number else ''}")
             at = self.at(joints[0] - along, joints[1] + away * across)
             self.make.pin(name, at, (high.top, top), use="hook")
             made = self.make.fasteners[-1]
@@ -151,7 +155,7 @@ class LegMaker:
             Hole(
                 self.at(joints[0], joints[1] + away * k * pitch),
                 wide,
-                f"{self.cell(cell)}-{end}{mm(k * pitch)}mm",
+                f"{PLACES[cell]}-{end}{mm(k * pitch)}mm",
                 "grid",
             )
             for k in range(
@@ -254,7 +258,7 @@ class LegMaker:
                 self.make.now(self.body(name), PartRole.LEVER)
                 start = x + (index - 0.5) * build_file.lever.spacing
                 self.make.part(
-                    self.name(f"lever-{self.cell(number)}-{index + 1}"),
+                    self.name(f"lever-{PLACES[number]}-{index + 1}"),
                     self.plan.heights.middle,
                     Contour.slot((0.0, 0.0), (cell.lever, 0.0), build_file.lever.width),
                     PartFrame(*self.at(start, row), angle),

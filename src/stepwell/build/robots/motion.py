@@ -52,6 +52,17 @@ class Motions:
             found["antenna", one.antenna.name] = (0.0, one.antenna.swing)
         return found
 
+    def split(self, body: str) -> tuple[str, str]:
+        """The leg or the antenna of a body, and what follows its name; ("", body) for others."""
+        names = [one.antenna.name for one in self.plan.antennas]
+        owner, _, kind = body.rpartition(".")
+        if kind in ("antenna", "crank") and owner in names:
+            return owner, kind
+        for leg in self.plan.legs:
+            if body.startswith(f"{leg.leg.name}."):
+                return leg.leg.name, body.removeprefix(f"{leg.leg.name}.")
+        return "", body
+
     def across(self, leg: LegPlan) -> tuple[float, float]:
         """Range of the place of an outer block along the carriage's slot, 0 in state 00 [m]."""
         first, second = leg.cells
@@ -67,7 +78,7 @@ class Motions:
             extent: largest distance of its points from its hinge [m], for bodies that turn.
             driver: leg whose cells move the carriage; the first by default.
         """
-        owner, _, kind = body.partition(".")
+        owner, kind = self.split(body)
         if body == "body":
             return {}
         if kind in ("antenna", "crank"):
@@ -116,7 +127,7 @@ class Motions:
     def of(self, body: str, values: Mapping[Parameter, Floats], driver: str = "") -> Moved:
         """The motion of a body at parameters (n,) each; those that are not given are at rest."""
         count = max((len(one) for one in values.values()), default=1)
-        owner, _, kind = body.partition(".")
+        owner, kind = self.split(body)
         still = np.zeros(count)
         if body == "body":
             return Moved(np.zeros((count, 2)), still, (0.0, 0.0))

@@ -1,6 +1,7 @@
 """Sizes of a robot's parts in plan and in height, from its numbers and a build file."""
 
 import math
+import re
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -51,6 +52,7 @@ class LegPlan:
             midline.
         body, inner, outer, last: x of the joint pairs of the body's block, of the middle block
             (its two pairs) and of the outer block.
+        label: its name in names of parts, which name files.
     """
 
     leg: Leg
@@ -62,6 +64,7 @@ class LegPlan:
     inner: float
     outer: float
     last: float
+    label: str
 
     @property
     def cells(self) -> tuple[Cell, Cell]:
@@ -78,6 +81,11 @@ class LegPlan:
     def outer_row(self) -> float:
         """Distance of the outer block's joints from the midline in state 00 [m]."""
         return self.middle - near(self.cells[1])
+
+
+def label_of(name: str, kind: str, number: int) -> str:
+    """The name of a leg or an antenna if it can name files, else its kind and number."""
+    return name if re.fullmatch(r"\w[\w+]*", name, re.ASCII) else f"{kind}{number + 1}"
 
 
 def near(cell: Cell) -> float:
@@ -194,6 +202,7 @@ class RobotPlan:
             inner=body + first.full_travel / 2.0,
             outer=outer,
             last=outer + second.full_travel / 2.0,
+            label=label_of(leg.name, "leg", self.robot.legs.index(leg)),
         )
 
     @cached_property
@@ -288,6 +297,11 @@ class AntennaPlan:
     plan: RobotPlan
     antenna: Antenna
     index: int
+
+    @property
+    def label(self) -> str:
+        """Its name in names of parts, which name files."""
+        return label_of(self.antenna.name, "antenna", self.index)
 
     @property
     def leg(self) -> LegPlan:

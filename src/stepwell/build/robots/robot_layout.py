@@ -13,7 +13,7 @@ from stepwell.build.part import Part
 from stepwell.build.plates import Fastener
 from stepwell.build.robots import body as bodies
 from stepwell.build.robots.antennas import Cord, antenna_parts
-from stepwell.build.robots.legs import LegMaker
+from stepwell.build.robots.legs import PLACES, LegMaker
 from stepwell.build.robots.making import Bought, Maker, PartFrame
 from stepwell.build.robots.motion import Motions, Moved, Parameter
 from stepwell.build.robots.plan import RobotPlan
@@ -203,7 +203,7 @@ def _bands(one: LegMaker, counted: int) -> list[RobotBand]:
         for number, band in enumerate(leg.cells[cell].bands):
             p = one.at(x - band.p[1], row - way * band.p[0])
             q = one.at(to - band.q[1], across + away * band.q[0])
-            ends = [f"{one.name(one.cell(cell))}-{end}" for end in "pq"]
+            ends = [f"{one.name(PLACES[cell])}-{end}" for end in "pq"]
             made.append(
                 RobotBand(
                     leg.leg.name,

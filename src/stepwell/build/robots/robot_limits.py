@@ -94,7 +94,7 @@ def _rail(layout: RobotLayout) -> Iterator[ExceededLimit]:
     link = math.sqrt(depth**2 + (span / 2.0) ** 2)
     yield ExceededLimit(
         "rail",
-        ("carriage-bar", "left-slider-top"),
+        ("carriage-bar", f"{plan.legs[0].label}-slider-top"),
         foot.span,
         least,
         "m",
@@ -119,7 +119,7 @@ def _hubs(layout: RobotLayout) -> Iterator[ExceededLimit]:
     if apart < least - 1e-7:
         yield ExceededLimit(
             "antenna",
-            tuple(f"{one.name}-antenna" for one in antennas[:2]),
+            tuple(f"{one.label}-antenna" for one in layout.plan.antennas),
             apart,
             least,
             "m",
@@ -154,11 +154,11 @@ def _post(layout: RobotLayout) -> Iterator[ExceededLimit]:
         value = rounded_up(half + 1e-3, 1e-3)
         yield ExceededLimit(
             "post",
-            ("left-foot-1",),
+            (f"{layout.plan.legs[0].label}-foot-1",),
             radius,
             half,
             "m",
-            f"left-foot-1: its radius is {mm(radius)} mm, and links of "
+            f"{layout.plan.legs[0].label}-foot-1: its radius is {mm(radius)} mm, and links of "
             f"{mm(2.0 * half)} mm touch the floor.",
             f"Set {setting(layout, 'robot__foot_radius', value, 'mm')}.",
             ReadOnly({"robot__foot_radius": value}),
@@ -216,7 +216,7 @@ def _nose(layout: RobotLayout) -> Iterator[ExceededLimit]:
         )
         yield ExceededLimit(
             "nose",
-            ("body-plate", f"{one.antenna.name}-antenna"),
+            ("body-plate", f"{one.label}-antenna"),
             plan.nose[0],
             most,
             "m",
@@ -293,7 +293,7 @@ def _cell_name(layout: RobotLayout, name: tuple[str, int | str]) -> str:
 
 
 def _way_out(layout: RobotLayout, parts: list[str], one: RobotOverlap) -> str:
-    names = [antenna.name for antenna in layout.robot.antennas]
+    names = [antenna.label for antenna in layout.plan.antennas]
     antennas = [part for part in parts if part in {f"{name}-antenna" for name in names}]
     far = mm(rounded_up(one.overlap + 1e-3, 1e-3))
     if any("cord" in part for part in parts):

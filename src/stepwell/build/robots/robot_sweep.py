@@ -191,12 +191,11 @@ class SweptRobot:
 
     def _owner(self, body: RobotBody) -> str:
         """The leg of a body; empty for all others."""
-        names = {leg.leg.name for leg in self.layout.plan.legs}
+        names = [body.moves_as]
         if isinstance(body.path, BodyLine):
-            owners = [one.partition(".") for one, _ in body.path.ends]
-            return next((one for one, _, kind in owners if one in names and kind not in _SWUNG), "")
-        owner, _, kind = body.moves_as.partition(".")
-        return owner if owner in names and kind not in _SWUNG else ""
+            names = [one for one, _ in body.path.ends]
+        owners = [self.layout.motions.split(one) for one in names]
+        return next((owner for owner, kind in owners if owner and kind not in _SWUNG), "")
 
     def _reach(self, body: RobotBody, driver: str) -> dict[Parameter, tuple[str, float]]:
         motions = self.layout.motions
@@ -486,11 +485,7 @@ def _cord_bodies(cord: Cord) -> Iterator[RobotBody]:
         line = BodyLine(ends, share, min(z) - CORD, max(z) + CORD, 2.0 * CORD)
         name = f"cord of {cord.antenna}"
         yield RobotBody(
-            name=name,
-            moves_as=name,
-            path=line,
-            rank=_BANDS + i,
-            hooks=frozenset({f"{cord.antenna}-antenna", f"{cord.antenna}-crank"}),
+            name=name, moves_as=name, path=line, rank=_BANDS + i, hooks=frozenset(cord.parts)
         )
 
 

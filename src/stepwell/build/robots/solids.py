@@ -126,7 +126,7 @@ def _colliding(layout: RobotLayout) -> Iterator[Shape]:
             yield Shape("body", one.name, vertices, faces, PartRole.SUPPORT, collides=True)
     for antenna in plan.antennas:
         name = f"{antenna.antenna.name}.antenna"
-        place = layout.places[f"{antenna.antenna.name}-antenna"]
+        place = layout.places[f"{antenna.label}-antenna"]
         for ring in _segments(layout, antenna.index):
             at = np.array([turned(point, place.angle) for point in ring.tolist()])
             ends = (antenna.base, antenna.base + plan.thick)

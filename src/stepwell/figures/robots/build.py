@@ -11,6 +11,7 @@ from matplotlib.path import Path
 from stepwell.base import Floats
 from stepwell.build import Contour, Part, RobotBuild, RobotLayout
 from stepwell.figures.common import legends, marks, sheet, style
+from stepwell.figures.common.words import literal
 from stepwell.robot import PartRole
 
 # Chords of drawn arcs are at most this far off [m].
@@ -48,11 +49,16 @@ def robot_parts(build: RobotBuild) -> Figure:
     layout = build.layout
     first, second = (leg.name for leg in layout.robot.legs)
     swings = {one.name: one.swing for one in layout.robot.antennas[:1]}
+    half = layout.pose({first: "10", second: "01"}, swings)
     panels = [
         ("Both legs 00", layout.pose(), False),
-        (f"{first} 10, {second} 01", layout.pose({first: "10", second: "01"}, swings), False),
-        (f"{first} 00", layout.pose(), True),
-        (f"{first} 11", layout.pose({first: "11", second: "11"}), True),
+        (
+            f"{literal(first)} 10, {literal(second)} 01",
+            layout.pose({first: "10", second: "01"}, swings),
+            False,
+        ),
+        (f"{literal(first)} 00", layout.pose(), True),
+        (f"{literal(first)} 11", layout.pose({first: "11", second: "11"}), True),
     ]
     width = sheet.page_width(style.PAGE)
     columns = 2 if width >= sheet.SIDE_BY_SIDE else 1
@@ -132,7 +138,7 @@ def _flat_boxes(
     layout: RobotLayout, pose: Pose
 ) -> Iterator[tuple[float, float, float, float, str]]:
     """From the side: left, low, width, height [mm] and role of each flat part of the first leg."""
-    other = layout.plan.legs[1].leg.name
+    other = layout.plan.legs[1].label
     for part in layout.parts:
         if layout.places[part.name].upright or part.name.startswith(other):
             continue
@@ -173,7 +179,7 @@ def _moved(layout: RobotLayout, body: str, point: tuple[float, float], pose: Pos
 
 
 def _draw_side(ax: Axes, layout: RobotLayout, pose: Pose) -> None:
-    other = layout.plan.legs[1].leg.name
+    other = layout.plan.legs[1].label
     for x, low, width, height, role in _flat_boxes(layout, pose):
         look = {"facecolor": _shade(role), "edgecolor": style.FAINT, "linewidth": 0.3}
         ax.add_patch(Rectangle((x, low), width, height, alpha=0.6, **look))
