@@ -1,8 +1,10 @@
 """Promises about a robot's sweep and its limits: proved freedom, overlaps, ways out."""
 
+import io
 import math
 from dataclasses import replace
 
+import ezdxf
 import numpy as np
 import pytest
 import shapely
@@ -12,7 +14,15 @@ import stepwell as sw
 from build.test_robot_layout import made, random_poses
 from facts import refuses, says
 from stepwell.base import InputError
-from stepwell.build import MotionSweep, load_build_file, robot_layout
+from stepwell.build import (
+    FileOptions,
+    MotionSweep,
+    build_files,
+    draft_comment,
+    load_build_file,
+    robot_layout,
+)
+from stepwell.build.exports.robot_steps import robot_steps
 from stepwell.build.robots.robot_limits import head_on
 from stepwell.build.sweeps import TOUCH
 
@@ -203,3 +213,54 @@ def test_a_slow_actuator_means_a_longer_period_which_a_note_states():
     assert one.least_period == pytest.approx(13, abs=0.1)
     assert one.robot.drive.period == one.least_period
     says(" ".join(one.notes), "period of 2 s", "12.9 s")
+
+
+def test_legs_and_antennas_of_any_name_have_parts_with_names_for_files():
+    robot = preset("antennas")
+    legs = [replace(leg, name=f"{leg.name}.a/b") for leg in robot.legs]
+    antennas = [replace(one, name=f"{one.name} /", leg=f"{one.leg}.a/b") for one in robot.antennas]
+    one = sw.build(replace(robot, legs=legs, antennas=antennas))
+    assert one.can_be_built
+    names = [part.name for part in one.layout.parts]
+    assert {"leg1-middle-top", "leg2-slider-core", "antenna2-crank"} <= {*names}
+    assert one.mass == pytest.approx(made("robot-antennas").mass)
+
+
+def test_every_part_fastener_and_band_is_in_one_step_of_the_guide():
+    one = made("robot-antennas")
+    steps = robot_steps(one)
+    shown = [item for step in steps for item in (*step.new, *step.hidden)]
+    layout = one.layout
+    every = [*layout.parts, *layout.fasteners, *layout.bands, *layout.boxes]
+    assert len(shown) == len(every)
+    assert {id(item) for item in shown} == {id(item) for item in every}
+    titles = [step.title for step in steps]
+    assert titles.index("Bands") < titles.index("Caps")
+    assert titles[0] == "T-foot"
+
+
+@pytest.mark.slow
+def test_the_files_of_a_robot_are_those_of_a_chain():
+    one = made("robot-forward")
+    files = build_files(one, FileOptions(nest=0))
+    for part in one.layout.parts:
+        assert {f"parts/{part.name}.{kind}" for kind in ("dxf", "svg", "stl")} <= {*files}
+    assert {"coupon.dxf", "guide.pdf", "template-A4.pdf", "parts.csv", "bands.csv"} <= {*files}
+    bands = [row.split(",")[:4] for row in str(files["bands.csv"]).splitlines()[1:]]
+    assert bands[0] == ["left inner", "1", "left-inner-p", "left-inner-q"]
+    assert len(bands) == 4
+    says(str(files["parts.csv"]), "bought,actuator", "L12", "36.00")
+    says(str(files["guide.html"]), "Before you pull", "rail_friction_N")
+    drawing = ezdxf.read(io.StringIO(str(files["parts/body-plate.dxf"])))
+    assert not drawing.audit().errors
+    # Two rails, four windows, two mortises, the outline; and round holes.
+    lines = drawing.modelspace().query("LWPOLYLINE")
+    assert len(lines) == 9
+
+
+def test_drafts_of_a_robot_say_why():
+    short = ACRYLIC.with_lengths(linear_actuator__travel=0.03)
+    one = unswept(preset("forward"), short)
+    says(draft_comment(one), "# DRAFT", "travel_mm = 40")
+    with refuses(InputError, "1 checks failed", "--draft"):
+        build_files(one)

@@ -130,3 +130,22 @@ def test_what_is_designed_on_the_grid_of_a_build_file_can_be_drilled_there(stepw
     made = layout(sw.Chain(bands), load_build_file("acrylic-3mm"))
     # Every hook is in a hole of the grid: no name of a hole off the grid.
     assert not any("X" in hole for path in made.bands for hole in path.holes)
+
+
+@pytest.mark.slow
+def test_a_robot_is_built_with_its_masses_and_its_shortest_period(stepwell):
+    result = stepwell("build", "robot-forward", "--nest", 0, "--out", "parts")
+    assert result.exit_code == 0, result.output
+    says(result.stdout, "61 parts", "acrylic")
+    says(result.stdout, "Shortest period", "3.48 s", "80 mm")
+    record = json.loads(Path("parts/build.json").read_text("utf-8"))
+    assert record["can_be_built"] and record["schema"] == "stepwell.robot_build/1"
+    assert sum(one["mass_g"] for one in record["masses"]) == pytest.approx(record["mass_g"])
+    assert {"parts.svg", "guide.html", "parts/body-plate.dxf"} <= names(Path("parts"))
+    assert sw.load("parts/design.toml") == sw.preset("robot-forward")
+
+
+def test_options_of_the_yield_are_refused_for_a_robot(stepwell):
+    result = stepwell("build", "robot-forward", "--samples", 20)
+    assert result.exit_code == 2
+    says(result.stderr, "--samples", "chain")

@@ -797,6 +797,13 @@ BUILDS = [
         slow=True,
     ),
     Case(
+        "build/robot",
+        ("build robot-forward --material weak.toml", "build robot-forward --json"),
+        given={"weak.toml": "[linear_actuator]\ntravel_mm = 30\nforce_N = 1\n"},
+        shown=True,
+        slow=True,
+    ),
+    Case(
         "build/collides",
         ("build steep.toml --json", "build steep.toml --nest 0 --out out"),
         given={"steep.toml": _STEEP},

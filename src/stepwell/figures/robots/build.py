@@ -52,11 +52,7 @@ def robot_parts(build: RobotBuild) -> Figure:
     half = layout.pose({first: "10", second: "01"}, swings)
     panels = [
         ("Both legs 00", layout.pose(), False),
-        (
-            f"{literal(first)} 10, {literal(second)} 01",
-            layout.pose({first: "10", second: "01"}, swings),
-            False,
-        ),
+        (f"{literal(first)} 10, {literal(second)} 01", half, False),
         (f"{literal(first)} 00", layout.pose(), True),
         (f"{literal(first)} 11", layout.pose({first: "11", second: "11"}), True),
     ]
