@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator
+from operator import itemgetter
 
 from stepwell import base
 from stepwell.accounts.builds import chain as chains
@@ -21,6 +22,7 @@ _MASS: Schema = (
     Quantity("mass", "g", "mass", form=4),
     Quantity("centre", "mm", read=lambda one: [*nanometres(one.centre)], holds=[float]),
 )
+_GROUP: Schema = (Quantity("group", read=itemgetter(0)), Quantity("mass", "g", read=itemgetter(1)))
 _BAND: Schema = (
     Quantity("leg", head="leg", read=lambda row: row["words"][0]),
     *base.read_off(chains.BAND[1:], "use"),
@@ -65,6 +67,7 @@ ROBOT_BUILD: Schema = (
     *base.read_off(keys(material=str, thickness="mm"), "build_file.sheet"),
     *keys(mass="g", sheet_mass="g"),
     Quantity("centre", "mm", read=lambda made: [*nanometres(made.centre)], holds=[float]),
+    Quantity("group_masses", holds=[_GROUP], read=lambda made: [*made.group_masses.items()]),
     Quantity("masses", holds=[_MASS]),
     *keys(stroke=("mm", "layout.plan.stroke"), peak_force="N", least_period="s"),
     *base.read_off(
@@ -168,18 +171,8 @@ def _sweep_words(made: RobotBuild) -> str:
 
 
 def _mass_words(made: RobotBuild) -> str:
-    leg = made.drawing.legs[0]
-    inner, outer = leg.chain.names
-    rows = {
-        "body": ["body"],
-        "middle block with slider": [f"{leg.name}.{inner}.block", f"{leg.name}.slider"],
-        "outer block": [f"{leg.name}.{outer}.block"],
-        "carriage": ["carriage"],
-        "foot with links": [f"{leg.name}.{one}" for one in ("foot", "link front", "link rear")],
-    }
     grams = [
-        f"{name} {number(base.to_unit(made.mass_of(*bodies), 'g'), 3)}"
-        for name, bodies in rows.items()
+        f"{name} {number(base.to_unit(mass, 'g'), 3)}" for name, mass in made.group_masses.items()
     ]
     return f"{amount(made.sheet_mass, 'kg', 3)} of sheet; {', '.join(grams)} g"
 

@@ -121,6 +121,20 @@ class RobotBuild(base.ByValue, base.Drawn):
         """Mass of these rigid bodies together [kg]."""
         return sum(one.mass for one in self.masses if one.body in bodies)
 
+    @property
+    def group_masses(self) -> dict[str, float]:
+        """Mass of the body, the carriage, and groups of bodies of the first leg [kg]."""
+        leg = self.drawing.legs[0]
+        inner, outer = leg.chain.names
+        groups = {
+            "body": ["body"],
+            "middle block with slider": [f"{leg.name}.{inner}.block", f"{leg.name}.slider"],
+            "outer block": [f"{leg.name}.{outer}.block"],
+            "carriage": ["carriage"],
+            "foot with links": [f"{leg.name}.{k}" for k in ("foot", "link front", "link rear")],
+        }
+        return {name: self.mass_of(*bodies) for name, bodies in groups.items()}
+
     @cached_property
     def sheet_mass(self) -> float:
         """Mass of all cut parts [kg]."""
