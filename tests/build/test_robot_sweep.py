@@ -4,7 +4,7 @@ import io
 import math
 from dataclasses import replace
 
-import ezdxf
+import ezdxf.filemanagement
 import numpy as np
 import pytest
 import shapely
@@ -251,7 +251,7 @@ def test_the_files_of_a_robot_are_those_of_a_chain():
     assert len(bands) == 4
     says(str(files["parts.csv"]), "bought,actuator", "L12", "36.00")
     says(str(files["guide.html"]), "Before you pull", "rail_friction_N")
-    drawing = ezdxf.read(io.StringIO(str(files["parts/body-plate.dxf"])))
+    drawing = ezdxf.filemanagement.read(io.StringIO(str(files["parts/body-plate.dxf"])))
     assert not drawing.audit().errors
     # Two rails, four windows, two mortises, the outline; and round holes.
     lines = drawing.modelspace().query("LWPOLYLINE")

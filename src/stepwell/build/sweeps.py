@@ -175,7 +175,7 @@ class Compared:
 def compare(layout: Layout | SweptMechanism, a: RigidBody, b: RigidBody) -> Iterator[Compared]:
     """Results for two bodies, one for each layer in which both have parts."""
     layout = swept_of(layout)
-    moves: Freedom | None = None
+    moves: Any = None
     seen: set[Any] = set()
     for low, high in layers(a, b):
         distances = Distances.of(layout, a, b, low, high)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from stepwell.build.plates import Fastener
 from stepwell.build.robots.plan import RobotPlan
 from stepwell.build.stack import pin_length
 from stepwell.robot import PartRole
+
+# Name and number of the joint of a pin, as in `Fastener`.
+Joint = tuple[int | str, int] | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -121,7 +125,7 @@ class Maker:
             )
         )
 
-    def shims(self, name: str, centre: Vec2, bases: Sequence[float], joint: object = None) -> None:
+    def shims(self, name: str, centre: Vec2, bases: Sequence[float], joint: Joint = None) -> None:
         """Add shims that keep the layers apart, their lower faces at `bases` [m]."""
         build_file = self.plan.build_file
         thick, inner = build_file.lever.shim, build_file.pin.diameter
@@ -223,7 +227,7 @@ def united(boxes: Iterable[tuple[float, float, float, float]], radius: float = 0
     """
     import shapely
 
-    whole = shapely.union_all([shapely.box(*one) for one in boxes], grid_size=1e-9)
+    whole: Any = shapely.union_all([shapely.box(*one) for one in boxes], grid_size=1e-9)
     ring = shapely.get_coordinates(shapely.simplify(whole, 1e-9).exterior)[:-1]
     lengths = np.hypot(*(np.roll(ring, -1, axis=0) - ring).T)
     radii = [

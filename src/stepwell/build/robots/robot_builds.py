@@ -114,8 +114,11 @@ class RobotBuild(base.ByValue, base.Drawn):
     @property
     def centre(self) -> tuple[float, float, float]:
         """Centre of mass of the robot at rest [m]."""
-        x, y, z = sum(one.mass * one.centre for one in self.masses) / self.mass
-        return float(x), float(y), float(z)
+        x, y, z = (
+            sum(one.mass * float(one.centre[i]) for one in self.masses) / self.mass
+            for i in range(3)
+        )
+        return x, y, z
 
     def mass_of(self, *bodies: str) -> float:
         """Mass of these rigid bodies together [kg]."""

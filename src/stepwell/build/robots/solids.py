@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -153,7 +154,7 @@ def _block(layout: RobotLayout, body: str) -> Iterator[Shape]:
     for part in parts:
         place = layout.places[part.name]
         rings.append(part.outline.ring(1e-4) + np.array((place.x, place.y)))
-    hull = shapely.MultiPoint(np.concatenate(rings)).convex_hull
+    hull: Any = shapely.MultiPoint(np.concatenate(rings)).convex_hull
     ring = shapely.get_coordinates(shapely.orient_polygons(hull).exterior)[:-1]
     ends = min(one.base for one in parts), max(one.top for one in parts)
     yield _hull(body, ring, ends, PartRole(layout.roles[parts[0].name]))

@@ -138,7 +138,7 @@ class _Drawing:
                 self._part(ax, part, plain=layer is None)
         for one in self.layout.fasteners:
             if one.use in ("hook", "nut") if layer is None else self._stands_in(one, layer):
-                self._fastener(ax, one.block, one.centre, one.diameter)
+                self._fastener(ax, int(one.block), one.centre, one.diameter)
         if layer is None:
             self._bands(ax)
 

@@ -17,7 +17,7 @@ from stepwell.robot import PartRole
 # Chords of drawn arcs are at most this far off [m].
 _SAGITTA = 3e-5
 _EDGE, _ABOVE, _BELOW, _GAP = 2.0, 6.0, 12.0, 4.0
-_COLOURS: dict[str, style.Colour] = {
+_COLOURS: dict[str, str] = {
     PartRole.BODY: style.FIXED_BLOCK,
     PartRole.SUPPORT: style.FIXED_BLOCK,
     PartRole.CARRIAGE: style.VERMILLION,
