@@ -2,6 +2,7 @@
 
 import io
 import math
+import re
 from dataclasses import replace
 
 import ezdxf.filemanagement
@@ -120,7 +121,12 @@ def test_a_band_that_hits_another_part_is_found_at_a_pose_where_the_areas_overla
     assert area.bounds[1] < ACRYLIC.linear_actuator.rod / 2.0  # over the rod on the midline
     first = one.findings[0]
     assert first.check == "collision"
-    says(str(first), "left-outer-top", "overlap by", "mm", "anchors")
+    says(str(first), "left-outer-top", "overlap by", "mm", "Use p = (", "left outer")
+    # The advice frees the two parts that meet most, and changes no motion.
+    (p, q) = re.findall(r"[pq] = \((-?[\d.]+), 0\)", first.advice)
+    assert float(q) - float(p) == pytest.approx(70.0)
+    moved = robot.with_anchors("left", "outer", (1e-3 * float(p), 0.0), (1e-3 * float(q), 0.0))
+    assert not any(c.parts == first.parts for c in sw.build(moved).sweep.collisions)
 
 
 BAD = {

@@ -142,8 +142,7 @@ def body_block(one: LegMaker) -> None:
     joints = (leg.body, leg.row)
     hooks = [] if crank is not None else one.hooks(0, "p")
     tabs = one.hook_tab(hooks, joints, -1.0) if crank is None else []
-    far = max([reach, *(leg.row - tab[1] for tab in tabs)])
-    spares = one.spares(0, "p", joints, -1.0, far) if crank is None else []
+    spares = one.spares(0, "p", joints, -1.0, tabs) if crank is None else []
     one.plate("body-mount", high.slide, [(clear, leg.row - reach, x1, face)])
     one.plate("body-bottom", high.bottom, [plate])
     one.plate("body-spacer", high.middle, [(x0, leg.row - reach, x1, leg.row - plan.spacer)])

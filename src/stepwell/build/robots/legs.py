@@ -145,27 +145,34 @@ class LegMaker:
         return [(min(xs) - edge - 1e-3, ends[0], max(xs) + edge + 1e-3, ends[1])]
 
     def spares(
-        self, cell: int, end: str, joints: tuple[float, float], away: float, reach: float
+        self,
+        cell: int,
+        end: str,
+        joints: tuple[float, float],
+        away: float,
+        tabs: Sequence[tuple[float, float, float, float]],
     ) -> list[Hole]:
-        """Holes on the grid in line with the hooks, for other anchors."""
+        """Holes on the grid in line with the joints' midpoint, for other anchors, as far as the
+        plate and the tabs on it reach.
+        """
         build_file = self.plan.build_file
         pitch, wide = build_file.grid.pitch, build_file.hook.diameter + build_file.pin.plate_fit
-        taken = self.hooks(cell, end)
+        edge = wide / 2.0 + build_file.sheet.bridge
+        reach = self.plan.back
+        for x0, y0, x1, y1 in tabs:
+            if x0 + edge <= joints[0] <= x1 - edge:
+                reach = max(reach, abs(y0 - joints[1]), abs(y1 - joints[1]))
+        least = wide + build_file.sheet.bridge - 1e-9
+        places = [k * pitch for k in range(1, int((reach - edge) / pitch + 1e-9) + 1)]
         return [
             Hole(
-                self.at(joints[0], joints[1] + away * k * pitch),
+                self.at(joints[0], joints[1] + away * place),
                 wide,
-                f"{PLACES[cell]}-{end}{mm(k * pitch)}mm",
+                f"{PLACES[cell]}-{end}{mm(place)}mm",
                 "grid",
             )
-            for k in range(
-                1, int((reach - wide / 2.0 - build_file.sheet.bridge) / pitch + 1e-9) + 1
-            )
-            if all(
-                abs(across - k * pitch) >= wide + build_file.sheet.bridge - 1e-9
-                or abs(along) > wide
-                for along, across in taken
-            )
+            for place in places
+            if all(math.dist((0.0, place), one) >= least for one in self.hooks(cell, end))
         ]
 
     def _middle_block(self) -> None:
@@ -187,10 +194,9 @@ class LegMaker:
             *self.hook_tab(hooks[0], (leg.outer, row), 1.0),
             *self.hook_tab(hooks[1], (leg.inner, row), 1.0),
         ]
-        reach = [max([plan.back, *(b for _, y0, _, y1 in tabs for b in (y1 - row, y0 - row))])] * 2
         spares = [
-            *self.spares(1, "p", (leg.outer, row), 1.0, reach[0]),
-            *self.spares(0, "q", (leg.inner, row), 1.0, reach[1]),
+            *self.spares(1, "p", (leg.outer, row), 1.0, tabs),
+            *self.spares(0, "q", (leg.inner, row), 1.0, tabs),
         ]
         self.plate("middle-bottom", high.bottom, [*plate, tab])
         spacer = (x0, row + plan.spacer, x1, back)
@@ -229,8 +235,7 @@ class LegMaker:
         plate = (x0, row - plan.back, x1, row + plans.near(cell) / 2.0)
         hooks = self.hooks(1, "q")
         tabs = self.hook_tab(hooks, (leg.last, row), -1.0)
-        reach = max([plan.back, *(row - one[1] for one in tabs)])
-        spares = self.spares(1, "q", (leg.last, row), -1.0, reach)
+        spares = self.spares(1, "q", (leg.last, row), -1.0, tabs)
         self.plate("outer-bottom", high.bottom, [plate])
         self.plate("outer-spacer", high.middle, [(x0, row - plan.back, x1, row - plan.spacer)])
         self.plate("outer-top", high.top, [plate, *tabs], holes=spares)

@@ -15,8 +15,8 @@ from stepwell.build.limits import ExceededLimit, rounded_up, setting
 from stepwell.build.robots.antennas import ROD
 from stepwell.build.robots.legs import PINS
 from stepwell.build.robots.plan import AntennaPlan
+from stepwell.build.robots.robot_freeing import overlap_finding
 from stepwell.build.robots.robot_layout import RobotLayout, turned
-from stepwell.build.robots.robot_sweep import RobotOverlap
 from stepwell.build.sweeps import MotionSweep
 from stepwell.robot import Robot
 from stepwell.statics import Path, StaticsError
@@ -44,7 +44,7 @@ def robot_findings(
     return (
         *_rail(layout),
         *_hubs(layout),
-        *(_overlap(layout, one) for one in collisions),
+        *(overlap_finding(layout, one) for one in collisions),
         *_post(layout),
         *limits.webs_findings(layout),
         *limits.kerf_findings(layout),
@@ -256,75 +256,3 @@ def _flip(robot: Robot, one: AntennaPlan) -> float:
     """The displacement of the anchor for the gait at full swing [m]; 0 for the gait at rest."""
     flips = [flip for flip in robot.predict().flips if flip.antenna == one.antenna.name]
     return max((flip.displacement for flip in flips), default=0.0)
-
-
-def _overlap(layout: RobotLayout, one: RobotOverlap) -> ExceededLimit:
-    parts = [name.rpartition(" ")[2] if name[:4] == "pin " else name for name in one.parts]
-    where = [
-        f"{name[0]} {_cell_name(layout, name)} from {math.degrees(low):.3g} to "
-        f"{math.degrees(high):.3g} degrees"
-        for name, low, high in one.ranges
-        if name[0] not in ("stroke", "across")
-    ]
-    where += [
-        f"stroke from {mm(low)} to {mm(high)} mm"
-        for name, low, high in one.ranges
-        if name[0] == "stroke"
-    ]
-    if not where and one.ranges:
-        where = ["some strokes"]
-    at = f" at {', '.join(where)}" if where else " at rest"
-    states = f" (states {', '.join(one.states)} included)" if one.states else ""
-    return ExceededLimit(
-        "collision",
-        one.parts,
-        one.overlap,
-        0.0,
-        "m",
-        f"{one.parts[0]} and {one.parts[1]} overlap by {mm(one.overlap)} mm{at}{states}.",
-        _way_out(layout, parts, one),
-    )
-
-
-def _cell_name(layout: RobotLayout, name: tuple[str, int | str]) -> str:
-    if name[0] == "antenna":
-        return str(name[1])
-    return layout.robot.leg(name[0]).chain.names[int(name[1])]
-
-
-def _way_out(layout: RobotLayout, parts: list[str], one: RobotOverlap) -> str:
-    names = [antenna.label for antenna in layout.plan.antennas]
-    antennas = [part for part in parts if part in {f"{name}-antenna" for name in names}]
-    far = mm(rounded_up(one.overlap + 1e-3, 1e-3))
-    if any("cord" in part for part in parts):
-        aligned = mm(layout.plan.antennas[0].aligned)
-        return (
-            f"Move the pivots of the antennas to y = {aligned} and -{aligned} mm, where the cords "
-            f"run along the body (antenna.pivot_mm)."
-        )
-    if len(antennas) == 2 or any("hub" in part or "spacer" in part for part in parts):
-        return f"Move the pivots of the two antennas {far} mm or more apart (antenna.pivot_mm)."
-    if antennas and any(part == "actuator" or part.startswith("holder") for part in parts):
-        own = layout.build_file.linear_actuator
-        return (
-            f"Use an actuator with a linear_actuator.closed_mm of "
-            f"{mm(own.closed - rounded_up(one.overlap, 1e-3) - 1e-3)} or less, or antennas with "
-            f"less swing."
-        )
-    if antennas:
-        swings = [low for name, low, _ in one.ranges if name[0] == "antenna"]
-        if swings and min(swings) > 0.02:
-            degrees = math.floor(math.degrees(min(swings)) - 1.0)
-            return f"Use swing_deg = {degrees} or less for this antenna, or a pivot further ahead."
-        return f"Move the pivot of this antenna {far} mm or more ahead (antenna.pivot_mm)."
-    if any("band" in part or "hook" in part or part.endswith("-top") for part in parts):
-        return (
-            f"Move the anchors of this band {far} mm or more off the other part, both by one "
-            f"vector: the motion stays the same."
-        )
-    if "actuator" in parts or "battery" in parts or "board" in parts:
-        return f"Use a smaller one, or legs {far} mm or more further from the midline (leg.at_mm)."
-    return (
-        f"Move the leg or the support {far} mm or more apart (leg.at_mm, body.supports_mm), or use "
-        f"smaller parts in the build file."
-    )

@@ -1,0 +1,148 @@
+"""Ways out of overlaps of a robot's parts: another place, a smaller swing, shifted anchors."""
+
+import math
+from collections.abc import Sequence
+from itertools import combinations
+
+from stepwell.build.build_file import mm
+from stepwell.build.limits import ExceededLimit, rounded_up
+from stepwell.build.robots.robot_layout import RobotBand, RobotLayout, robot_layout
+from stepwell.build.robots.robot_sweep import RobotOverlap, SweptRobot
+from stepwell.build.sweeps import compare
+
+# Step of a shift of anchors [m], and number of steps that are tried in either direction.
+_STEP, _MOST_STEPS = 5e-3, 6
+
+
+def overlap_finding(layout: RobotLayout, one: RobotOverlap) -> ExceededLimit:
+    """The finding of an overlap, with the change of the design or the build file that frees it."""
+    parts = [name.rpartition(" ")[2] if name[:4] == "pin " else name for name in one.parts]
+    where = [
+        f"{name[0]} {_cell_name(layout, name)} from {math.degrees(low):.3g} to "
+        f"{math.degrees(high):.3g} degrees"
+        for name, low, high in one.ranges
+        if name[0] not in ("stroke", "across")
+    ]
+    where += [
+        f"stroke from {mm(low)} to {mm(high)} mm"
+        for name, low, high in one.ranges
+        if name[0] == "stroke"
+    ]
+    if not where and one.ranges:
+        where = ["some strokes"]
+    at = f" at {', '.join(where)}" if where else " at rest"
+    states = f" (states {', '.join(one.states)} included)" if one.states else ""
+    return ExceededLimit(
+        "collision",
+        one.parts,
+        one.overlap,
+        0.0,
+        "m",
+        f"{one.parts[0]} and {one.parts[1]} overlap by {mm(one.overlap)} mm{at}{states}.",
+        _way_out(layout, parts, one),
+    )
+
+
+def _cell_name(layout: RobotLayout, name: tuple[str, int | str]) -> str:
+    if name[0] == "antenna":
+        return str(name[1])
+    return layout.robot.leg(name[0]).chain.names[int(name[1])]
+
+
+def _way_out(layout: RobotLayout, parts: list[str], one: RobotOverlap) -> str:
+    names = [antenna.label for antenna in layout.plan.antennas]
+    antennas = [part for part in parts if part in {f"{name}-antenna" for name in names}]
+    far = mm(rounded_up(one.overlap + 1e-3, 1e-3))
+    if any("cord" in part for part in parts):
+        aligned = mm(layout.plan.antennas[0].aligned)
+        return (
+            f"Move the pivots of the antennas to y = {aligned} and -{aligned} mm, where the cords "
+            f"run along the body (antenna.pivot_mm)."
+        )
+    if len(antennas) == 2 or any("hub" in part or "spacer" in part for part in parts):
+        return f"Move the pivots of the two antennas {far} mm or more apart (antenna.pivot_mm)."
+    if antennas and any(part == "actuator" or part.startswith("holder") for part in parts):
+        own = layout.build_file.linear_actuator
+        return (
+            f"Use an actuator with a linear_actuator.closed_mm of "
+            f"{mm(own.closed - rounded_up(one.overlap, 1e-3) - 1e-3)} or less, or antennas with "
+            f"less swing."
+        )
+    if antennas:
+        swings = [low for name, low, _ in one.ranges if name[0] == "antenna"]
+        if swings and min(swings) > 0.02:
+            degrees = math.floor(math.degrees(min(swings)) - 1.0)
+            return f"Use swing_deg = {degrees} or less for this antenna, or a pivot further ahead."
+        return f"Move the pivot of this antenna {far} mm or more ahead (antenna.pivot_mm)."
+    if any("band" in part or "hook" in part or part.endswith("-top") for part in parts):
+        return _shifted_anchors(layout, one)
+    if "actuator" in parts or "battery" in parts or "board" in parts:
+        return f"Use a smaller one, or legs {far} mm or more further from the midline (leg.at_mm)."
+    return (
+        f"Move the leg or the support {far} mm or more apart (leg.at_mm, body.supports_mm), or use "
+        f"smaller parts in the build file."
+    )
+
+
+def _shifted_anchors(layout: RobotLayout, one: RobotOverlap) -> str:
+    """The shortest shift of both anchors of a band, along x of its cell, that frees two parts.
+
+    The shift leaves q - p, so the motion stays the same.
+    """
+    owners = [_owner(layout, name) for name in one.parts]
+    ways: list[tuple[float, str, str, float]] = []
+    for band in layout.bands:
+        if not {*band.bodies, _band_name(layout, band)} & {*owners}:
+            continue
+        leg = layout.robot.leg(band.leg)
+        number = band.cell % 2
+        (px, py), (qx, qy) = (getattr(leg.chain.levers[number].bands[0], end) for end in "pq")
+        for way in (-1.0, 1.0):
+            for steps in range(1, _MOST_STEPS + 1):
+                shift = way * steps * _STEP
+                moved = layout.robot.with_anchors(
+                    band.leg, number, p=(px + shift, py), q=(qx + shift, qy)
+                )
+                if _apart(robot_layout(moved, layout.build_file), owners):
+                    name = f"{band.leg} {leg.chain.names[number]}"
+                    anchors = (
+                        f"p = ({mm(px + shift)}, {mm(py)}) and q = ({mm(qx + shift)}, {mm(qy)}) mm"
+                    )
+                    ways.append((abs(shift), name, anchors, shift))
+                    break
+    if not ways:
+        return "Use anchors of this band that are closer together, off the other part."
+    _, name, anchors, _ = min(ways)
+    return (
+        f"Use {anchors} for the bands of {name}: both are shifted, and the motion stays the same."
+    )
+
+
+def _apart(layout: RobotLayout, owners: Sequence[str]) -> bool:
+    """Whether two bodies of a robot never meet."""
+    swept = SweptRobot(layout)
+    bodies = [body for body in swept.bodies() if body.name in owners]
+    pairs = combinations(bodies, 2)
+    return all(
+        result.hit is None and not result.undecided
+        for pair in pairs
+        for result in compare(swept, *pair)
+    )
+
+
+def _owner(layout: RobotLayout, name: str) -> str:
+    """The body of a part, a fastener, a box or a band by its name in a collision."""
+    if name in layout.body:
+        return layout.body[name]
+    for fastener in layout.fasteners:
+        if name == f"{fastener.use} {fastener.name}":
+            return str(fastener.block)
+    for box in layout.boxes:
+        if name == box.name:
+            return "rod" if name == "rod" else box.body
+    return name
+
+
+def _band_name(layout: RobotLayout, band: RobotBand) -> str:
+    cell = layout.robot.leg(band.leg).chain.names[band.cell % 2]
+    return f"band {band.number + 1} of {band.leg}.{cell}"
