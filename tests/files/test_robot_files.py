@@ -80,6 +80,8 @@ def test_every_key_is_read_in_its_unit():
     damping_N_s_per_m = 0.7
     width_mm = 25
     length_mm = 18
+    outer_g = 4
+    rail_friction_N = 0.02
     [floor]
     drag_N = 0.79
     foot_friction = 0.6
@@ -89,6 +91,7 @@ def test_every_key_is_read_in_its_unit():
     period_s = 3
     profile = "sine"
     stiffness_N_per_m = 1500
+    speed_mm_per_s = 60
     {LEAST}
     [[antenna]]
     name = "left"
@@ -119,9 +122,9 @@ def test_every_key_is_read_in_its_unit():
         legs,
         Body(0.3, (0.02, 0.001, 0.01), ((-0.06, 0), (0.04, 0.05), (0.04, -0.05)), 0.11, 0.075, 0.3),
         Foot(0.036, 0.041, 0.007, 0.0005, 0.003),
-        Blocks(0.005, 0.011, 0.7, 0.025, 0.018),
+        Blocks(0.005, 0.011, 0.7, 0.025, 0.018, 0.004, 0.02),
         Floor(0.79, 0.6, 9.8),
-        Drive(0.038, 3.0, Profile.SINE, 1500.0),
+        Drive(0.038, 3.0, Profile.SINE, 1500.0, 0.060),
         (antenna,),
         "Everything",
         {"chain": "paper", "foot.link_mm": "paper", "leg.left.at_mm[0]": "authors' notes"},
@@ -344,9 +347,20 @@ def robots(draw) -> Robot:
             legs,
             body,
             Foot(draw(near(0.035)), draw(near(0.04)), draw(near(0.0066)), draw(near(0.0009))),
-            Blocks(draw(near(0.006)), draw(near(0.01)), draw(near(0.6))),
+            Blocks(
+                draw(near(0.006)),
+                draw(near(0.01)),
+                draw(near(0.6)),
+                outer=draw(st.none() | near(0.007)),
+                rail_friction=draw(st.just(0.0) | near(0.02)),
+            ),
             Floor(draw(near(0.39)), draw(near(0.55)), draw(st.just(0.0) | near(9.81))),
-            Drive(draw(near(0.039)), draw(near(2.0)), draw(st.sampled_from(Profile))),
+            Drive(
+                draw(near(0.039)),
+                draw(near(2.0)),
+                draw(st.sampled_from(Profile)),
+                speed=draw(st.just(math.inf) | near(0.1)),
+            ),
             antennas,
             draw(text),
             said,

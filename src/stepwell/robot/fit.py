@@ -172,6 +172,8 @@ def of_robot(robot: Robot) -> Iterator[Slip]:
     yield from _of_stroke("body.supports", farthest, size)
     for part in ("body", "foot", "blocks"):
         yield from _mass(f"{part}.mass", getattr(robot, part).mass, own)
+    if robot.blocks.outer is not None:
+        yield from _mass("blocks.outer", robot.blocks.outer, own)
     yield from sizes.force("floor.drag", robot.floor.drag, own)
     for i, leg in enumerate(robot.legs):
         yield from _of_stroke(f"leg[{i}].at", leg.at, size)
