@@ -187,10 +187,10 @@ def ranges_table() -> str:
 
 def _common(rows: list[dict[str, Any]]) -> str:
     if not rows:
-        return "from the parts"
+        return "not assumed"
     low, high = max(one["low"] for one in rows), min(one["high"] for one in rows)
     ends = (
-        f"{value:.3g}" if any(one[end] for one in rows if one[key] == value) else f"({value:.3g})"
+        f"{value:.4g}" if any(one[end] for one in rows if one[key] == value) else f"({value:.4g})"
         for value, key, end in ((low, "low", "below"), (high, "high", "above"))
     )
     return " to ".join(ends).replace("-", "−")
