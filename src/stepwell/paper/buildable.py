@@ -3,7 +3,8 @@
 from dataclasses import dataclass, replace
 from functools import cache
 
-from stepwell import base, build, files
+from stepwell import base, files
+from stepwell.build import build
 from stepwell.paper.walking import robot
 from stepwell.robot import Robot
 
@@ -67,5 +68,5 @@ def buildable(name: str, variant: str | Variant = "rollers") -> Robot:
         for one in files.parameters(design)
         if one.path.endswith("band.stiffness_N_per_m")
     }
-    made = build.build(files.vary(design, bands), MATERIAL).robot
+    made = build(files.vary(design, bands), MATERIAL).robot
     return replace(made, blocks=replace(made.blocks, rail_friction=variant.rail_friction))

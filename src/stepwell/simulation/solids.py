@@ -55,7 +55,9 @@ def holders(robot: Robot, linkage: Linkage) -> dict[str, tuple[Holder, ...]]:
     """For each rigid body of the parts the bodies of the model that have its mass."""
     made = robot.made
     assert made is not None
-    found = {name: (Holder(name),) for name in ("body", "carriage")}
+    found: dict[str, tuple[Holder, ...]] = {
+        name: (Holder(name),) for name in ("body", "carriage")
+    }
     half = np.array([robot.foot.span / 2, 0.0, 0.0])
     for leg in robot.legs:
         tip = np.array([*leg.at, -float(robot.foot.depth(0.0))])
@@ -238,7 +240,8 @@ def _followers(spec: Any, robot: Robot, poses: _Poses, settings: Settings) -> di
         found[name] = f"drawn {name}"
         spec.worldbody.add_body(name=found[name], mocap=True)
         for label, (body, at) in (("near", near), ("far", far)):
-            parts.site(spec.body(body), f"{label} {name}", poses.inside(body, at))
+            x, y, z = poses.inside(body, at)
+            parts.site(spec.body(body), f"{label} {name}", (x, y, z))
     return found
 
 
