@@ -13,7 +13,7 @@ import stepwell as sw
 from accounts.forms import SCALES, folded, forms, mixed, pair, shown
 from stepwell.accounts import Account, account
 from stepwell.accounts.changes import margin_section, margin_words
-from stepwell.accounts.head import Shape
+from stepwell.accounts.head import DesignShape
 from stepwell.accounts.parts import RecordTable
 from stepwell.accounts.yields import tolerance_schema
 from stepwell.base import (
@@ -204,9 +204,9 @@ def test_tolerances_are_those_that_the_cells_have():
     lever = sw.preset("paper-forward").cells[0]
     levers, both = sw.Chain([lever, lever]), sw.Chain([lever, pair(Measure.TRAVEL).cells[0]])
     names = {
-        "levers": [q.name for q in tolerance_schema(Shape.of(levers))],
-        "mixed": [q.name for q in tolerance_schema(Shape.of(both))],
-        "volumes": [q.key for q in tolerance_schema(Shape.of(pair(Measure.VOLUME)))],
+        "levers": [q.name for q in tolerance_schema(DesignShape.of(levers))],
+        "mixed": [q.name for q in tolerance_schema(DesignShape.of(both))],
+        "volumes": [q.key for q in tolerance_schema(DesignShape.of(pair(Measure.VOLUME)))],
     }
     plain = ["anchor", "stiffness", "rest_length", "lever", "friction"]
     assert names == {

@@ -14,7 +14,7 @@ import stepwell as sw
 from accounts.forms import Tables, forms, pair, shown
 from stepwell.accounts import account, card, chain as chain_account, page
 from stepwell.accounts.chain import cell_schema
-from stepwell.accounts.head import Row, Shape
+from stepwell.accounts.head import DesignShape, Row
 from stepwell.accounts.parts import Level, RecordTable
 from stepwell.base import (
     Column,
@@ -235,7 +235,7 @@ def test_units_are_those_of_the_table():
     assert display_unit("m") == ("mm", 1e3)
     assert display_unit("N/m") == ("N/m", 1.0)
     assert display_unit("rad")[1] == math.degrees(1.0)
-    for q in (*SAMPLES, *TRIAL, *cell_schema(Shape())):
+    for q in (*SAMPLES, *TRIAL, *cell_schema(DesignShape())):
         if q.unit in FACTORS:
             assert q.factor == FACTORS[q.unit]
             assert display_unit(q.si) == (q.unit, q.factor)

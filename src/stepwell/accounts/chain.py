@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 from typing import Any
 
-from stepwell.accounts.head import About, Row, Shape, of_class, recorded
+from stepwell.accounts.head import About, DesignShape, Row, of_class, recorded
 from stepwell.accounts.parts import CARD, FULL, Account, Fact, RecordTable, Sections
 from stepwell.accounts.words import actuator_words, cells_of
 from stepwell.base import Columns, Quantity, Schema, counted, in_measure, read_off, record
@@ -40,7 +40,7 @@ def named(chain: Chain) -> list[Row]:
     return [{"name": n, "cell": cell} for n, cell in zip(chain.names, chain.cells, strict=True)]
 
 
-def actuator_schema(shape: Shape) -> Schema:
+def actuator_schema(shape: DesignShape) -> Schema:
     """What the actuator prescribes, and its stiffness."""
 
     def control(chain: Chain) -> str:
@@ -51,7 +51,7 @@ def actuator_schema(shape: Shape) -> Schema:
     return in_measure((Quantity("control", read=control), stiffness), shape.measure)
 
 
-def cell_schema(shape: Shape) -> Schema:
+def cell_schema(shape: DesignShape) -> Schema:
     """What is reported of a cell, read from a row of `named`.
 
     In a mixed chain cells with levers have the quantities of elements too.
@@ -67,7 +67,7 @@ def cell_schema(shape: Shape) -> Schema:
     return in_measure((name, *read_off((*rest, *alone), "cell")), shape.measure)
 
 
-def _element(shape: Shape) -> Schema:
+def _element(shape: DesignShape) -> Schema:
     def whole(name: str, head: str, read: Any) -> Quantity:
         return Quantity(name, "", head, read, holds=int, left=False)
 
@@ -107,7 +107,7 @@ def cell_columns(schema: Schema, chain: Chain) -> Columns:
 
 def cell_section(chain: Chain) -> Sections:
     """The cells of a chain, and the bands of those that have levers."""
-    schema = cell_schema(Shape.of(chain))
+    schema = cell_schema(DesignShape.of(chain))
     about = (
         "F0 and F1 are the forces along travel at state 0 and state 1, k the stiffness of the "
         "cell's stiffest band, r its lever, the peak θmax, where its energy is largest."
@@ -177,7 +177,7 @@ def chain_account(value: Chain, about: About) -> Account:
 def cell_account(value: Cell | Element, about: About) -> Account:
     """What a notebook shows of a cell."""
     chain = Chain([value])
-    schema = [quantity for quantity in cell_schema(Shape.of(chain))[1:] if quantity.head]
+    schema = [quantity for quantity in cell_schema(DesignShape.of(chain))[1:] if quantity.head]
     numbers = zip(schema, texts(schema, named(chain)[0]), strict=True)
     facts = [Fact(label_of(quantity), text) for quantity, text in numbers]
     name = f"{type(value).__name__} {value.name}".strip()

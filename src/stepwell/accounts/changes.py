@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from stepwell import base
-from stepwell.accounts.head import About, Shape, keys
+from stepwell.accounts.head import About, DesignShape, keys
 from stepwell.accounts.parts import CARD, Account, Part, RecordTable
 from stepwell.design import LONGEST_FOLLOWED, Change, Margin
 
@@ -13,7 +13,7 @@ _NO_MOVE, _NO_CHANGE = 1e-9, 1e-11
 _KINDS = "anchor", "stiffness", "force_scale", "travel_scale", "friction"
 
 
-def change_schema(shape: Shape) -> base.Schema:
+def change_schema(shape: DesignShape) -> base.Schema:
     """A change of an anchor in mm, or of a number in percent; the other unit has null."""
     anchors = (
         base.Quantity("distance", "mm", read=_of("distance", True)),
@@ -85,7 +85,7 @@ def _distance(change: Change) -> str:
     return f"{base.number(change.distance * 100)} %"
 
 
-def margin_schema(shape: Shape) -> base.Schema:
+def margin_schema(shape: DesignShape) -> base.Schema:
     """What is reported of a robustness margin."""
     return keys(method=str, reach="mm", gap="over_kr", changes=[change_schema(shape)])
 
@@ -109,7 +109,7 @@ def margin_words(margin: Margin) -> str:
 def margin_section(margin: Margin, *parts: Part) -> dict[str, tuple[Part, ...]]:
     """The smallest change of each thing as a table, the nearest first; `parts` stand above it."""
     chain, near = margin.chain, sorted(margin.changes, key=lambda change: change.distance)
-    schema = change_schema(Shape.of(chain))
+    schema = change_schema(DesignShape.of(chain))
     searched = f"searched with the engine. {margin.resolution}"
     how = "exact: every change is in closed form" if margin.method == "exact" else searched
     about = f"The smallest change of one thing at a time that gives another sequence ({how})"

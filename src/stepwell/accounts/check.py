@@ -2,7 +2,7 @@
 
 from stepwell import base
 from stepwell.accounts import changes, yields
-from stepwell.accounts.head import CALIBRATED, About, Shape, keys
+from stepwell.accounts.head import CALIBRATED, About, DesignShape, keys
 from stepwell.accounts.parts import Account, Fact, Replay, Warned
 from stepwell.accounts.words import assumed, calibration, cells_of, degenerate, scattered, tie_notes
 from stepwell.base import Quantity, amount, percent
@@ -12,7 +12,7 @@ from stepwell.design import Check, Measurement
 _UNITS = {"d": "mm", "lever": "mm", "friction": "N"}
 
 
-def check_schema(shape: Shape) -> base.Schema:
+def check_schema(shape: DesignShape) -> base.Schema:
     """What is reported of a verdict."""
     # A tolerance is in one of these units and null in the others.
     units = ("mm", "percent", "N") if shape.levers else ("percent", "N")

@@ -8,7 +8,7 @@ from typing import Any
 from stepwell import base
 from stepwell.accounts import run, yields
 from stepwell.accounts.chain import BAND, actuator_schema, cell_columns, cell_schema, named
-from stepwell.accounts.head import About, Shape, keys, of_class, recorded
+from stepwell.accounts.head import About, DesignShape, keys, of_class, recorded
 from stepwell.accounts.parts import CARD, FULL, Account, Fact, Picture, RecordTable, Text
 from stepwell.accounts.words import LONGEST_IN_A_LINE, assumed, cells_of
 from stepwell.base import Quantity, Schema, amount, join_first, number, signed, to_unit
@@ -40,7 +40,7 @@ _PLACE: Schema = (
 )
 
 
-def design_schema(shape: Shape) -> Schema:
+def design_schema(shape: DesignShape) -> Schema:
     """What is reported of a design; an impossible one has null for most of it."""
     built = (
         *keys(sequence=str, loading_order=([int], "loading"), unloading_order=([int], "unloading")),
@@ -90,7 +90,7 @@ def _states(design: Design) -> tuple[str, ...] | None:
     return design.states if len(design.chain) <= LONGEST_IN_A_LINE else None
 
 
-def built_schema(shape: Shape) -> Schema:
+def built_schema(shape: DesignShape) -> Schema:
     """What has to be built: anchors and the band of each cell, or scales of elements."""
     if shape.elements:
         return (*cell_schema(shape), *base.read_off(_SCALES, "cell"))
@@ -106,7 +106,7 @@ def built_schema(shape: Shape) -> Schema:
 def impossible_account(value: Impossible, about: About) -> Account:
     """What is reported if a search returns no design."""
     proved = "This is proved." if value.proved else "A search found none; that is no proof."
-    schema = design_schema(Shape(value.measure))
+    schema = design_schema(DesignShape(value.measure))
     return Account(value, "No such design", "design/2", str(value), origin=proved, schema=schema)
 
 
@@ -122,7 +122,7 @@ def design_account(design: Design, about: About) -> Account:
         Fact("Cycle", run.cycle_words(design.cycle), FULL),
         *(replace(fact, level=FULL) for fact in run.cycle_facts(design.cycle)),
     )
-    built = built_schema(Shape.of(chain))
+    built = built_schema(DesignShape.of(chain))
     columns, rows = cell_columns(built, chain), recorded(built, named(chain))
     anchors = "" if chain.elements else "p is the anchor on the inner block, q on the outer block."
     cells = RecordTable(columns, rows, anchors, more="cells", level=CARD)
@@ -162,7 +162,7 @@ def _no_snaps(design: Design) -> str:
     return f"none: no cell is bistable{other}"
 
 
-def reprogram_schema(shape: Shape) -> Schema:
+def reprogram_schema(shape: DesignShape) -> Schema:
     """What is reported of a reprogramming; the units of other changes have null."""
     force = shape.measure.force_unit
     anchors = _change_schema("mm", "m", [float])

@@ -5,7 +5,7 @@ from operator import itemgetter
 from typing import Any
 
 from stepwell import base, mechanism
-from stepwell.accounts.head import Row, Shape, keys, recorded
+from stepwell.accounts.head import DesignShape, Row, keys, recorded
 from stepwell.accounts.parts import CARD, RecordTable, Sections, Warned
 from stepwell.base import Column, Quantity
 from stepwell.statics import Cause, Event, Landing, Path
@@ -14,7 +14,7 @@ NOT_CHECKED = "not checked for other mobilities"
 _ARRIVAL = keys(cell=(int, itemgetter(0)), state=(int, itemgetter(1)))
 
 
-def event_schema(shape: Shape) -> base.Schema:
+def event_schema(shape: DesignShape) -> base.Schema:
     """What is reported of a switch or a snap."""
     schema = (
         Quantity("kind", head="event"),
@@ -52,14 +52,14 @@ def landed(landings: Sequence[Landing] | None, events: Sequence[Event]) -> list[
     return rows
 
 
-def landing_schema(shape: Shape) -> base.Schema:
+def landing_schema(shape: DesignShape) -> base.Schema:
     """What is known of the landing of a snap, read from a row of `landed`."""
     known = keys(holds=bool, ratio=float, proof=str | None, corners=int, samples=int, bound=float)
     elsewhere = Quantity("elsewhere", holds=[_elsewhere(shape)])
     return (*keys(event=int), *base.read_off((*known, elsewhere), "landing"))
 
 
-def _elsewhere(shape: Shape) -> base.Schema:
+def _elsewhere(shape: DesignShape) -> base.Schema:
     schema = (
         Quantity("state", head="in state"),
         Quantity("travel", "mm", holds=[float]),
@@ -75,7 +75,7 @@ def event_sections(
     """Switches and snaps as a table, and where snaps land for other mobilities of the cells."""
     measure = chain.measure
     arriving = "in another phase" if chain.elements else "at a stop"
-    event, place = event_schema(Shape.of(chain)), _elsewhere(Shape.of(chain))
+    event, place = event_schema(DesignShape.of(chain)), _elsewhere(DesignShape.of(chain))
     known = {quantity.attribute: quantity for quantity in event}
     table = RecordTable(
         _columns(chain, known),
@@ -142,7 +142,7 @@ def extrapolated(path: Path) -> list[Row]:
     return [{"cell": n, "used": at, "low": c.low, "high": c.high} for n, c, at in curves]
 
 
-def extrapolated_schema(shape: Shape, path: str) -> base.Schema:
+def extrapolated_schema(shape: DesignShape, path: str) -> base.Schema:
     """What is reported of elements past an end of their curve; `path` is where the path is read."""
     each = base.in_measure(keys(cell=str, used="mm", low="mm", high="mm"), shape.measure)
     past = Quantity("extrapolated", read=extrapolated, holds=[each])

@@ -5,7 +5,7 @@ from operator import itemgetter
 from typing import Any
 
 from stepwell.accounts.events import way
-from stepwell.accounts.head import About, Row, Shape, keys
+from stepwell.accounts.head import About, DesignShape, Row, keys
 from stepwell.accounts.parts import Account, Fact, RecordTable, Text
 from stepwell.accounts.words import LONGEST_IN_A_LINE, degenerate, scattered, tie_notes
 from stepwell.base import Column, Columns, Quantity, Schema, counted, join_first, read_off
@@ -27,7 +27,7 @@ _MOST_IN_ANSWER = 60  # letters of a loop
 _PLACE = {"01": "", "11": "", **{f"-{last}": " in transit" for last in "123456789"}}
 
 
-def graph_schema(shape: Shape) -> Schema:
+def graph_schema(shape: DesignShape) -> Schema:
     """What is reported of a graph; drives are those of its actuator."""
     unit = shape.drive
     loop = keys(up=[str], down=[str], low=unit, high=unit)
@@ -71,10 +71,10 @@ def graph_schema(shape: Shape) -> Schema:
     )
 
 
-def shape_of(graph: TransitionGraph | ImplicitGraph) -> Shape:
+def shape_of(graph: TransitionGraph | ImplicitGraph) -> DesignShape:
     """The shape of a graph's chain; its own actuator may prescribe another thing."""
     chain = graph.chain
-    shape = Shape() if chain is None else Shape.of(chain)
+    shape = DesignShape() if chain is None else DesignShape.of(chain)
     return shape._replace(force_driven=graph.unit == shape.measure.force_unit)
 
 
@@ -114,7 +114,7 @@ def transition_graph_account(value: TransitionGraph | MemoryReading, about: Abou
 memory_reading_account = transition_graph_account
 
 
-def implicit_graph_schema(shape: Shape) -> Schema:
+def implicit_graph_schema(shape: DesignShape) -> Schema:
     """What is reported of a walk."""
 
     def count(attribute: str) -> tuple[Any, Any]:

@@ -108,7 +108,7 @@ def head(
     return bare(kind) | {"versions": versions, "design_sha256": digest_of(design), "seed": seed}
 
 
-class Shape(NamedTuple):
+class DesignShape(NamedTuple):
     """The kind of a chain: records of all chains of a shape have the same names."""
 
     measure: Measure = Measure.TRAVEL
@@ -125,20 +125,20 @@ class Shape(NamedTuple):
         return base.display_unit(si)[0]
 
     @classmethod
-    def of(cls, chain: Chain) -> Shape:
+    def of(cls, chain: Chain) -> DesignShape:
         """The shape of a chain."""
         elements, force_driven = chain.elements, chain.actuator_stiffness == 0
         folds = any(len(element.laws) > 1 for element in elements)
         return cls(chain.measure, force_driven, len(elements) < len(chain), bool(elements), folds)
 
 
-def shapes() -> Iterable[Shape]:
+def shapes() -> Iterable[DesignShape]:
     """All possible shapes; cells with levers have travel and force as their measure."""
     kinds = [(False, True, False), (False, True, True)]
     levers = [(True, False, False), (True, True, False), (True, True, True)]
     for measure, force_driven in product(Measure, (False, True)):
         for kind in kinds + levers * (measure is Measure.TRAVEL):
-            yield Shape(measure, force_driven, *kind)
+            yield DesignShape(measure, force_driven, *kind)
 
 
 def of_class(kind: type, schema: Iterable[Quantity]) -> Schema:

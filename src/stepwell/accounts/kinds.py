@@ -7,7 +7,7 @@ from importlib import import_module
 from operator import attrgetter
 from typing import Any
 
-from stepwell.accounts.head import About, Shape
+from stepwell.accounts.head import About, DesignShape
 from stepwell.accounts.parts import Account
 from stepwell.accounts.rendering.card import card
 from stepwell.base import InputError, of_kind
@@ -51,7 +51,7 @@ KINDS = {kind: file for file, (_, kinds) in FILES.items() for kind in kinds.spli
 
 
 def schema_at(kind: str) -> Any:
-    """The schema of a kind of record: MAP of its file for "map/3", or map_schema of a `Shape`."""
+    """The schema of a kind of record: MAP of its file for "map/3", or map_schema of a `DesignShape`."""
     file = import_module(f"stepwell.accounts.{KINDS[kind]}")
     name = kind.partition("/")[0].rpartition(".")[2]
     return getattr(file, f"{name}_schema", None) or getattr(file, name.upper())
@@ -77,7 +77,7 @@ def account(value: Any, about: About | None = None, **options: Any) -> Account:
     make = getattr(import_module(f"stepwell.accounts.{file}"), function)
     report: Account = make(value, about, **options)
     schema = report.schema or (schema_at(report.kind) if report.kind else ())
-    schema = schema(Shape.of(design)) if callable(schema) else schema
+    schema = schema(DesignShape.of(design)) if callable(schema) else schema
     return replace(report, about=about, schema=schema)
 
 

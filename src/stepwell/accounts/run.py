@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from stepwell.accounts import changes, events, words
 from stepwell.accounts.chain import actuator_schema, cell_schema, cell_section, named, texts
-from stepwell.accounts.head import About, Row, Shape, keys, of_class
+from stepwell.accounts.head import About, DesignShape, Row, keys, of_class
 from stepwell.accounts.parts import (
     CARD,
     PAGE,
@@ -40,7 +40,7 @@ _NOT_PLAYED = "Not shown here: the command stepwell replay writes the motion as 
 _CHECK = "--mobility-ratio 10 checks the landings for other mobilities."
 
 
-def run_schema(shape: Shape) -> Schema:
+def run_schema(shape: DesignShape) -> Schema:
     """What is reported of a run."""
     cycle = (
         Quantity("sequence", read=words.spelled_out, missing=True),
@@ -65,7 +65,7 @@ def run_schema(shape: Shape) -> Schema:
     )
 
 
-def _measured_schema(shape: Shape) -> Schema:
+def _measured_schema(shape: DesignShape) -> Schema:
     """What error bands and scatter of measured curves mean for a run."""
 
     def end(k: int) -> Callable[[Run], float | None]:
@@ -76,7 +76,7 @@ def _measured_schema(shape: Shape) -> Schema:
     return (*in_measure(ends, shape.measure), *keys(other_sequences=[str]), *notes)
 
 
-def cycle_schema(shape: Shape) -> Schema:
+def cycle_schema(shape: DesignShape) -> Schema:
     """The numbers of a cycle."""
     full = keys(dissipated="mJ", peak_force="N", full_stroke=("mm", "chain.full_stroke"))
     turns = Quantity(
@@ -174,7 +174,7 @@ def cycle_words(cycle: Cycle) -> str:
 def cycle_facts(cycle: Cycle) -> list[Fact]:
     """What a chain does in a full cycle."""
     chain, names = cycle.chain, cycle.chain.names
-    lost, peak, full, *driven = texts(cycle_schema(Shape.of(chain)), cycle)
+    lost, peak, full, *driven = texts(cycle_schema(DesignShape.of(chain)), cycle)
     return [
         Fact("Loading", words.listed([names[cell] for cell in cycle.loading_order])),
         Fact("Unloading", words.listed([names[cell] for cell in cycle.unloading_order])),
@@ -198,7 +198,7 @@ def _samples(run: Run, tied: bool) -> str:
 def path_account(path: Path, about: About) -> Account:
     """What a notebook shows of a path."""
     chain = path.chain
-    lost, peak = texts(cycle_schema(Shape.of(chain))[:2], path)
+    lost, peak = texts(cycle_schema(DesignShape.of(chain))[:2], path)
     facts = [Fact("Dissipated", lost), Fact(f"Peak {chain.measure.force}", peak)]
     return _motion(path, path, "Path", words.turning_points(path.turning_points, chain), facts)
 
@@ -212,7 +212,7 @@ def _motion(value: Cycle | Path, path: Path, what: str, answer: str, facts: list
     return Account(value, title, answer=answer, facts=facts, sections=sections, warnings=warnings)
 
 
-def program_schema(shape: Shape) -> Schema:
+def program_schema(shape: DesignShape) -> Schema:
     """What is reported of a program; an unreachable state has null for most of it."""
     planned = (
         *keys(arrives=str, strokes=int),
@@ -268,7 +268,7 @@ def program_account(program: Program, about: About) -> Account:
         Fact("Landings", events.landing_words(path.checked_landings)),
     )
     # Where a turn can go back to is computed for programs of a search alone.
-    turns = turn_schema(Shape.of(chain).drive)
+    turns = turn_schema(DesignShape.of(chain).drive)
     columns = turns[: None if any(turn.branch for turn in program.turns) else -1]
     table = RecordTable(
         [Quantity("turn", head="turn"), *columns],

@@ -4,7 +4,7 @@ from dataclasses import replace
 from operator import itemgetter
 from typing import Any
 
-from stepwell.accounts.head import CALIBRATED, About, Shape, keys, recorded
+from stepwell.accounts.head import CALIBRATED, About, DesignShape, keys, recorded
 from stepwell.accounts.parts import CARD, FULL, Account, Fact, Picture, RecordTable, Text, Warned
 from stepwell.accounts.words import assumed, calibration, cells_of, scattered, turning_points
 from stepwell.base import Column, Quantity, Schema, in_measure, number, percent, record
@@ -32,7 +32,7 @@ _PART: Schema = (
 )
 
 
-def counted_schema(shape: Shape) -> Schema:
+def counted_schema(shape: DesignShape) -> Schema:
     """What is counted of samples, and within which tolerances."""
     low, high = (lambda result, k=k: result.interval[k] for k in (0, 1))
     return (
@@ -41,7 +41,7 @@ def counted_schema(shape: Shape) -> Schema:
     )
 
 
-def tolerance_schema(shape: Shape) -> Schema:
+def tolerance_schema(shape: DesignShape) -> Schema:
     """The tolerances of a chain; each kind of cell has its own."""
 
     def ratio(tolerances: Tolerances) -> float | None:
@@ -64,7 +64,7 @@ def tolerance_schema(shape: Shape) -> Schema:
 
 def tolerance_words(given: Tolerances, chain: Chain) -> str:
     """The tolerances of a chain in words."""
-    schema = tolerance_schema(Shape.of(chain))
+    schema = tolerance_schema(DesignShape.of(chain))
     row = record(schema, given)
     words = [f"{q.head}{number(row[q.key])} {q.sign}".strip() for q in schema if row[q.key]]
     return ", ".join(words) or "no tolerance"
@@ -90,12 +90,12 @@ def counted_facts(result: Yield | Survival) -> tuple[Fact, ...]:
     )
 
 
-def yield_schema(shape: Shape) -> Schema:
+def yield_schema(shape: DesignShape) -> Schema:
     """What is reported of a yield."""
     return (*CHAIN, *inner_yield_schema(shape), CALIBRATED)
 
 
-def inner_yield_schema(shape: Shape) -> Schema:
+def inner_yield_schema(shape: DesignShape) -> Schema:
     """A yield within another record."""
     return (
         Quantity("target"),
@@ -178,7 +178,7 @@ def _sensitivities(result: Yield) -> tuple[RecordTable, Text]:
     return table, Text(f"{checked} {fraction} of the samples" if fraction else "")
 
 
-def survival_schema(shape: Shape) -> Schema:
+def survival_schema(shape: DesignShape) -> Schema:
     """What is reported of a survival."""
     return (
         *CHAIN,

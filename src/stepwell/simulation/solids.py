@@ -55,9 +55,7 @@ def holders(robot: Robot, linkage: Linkage) -> dict[str, tuple[Holder, ...]]:
     """For each rigid body of the parts the bodies of the model that have its mass."""
     made = robot.made
     assert made is not None
-    found: dict[str, tuple[Holder, ...]] = {
-        name: (Holder(name),) for name in ("body", "carriage")
-    }
+    found: dict[str, tuple[Holder, ...]] = {name: (Holder(name),) for name in ("body", "carriage")}
     half = np.array([robot.foot.span / 2, 0.0, 0.0])
     for leg in robot.legs:
         tip = np.array([*leg.at, -float(robot.foot.depth(0.0))])

@@ -7,7 +7,7 @@ from typing import Any
 
 from stepwell import base
 from stepwell.accounts import yields
-from stepwell.accounts.head import About, Shape, keys, recorded
+from stepwell.accounts.head import About, DesignShape, keys, recorded
 from stepwell.accounts.parts import CARD, FULL, Account, Fact, Notes, Picture, RecordTable
 from stepwell.accounts.words import assumed, cells_of
 from stepwell.base import Quantity, Schema, amount, counted, number
@@ -24,7 +24,7 @@ from stepwell.build import (
 )
 
 
-def build_schema(shape: Shape) -> Schema:
+def build_schema(shape: DesignShape) -> Schema:
     """What is reported of a build."""
     sampled = yields.inner_yield_schema(shape)
     return (

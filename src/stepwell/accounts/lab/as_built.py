@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from stepwell import base
-from stepwell.accounts.head import About, Shape, keys
+from stepwell.accounts.head import About, DesignShape, keys
 from stepwell.accounts.parts import CARD, FULL, TERMINAL, Account, Fact, Notes, RecordTable, Text
 from stepwell.accounts.words import cells_of
 from stepwell.accounts.yields import tolerance_words
@@ -42,7 +42,7 @@ _KNOWN: Schema = (
 )
 
 
-def as_built_schema(shape: Shape) -> Schema:
+def as_built_schema(shape: DesignShape) -> Schema:
     """Schema of a build; observed snaps are at the drive, which may be a force."""
     seen = (
         Quantity("sequence", missing=True),
@@ -95,7 +95,7 @@ def as_built_account(build: AsBuilt, about: About) -> Account:
             _KNOWN, "known", known, more="parameters", level=CARD
         ),
         "Assumptions": (
-            Text(anchors if Shape.of(drawing).levers else "", FULL),
+            Text(anchors if DesignShape.of(drawing).levers else "", FULL),
             Notes(assumed, FULL),
         ),
     }
@@ -116,7 +116,7 @@ def _observed(build: AsBuilt) -> str:
 
 
 def _holes(build: AsBuilt) -> str:
-    if not Shape.of(build.drawing).levers:
+    if not DesignShape.of(build.drawing).levers:
         return ""
     if not build.chance:
         return "nominal; wrong holes were not searched"

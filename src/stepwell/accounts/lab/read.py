@@ -7,7 +7,7 @@ from typing import Any
 
 from stepwell import base
 from stepwell.accounts.chain import ERROR_BAND, label_of, texts, with_sign
-from stepwell.accounts.head import About, Row, Shape, keys
+from stepwell.accounts.head import About, DesignShape, Row, keys
 from stepwell.accounts.parts import CARD, FULL, Account, Fact, Notes, Picture, RecordTable, Text
 from stepwell.accounts.words import folded_notes
 from stepwell.lab import Batch, MeasuredElement, Recording, half_cycles, hashes
@@ -207,7 +207,7 @@ _NUMBERS: base.Schema = (
 )
 
 
-def element_schema(shape: Shape) -> base.Schema:
+def element_schema(shape: DesignShape) -> base.Schema:
     """Schema of a measured element in the units of its measure."""
     schema = (
         *keys(data_sha256={str: str}, name=(str, "element.name"), half=str),
