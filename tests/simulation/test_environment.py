@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import warnings
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import stepwell as sw
 from stepwell.simulation import drawing_system
 
 gymnasium = pytest.importorskip("gymnasium", reason="environments need the extra env")
+checker = import_module("gymnasium.utils.env_checker")
 
 
 @pytest.fixture
@@ -30,13 +32,11 @@ def make():
 @pytest.mark.parametrize("arena", ["three-walls", None])
 @pytest.mark.parametrize("random_start", [False, True])
 def test_gymnasiums_own_check_has_no_remark(make, arena, random_start):
-    from gymnasium.utils.env_checker import check_env
-
     drawn = drawing_system() is not None
     env = make(arena=arena, random_start=random_start, render_mode="rgb_array" if drawn else None)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        check_env(env.unwrapped, skip_render_check=not drawn)
+        checker.check_env(env.unwrapped, skip_render_check=not drawn)
 
 
 def test_the_drives_own_strokes_walk_like_the_robot(make):
@@ -73,6 +73,7 @@ def test_an_observation_has_a_name_with_a_unit_for_each_number_and_stays_in_its_
     state = dict(zip(names, observation, strict=True))
     assert state["left.inner travel over full travel [1]"] == pytest.approx(0.0, abs=0.02)
     arena = sw.load_arena("three-walls")
+    assert arena.goal is not None
     away = np.subtract(arena.goal.at, arena.start)
     ahead = away @ [np.cos(arena.heading), np.sin(arena.heading)]
     assert state["goal ahead [m]"] == pytest.approx(ahead, abs=0.01)
@@ -99,7 +100,7 @@ def test_an_episode_ends_at_the_goal_with_the_distance_as_its_reward(make, tmp_p
     robot = sw.preset("robot-forward")
     env = make(robot, arena)
     env.reset()
-    total, done = 0.0, False
+    total, done, late, info = 0.0, False, False, {}
     for k in range(100):
         stroke = robot.drive.stroke(0.1 * (k + 1)) / robot.drive.amplitude
         _, reward, done, late, info = env.step(np.array([2.0 * stroke - 1.0], np.float32))
@@ -108,6 +109,7 @@ def test_an_episode_ends_at_the_goal_with_the_distance_as_its_reward(make, tmp_p
             break
     assert done and not late and info["outcome"] == "reached the goal"
     goal = arena.goal
+    assert goal is not None
     gained = (np.hypot(*np.subtract(goal.at, arena.start)) - goal.radius) / robot.u_max
     assert total == pytest.approx(gained, abs=0.2)
 

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
@@ -111,16 +112,14 @@ def test_meshes_are_files_that_both_formats_place_alike(tmp_path, with_a_mesh):
 
 def drake(given: str | Path, caplog):
     """The plant that Drake reads, with Gazebo's parser, and the messages of this parser."""
-    pytest.importorskip("pydrake", reason="Drake reads SDF files on Linux only")
-    from pydrake.multibody.parsing import Parser
-    from pydrake.multibody.plant import MultibodyPlant
-
-    plant = MultibodyPlant(1e-3)
+    why = "Drake reads SDF files, where it can be installed"
+    parsing = pytest.importorskip("pydrake.multibody.parsing", reason=why)
+    plant = import_module("pydrake.multibody.plant").MultibodyPlant(1e-3)
     with caplog.at_level(logging.INFO):
         if isinstance(given, Path):
-            Parser(plant).AddModels(str(given))
+            parsing.Parser(plant).AddModels(str(given))
         else:
-            Parser(plant).AddModelsFromString(given, "sdf")
+            parsing.Parser(plant).AddModelsFromString(given, "sdf")
     own = "Ignoring unsupported SDFormat element"
     return plant, [one.getMessage() for one in caplog.records if own not in one.getMessage()]
 
@@ -208,8 +207,8 @@ def made() -> Robot:
 
 
 def test_a_robot_made_of_parts_is_exported_with_every_part(tmp_path, caplog):
-    one = made()
-    files = exchange(one)
+    one, files = made(), exchange(made())
+    assert one.made is not None
     into(tmp_path, files)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
     assert model.nmesh == len(one.made.shapes) == sum(name.endswith(".obj") for name in files)

@@ -100,7 +100,7 @@ class Camera:
         points = np.asarray(points, float)
         middle = (points.min(axis=0) + points.max(axis=0)) / 2
         tangents = np.tan(FIELD / 2) * np.array([self.size[0] / self.size[1], 1.0]) / EDGE
-        shift = np.zeros(2)
+        shift, distance = np.zeros(2), 0.0
         for _ in range(4):
             # The middle of what is seen, which is not that of the points.
             middle = middle + shift @ self.axes[1:]

@@ -119,7 +119,7 @@ class _Writer:
         _add(robot, "self_collide", "true")
         root = self.frame(base)
         root.add_to(robot)
-        for body in np.flatnonzero(m.body_rootid == base):
+        for body in np.flatnonzero(m.body_rootid == base).tolist():
             where = root.inverse @ self.frame(body)
             link = _add(robot, "link", name=self.name(body))
             where.add_to(link)
@@ -139,7 +139,7 @@ class _Writer:
         still = _add(world, "model", name="surroundings")
         _add(still, "static", "true")
         drawn = (m.body_mocapid >= 0) | (m.body_geomnum == 0)
-        for body in np.flatnonzero((m.body_weldid == 0) & ~drawn):
+        for body in np.flatnonzero((m.body_weldid == 0) & ~drawn).tolist():
             link = _add(still, "link", name=self.name(body))
             self.frame(body).add_to(link)
             self.add_shapes(link, body)
