@@ -1,4 +1,4 @@
-"""Simulation of robots in MuJoCo: model, walks, runs in an arena, sweeps, videos."""
+"""Simulation of robots in MuJoCo: model, walks, arenas, sweeps, videos, exports, environments."""
 
 from typing import TYPE_CHECKING
 

@@ -89,6 +89,7 @@ def video(
     # The samples that become frames.
     chosen = np.minimum(np.searchsorted(walk.time, times), len(walk.time) - 1)
     encoders = [_ENCODERS[target.suffix.lower()](width, height, fps) for target in targets]
+    shots.model.vis.quality.shadowsize = 2048
     with shots.drawing() as drawing:
         for done, sample in enumerate(chosen, 1):
             frame = shots.frame(drawing, sample, chosen[:done][-2:])
@@ -171,7 +172,6 @@ class _Shots:
         angles = None if view is None else view_angles(view)
         walk, self.maze = self.walk, isinstance(result, Maze)
         self.model: Model = spec(walk.robot, walk.arena, walk.settings).compile()
-        self.model.vis.quality.shadowsize = 2048 if size[0] < 1500 else 4096
         around, shadows = _outline(self.model, walk), 1.5 * _reach(self.model)
         if self.maze:
             whole = _whole(walk, size, angles or (90.0, -75.0))
