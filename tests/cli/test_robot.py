@@ -13,7 +13,7 @@ from docs.pages import ROOT, steps
 from facts import says
 from stepwell import files
 from stepwell.cli import robots, screen
-from stepwell.simulation import Settings, walk
+from stepwell.simulation import Settings, mjcf, walk
 from stepwell.simulation.simulator import mujoco
 
 
@@ -155,6 +155,22 @@ def test_export_writes_a_model_that_mujoco_opens_standing_at_its_start(stepwell,
     # Bands, levers, links and antennas are there to be seen.
     assert model.ntendon > 0
     assert (model.tendon_rgba[:, 3] > 0).any()
+
+
+@pytest.mark.slow
+def test_a_robot_is_exported_as_it_is_cut_with_its_meshes(stepwell, tmp_path):
+    words = ("export", "robot-forward", "--material", "acrylic-3mm")
+    result = stepwell(*words, "--out", "robot")
+    assert result.exit_code == 0, result.output
+    says(result.stdout, "robot.sdf", "walk.py", "meshes/")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot" / "robot.xml"))
+    assert model.nmesh > 20
+    plain = mujoco.MjModel.from_xml_string(mjcf(files.preset("robot-forward")))
+    body = model.body("body").id
+    assert model.body_subtreemass[body] != pytest.approx(plain.body_subtreemass[body], rel=0.01)
+    alone = stepwell(*words, "--out", "robot.sdf")
+    assert (alone.exit_code, (tmp_path / "robot.sdf").exists()) == (2, False)
+    says(alone.stderr, "robot.sdf", "folder")
 
 
 @pytest.mark.slow

@@ -18,7 +18,7 @@ from stepwell.base import require
 from stepwell.cli import options, screen
 from stepwell.cli.options import argument, flag, option
 from stepwell.cli.ranges import Range, read_range
-from stepwell.cli.tolerances import Seed
+from stepwell.cli.tolerances import BUILD_FILE, Seed, materials
 
 commands = screen.subcommands(
     "Compute the gait of a robot by statics, vary its parameters, or check its time step."
@@ -308,13 +308,20 @@ def export(
         callback=options.local,
     ),
     arena: options.Arena = None,
+    material: str | None = option(
+        "Export the robot as it is cut by this build file, or by this preset: acrylic-3mm, "
+        "plywood-3mm, pla-3mm.",
+        f"--material {BUILD_FILE}",
+        autocompletion=materials,
+    ),
     force: options.Force = False,
 ) -> None:
     """Export a robot as MJCF for MuJoCo, SDF for Gazebo, or both.
 
     A folder contains the robot as MJCF (robot.xml) and as SDF 1.11 (robot.sdf), their meshes, and
     walk.py, a script that walks the robot in MuJoCo's viewer without Stepwell. In the keyframe
-    `start` the feet are at the floor, the supports above it, and every cell is in state 0.
+    `start` the feet are at the floor, the supports above it, and every cell is in state 0. With
+    --material the robot has the masses, shapes and meshes of the parts that `stepwell build` cuts.
 
     Example: stepwell export robot-forward --out robot
     """
@@ -323,6 +330,9 @@ def export(
     if kind not in write:
         how = "must end in .xml for MJCF or in .sdf for SDF, or be a folder without an ending."
         raise screen.wrong("--out", f"{out}: {how}")
+    if material and kind == ".sdf":
+        how = "meshes of parts are files of their own: name a folder, without an ending."
+        raise screen.wrong("--out", f"{out}: {how}")
     text, design = options.read_robot(robot)
     place = sw.files.load_arena(arena) if arena is not None else None
     if kind:
@@ -330,12 +340,15 @@ def export(
     else:
         sw.files.check_folder(out, "export", force=force, texts={"robot.toml": text})
     with screen.usable(robot), screen.progress("model"):
+        if material:
+            design = sw.build(design, material).robot
         made = write[kind](design, place)
     if kind:
         sw.files.write_atomic(out, made)
         return screen.show_verbatim(f"Wrote {out}")
     inputs = {"robot.toml": text} | ({"arena.toml": sw.files.dumps(place)} if place else {})
-    screen.show_verbatim(f"Wrote {out}: {', '.join(_written(out, made | inputs, force))}")
+    names = screen.by_folder(_written(out, made | inputs, force))
+    screen.show_verbatim(f"Wrote {out}: {', '.join(names)}")
 
 
 def _written(folder: Path, texts: Mapping[str, str], force: bool) -> list[str]:

@@ -137,10 +137,10 @@ def report(
         return
     _print_folded(terminal(account, full=full))
     if names:
-        show_lines("", f"Written into {out}: {', '.join(_by_folder(names))}")
+        show_lines("", f"Written into {out}: {', '.join(by_folder(names))}")
 
 
-def _by_folder(names: Sequence[str]) -> list[str]:
+def by_folder(names: Sequence[str]) -> list[str]:
     """Names of files, those in inner folders as the folder and their number."""
     inner = Counter(name.partition("/")[0] for name in names if "/" in name)
     folders = [f"{name}/ ({count} files)" for name, count in inner.items()]
