@@ -16,8 +16,8 @@ from stepwell.simulation import parts
 from stepwell.simulation.leg import cell_joints, in_body, sides
 from stepwell.simulation.simulator import Linkage, Model, Settings, mujoco
 
-# The colours of the layers of a build: blocks, carriage and links differ, also for readers who do not
-# see red or green.
+# The colours of the layers of a build: blocks, carriage and links differ, also for readers who do
+# not see red or green.
 COLOURS: dict[PartRole, parts.Colour] = {
     PartRole.BODY: (0.80, 0.81, 0.83, 1.0),
     PartRole.CARRIAGE: (0.84, 0.37, 0.00, 1.0),
