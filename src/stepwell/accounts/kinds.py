@@ -51,7 +51,7 @@ KINDS = {kind: file for file, (_, kinds) in FILES.items() for kind in kinds.spli
 
 
 def schema_at(kind: str) -> Any:
-    """The schema of a kind of record: MAP of its file for "map/3", or a function of `DesignShape`."""
+    """The schema of a kind of record: MAP of its file for "map/3", or its function of a shape."""
     file = import_module(f"stepwell.accounts.{KINDS[kind]}")
     name = kind.partition("/")[0].rpartition(".")[2]
     return getattr(file, f"{name}_schema", None) or getattr(file, name.upper())
