@@ -113,7 +113,7 @@ def of_robots() -> dict[str, Any]:
         sweep,
         simulation.convergence(robot, [0.001, 0.0005], cycles=2),
         AssumedRanges(
-            robot, ("00>10>11>01>00",) * 2, (AssumedRange("a", ("b",), *[1.0] * 3, "", ""),)
+            robot, ("00>10>11>01>00",) * 2, (AssumedRange("a", ("b",), 1.0, 1.0, 1.0, "", ""),)
         ),
     )
     return {type(value).__name__: value for value in values}

@@ -1,5 +1,6 @@
 """The pages about design files and commands are complete, and their examples run as shown."""
 
+import math
 import re
 import shlex
 import sys

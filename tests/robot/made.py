@@ -46,7 +46,7 @@ def parts(robot: Robot, heavier: float = 1.0) -> RobotParts:
         mass, size = BOXES[end]
         mass, centre = mass * heavier, np.array(place(robot, name))
         corners = centre + CORNERS * np.array(size) / 2
-        role = ROLES.get(end, end)
+        role = PartRole(ROLES.get(end, end))
         shapes.append(Shape(name, f"{name} plate", corners, FACES, role))
         if end in ("body", "inner.block", "outer.block", "carriage", "slider"):
             shapes.append(Shape(name, f"{name} outline", corners, FACES, role, collides=True))
