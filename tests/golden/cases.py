@@ -556,11 +556,20 @@ ROBOTS = [
         slow=True,
     ),
     Case(
-        "maze/video", ("maze robot-forward open --limit 1 --out out",), within=SIMULATED, slow=True
+        "maze/video",
+        (
+            "maze robot-forward open --limit 1 --view above --out out",
+            "walk robot-forward --cycles 0.1 --view 30,-20 --out walked",
+        ),
+        within=SIMULATED,
+        slow=True,
     ),
     Case(
         "robot/export",
-        ("export robot-explorer --arena cylinder --out model.xml",),
+        (
+            "export robot-explorer --arena cylinder --out model.xml",
+            "export robot-forward --material acrylic-3mm --out cut",
+        ),
         within=SIMULATED,
     ),
 ]

@@ -30,6 +30,10 @@ _EVERYWHERE = {"--force", "--full"}
 _READING = ("force_column", "save_reading")
 _NOT_FROZEN = {
     "build --step",  # needs build123d
+    # Half a minute; tests/cli/test_robot.py has a robot with few assumed numbers.
+    "robot ranges",
+    "robot ranges --cycles",
+    "robot ranges --json",
     "demo",
     "demo --out",
     "demo --no-open",
