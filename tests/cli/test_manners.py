@@ -131,7 +131,7 @@ def test_every_help_begins_with_a_verb_and_ends_with_an_example_that_is_understo
 
 # Defaults that differ on purpose: what is drawn where, and the tolerances of a first build.
 OWN_DEFAULTS = {"--out", "--samples", "--cycles", "--anchor", "--stiffness-tolerance"}
-OWN_DEFAULTS |= {"--travel-tolerance", "--drive", "--x", "--y", "--holes"}
+OWN_DEFAULTS |= {"--material", "--travel-tolerance", "--drive", "--x", "--y", "--holes"}
 
 
 def test_an_option_has_one_default_in_all_commands():
@@ -167,8 +167,8 @@ def test_one_option_name_takes_one_thing_in_all_commands():
     for command, name, option in options():
         kinds.setdefault(name, {}).setdefault(kind_of(option), command)
     unlike = {name: of for name, of in kinds.items() if len(of) > 1}
-    # The rest of what commands write is a folder, or one file.
-    assert unlike.pop("--out").keys() == {"DIR", "FILE"}
+    # The rest of what commands write is a folder, or one file, or for other programs either.
+    assert unlike.pop("--out").keys() == {"DIR", "FILE", "PATH"}
     assert unlike == {}
     assert not FORMER & kinds.keys()
 

@@ -64,7 +64,7 @@ STUDIES = {
     "atlas find 'reaches every state' two": "2 of the graphs",
 }
 # Claims take minutes: tests/accounts/test_paper.py has those that are committed. Ranges take half a
-# minute: tests/cli/test_robot.py has a robot with few assumed numbers.
+# minute: tests/paper/test_buildable.py has two of the numbers.
 CLAIMS = {"paper", "validate", "robot ranges"}
 # What these print is a list, a story or the name of a file.
 NO_ANSWER = {

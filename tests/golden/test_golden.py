@@ -30,7 +30,7 @@ _EVERYWHERE = {"--force", "--full"}
 _READING = ("force_column", "save_reading")
 _NOT_FROZEN = {
     "build --step",  # needs build123d
-    # Half a minute; tests/cli/test_robot.py has a robot with few assumed numbers.
+    # Half a minute; tests/paper/test_buildable.py has two of the numbers.
     "robot ranges",
     "robot ranges --cycles",
     "robot ranges --json",

@@ -309,7 +309,7 @@ def export(
     ),
     arena: options.Arena = None,
     material: str | None = option(
-        "Export the robot as it is cut by this build file, or by this preset: acrylic-3mm, "
+        "Build file (TOML), or the name of a preset, for the robot as it is cut: acrylic-3mm, "
         "plywood-3mm, pla-3mm.",
         f"--material {BUILD_FILE}",
         autocompletion=materials,
