@@ -228,6 +228,8 @@ def middle(locator: Locator) -> tuple[float, float]:
 
 
 def drag(page: Page, anchor: str, cell: str, dx: int, dy: int) -> None:
+    # Before its first answer is drawn the page may move what is aimed at.
+    settled(page)
     x, y = middle(handle(page, anchor, cell).locator(".dot"))
     page.mouse.move(x, y)
     page.mouse.down()
