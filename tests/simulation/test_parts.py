@@ -11,7 +11,7 @@ pytest.importorskip("mujoco")
 import stepwell as sw
 from robot.made import parts
 from robot.robots import BACKWARD, FORWARD, VIA_01, cell, explorer, robot
-from stepwell.robot import Arena, Blocks, Drive, Leg, Robot, Wall, with_parts
+from stepwell.robot import Arena, Blocks, Drive, Leg, Robot, RobotParts, Wall, with_parts
 from stepwell.simulation import Linkage, Settings, Walk, mjcf, walk
 from stepwell.simulation.live import FRAMES, SLACK, LiveParts, tension_colour
 from stepwell.simulation.model import spec
@@ -25,6 +25,12 @@ def legs_with(stiffness: float) -> list[Leg]:
     """Forward legs with other bands: those of the paper are near a change of gait."""
     cells = [cell("inner", 0.010, k=stiffness), cell("outer", 0.020, k=stiffness)]
     return [Leg(name, sw.Chain(cells), (0.008, y)) for name, y in LEGS.items()]
+
+
+def parts_of(robot: Robot) -> RobotParts:
+    """The parts of a robot that has some."""
+    assert robot.made is not None
+    return robot.made
 
 
 @cache
@@ -70,8 +76,8 @@ def test_the_inertia_about_every_axis_is_that_of_the_parts(linkage):
         turn = data.ximat[i].reshape(3, 3)
         whole += turn @ np.diag(model.body_inertia[i]) @ turn.T
         whole += model.body_mass[i] * (off @ off * np.eye(3) - np.outer(off, off))
-    wanted, centre = np.zeros((3, 3)), made().made.centre
-    for part in made().made.masses:
+    wanted, centre = np.zeros((3, 3)), parts_of(made()).centre
+    for part in parts_of(made()).masses:
         off = part.centre - centre
         wanted += part.inertia + part.mass * (off @ off * np.eye(3) - np.outer(off, off))
     # On rods a lever is two points at its joints, which turn no worse than a rod does.
@@ -102,16 +108,16 @@ def test_a_shape_that_collides_meets_a_wall_and_the_plain_outline_does_not():
 
 def test_a_model_of_parts_is_exported_and_steps_alone(tmp_path):
     model = mujoco.MjModel.from_xml_string(mjcf(made(antennas=True)))
-    assert model.nmesh == len(made(antennas=True).made.shapes) - sum(
+    assert model.nmesh == len(parts_of(made(antennas=True)).shapes) - sum(
         shape.collides and shape.body.split(".")[-1] in ("lever 1", "lever 2")
-        for shape in made(antennas=True).made.shapes
+        for shape in parts_of(made(antennas=True)).shapes
     )
 
 
 def test_a_run_steps_the_same_model_without_what_is_only_drawn():
     drawn, stepped = spec(made()).compile(), spec(made(), drawn=False).compile()
     assert stepped.nmocap == 0 < drawn.nmocap
-    assert stepped.nmesh == sum(shape.collides for shape in made().made.shapes)
+    assert stepped.nmesh == sum(shape.collides for shape in parts_of(made()).shapes)
     assert stepped.nq == drawn.nq
     assert stepped.body_subtreemass[1] == drawn.body_subtreemass[1]
 
