@@ -66,8 +66,9 @@ def test_every_public_class_is_a_value_an_error_or_a_name():
         one
         for one in CLASSES
         if not issubclass(one, ByValue | enum.Enum | BaseException | tuple)
-        # A function, a view of a dataset, and a dictionary.
+        # A function, a view of a dataset, a dictionary, and an environment, which has a state.
         and one not in (Entry, MapView, Presets)
+        and one.__name__ != "RobotEnv"
     ]
     assert others == []
     assert len(VALUES) > 70

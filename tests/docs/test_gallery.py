@@ -106,7 +106,7 @@ def test_what_is_kept_is_what_the_engine_says_now(name, tmp_path):
             assert told == pytest.approx(now, abs=0.1), AGAIN.format(name)
     else:
         now = arrays_of(drawn(machine.motion.path))
-        for block in ("drive", "stroke", "force", "energy", "travel"):
+        for block in ("drive", "stroke", "force", "travel"):
             told, size = along(now, block), np.ptp(now[block])
             assert along(arrays, block) == pytest.approx(told, rel=1e-4, abs=1e-4 * size), block
 

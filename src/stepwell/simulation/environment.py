@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from stepwell.base import Floats, InputError, check, need
+from stepwell.base import ByValue, Floats, InputError, check, need
 from stepwell.robot import Arena, Robot, other_start
 from stepwell.simulation.drawing import Camera, DrawingProcess, Frame, view_angles
 from stepwell.simulation.engine import SimulatedRun
@@ -31,8 +31,8 @@ class Reward(StrEnum):
     ADVANCE = "advance"
 
 
-@dataclass(frozen=True)
-class Episode:
+@dataclass(frozen=True, slots=True, eq=False)
+class Episode(ByValue):
     """Options of an environment; a `ValueError` refuses values out of range.
 
     Args:
