@@ -52,7 +52,7 @@ PARTS = {
         "ReturnPointMemory",
         "Rig",
     ),
-    *("Sample", "Scrambling", "Segment", "Sensitivities", "Series", "Settings"),
+    *("Episode", "Sample", "Scrambling", "Segment", "Sensitivities", "Series", "Settings"),
     *("Sheet", "SnapPrediction", "Sorted", "Step", "BandType", "Table", "Tie"),
     *("Tolerances", "Transition", "Trial", "Turn", "Wall", "Weighing", "WrongHole"),
 }

@@ -108,6 +108,7 @@ def of_robots() -> dict[str, Any]:
         robot,
         arena,
         sw.preset("robot-left").predict(),  # without antennas it takes half as long
+        sw.build(sw.preset("robot-forward")),
         walk,
         robot.maze(arena, limit=4),
         sweep,
