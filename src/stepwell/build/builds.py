@@ -14,6 +14,7 @@ from stepwell.build.freeing import collision_findings
 from stepwell.build.layouts import Layout, layout as lay
 from stepwell.build.limits import ExceededLimit, findings
 from stepwell.build.loads import band_range
+from stepwell.build.plates import STEEL
 from stepwell.build.sweeps import MotionSweep, sweep
 from stepwell.build.tolerances import build_yield
 from stepwell.design import Yield
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
 
 # Samples of the yield of a build: each is followed by the engine if end forces do not decide.
 SAMPLES = 2000
-# Density of fasteners [kg/m³], steel.
-STEEL = 7850.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,6 +13,9 @@ from stepwell.build.part import Hole, Part
 from stepwell.build.seats import BlockPlan, CellPlan
 from stepwell.build.stack import Stack, pin_length, screw_length
 
+# Density of fasteners [kg/m³], steel.
+STEEL = 7850.0
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fastener(ByValue):

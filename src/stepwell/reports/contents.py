@@ -105,10 +105,10 @@ def _check(check: Check, account: Account) -> Contents:
 
 
 def _build(
-    made: Build, account: Account, files: Mapping[str, str | bytes] | None = None
+    made: Build | RobotBuild, account: Account, files: Mapping[str, str | bytes] | None = None
 ) -> Contents:
     """Contents of a build: `files` to cut and assemble it, the design and the build file."""
-    from stepwell.build import build_files, draft_comment, dumps_build_file
+    from stepwell.build import RobotBuild, build_files, draft_comment, dumps_build_file
 
     draft = draft_comment(made)
     written: dict[str, Content] = {
@@ -116,27 +116,13 @@ def _build(
         "build.toml": draft + dumps_build_file(made.build_file),
         **(build_files(made) if files is None else files),
     }
-    draws: dict[str, Draw] = {"layers": partial(figures.layers, made)}
+    names = {*OUTPUTS["build"], *written}
+    if isinstance(made, RobotBuild):
+        parts: dict[str, Draw] = {"parts": partial(figures.robot_parts, made)}
+        return Contents("build", "build.json", written, parts, names=names)
+    layers: dict[str, Draw] = {"layers": partial(figures.layers, made)}
     motion = _replay(made.chain, made.chain, MOST_PLAYED)
-    names = {*OUTPUTS["build"], *written}
-    return Contents("build", "build.json", written, draws, motion=motion, names=names)
-
-
-def _robot_build(
-    made: RobotBuild, account: Account, files: Mapping[str, str | bytes] | None = None
-) -> Contents:
-    """Contents of a build of a robot: `files` to cut and assemble it, design and build file."""
-    from stepwell.build import build_files, draft_comment, dumps_build_file
-
-    draft = draft_comment(made)
-    written: dict[str, Content] = {
-        "design.toml": draft + design_text(account),
-        "build.toml": draft + dumps_build_file(made.build_file),
-        **(build_files(made) if files is None else files),
-    }
-    draws: dict[str, Draw] = {"parts": partial(figures.robot_parts, made)}
-    names = {*OUTPUTS["build"], *written}
-    return Contents("build", "build.json", written, draws, names=names)
+    return Contents("build", "build.json", written, layers, motion=motion, names=names)
 
 
 def _design(design: Design, account: Account) -> Contents:
@@ -355,7 +341,7 @@ CONTENTS: dict[str, Callable[..., Contents]] = {
     "Prediction": _prediction,
     "Program": _program,
     "Reprogramming": _reprogramming,
-    "RobotBuild": _robot_build,
+    "RobotBuild": _build,
     "Run": _run,
     "Status": _study,
     "Survival": _survival,

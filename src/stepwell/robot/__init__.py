@@ -21,14 +21,18 @@ from stepwell.robot.robot import Robot
 from stepwell.robot.shapes import (
     FROM_PARTS,
     BodyMass,
+    Inertial,
     PartRole,
     RobotParts,
     Shape,
     body_names,
+    joined_solids,
     with_parts,
 )
 
 __all__ = [
+    "Inertial",
+    "joined_solids",
     "Antenna",
     "Arena",
     "Blocks",

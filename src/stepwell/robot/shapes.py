@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -191,6 +191,25 @@ class RobotParts(ByValue):
             f"RobotParts({len(self.shapes)} shapes of {len(self.masses)} bodies, {self.material}, "
             f"{to_unit(self.mass, 'g'):.0f} g)"
         )
+
+
+class Inertial(NamedTuple):
+    """A solid's mass [kg], centre (3,) [m] and inertia (3, 3) about it [kg m²]."""
+
+    mass: float
+    centre: Floats
+    inertia: Floats
+
+
+def joined_solids(solids: Sequence[Inertial | BodyMass]) -> Inertial:
+    """Several solids as one."""
+    mass = float(sum(one.mass for one in solids))
+    centre = sum((one.mass * one.centre for one in solids), np.zeros(3)) / mass
+    inertia = np.zeros((3, 3))
+    for one in solids:
+        off = one.centre - centre
+        inertia += one.inertia + one.mass * (off @ off * np.eye(3) - np.outer(off, off))
+    return Inertial(mass, centre, inertia)
 
 
 def body_names(robot: Robot) -> tuple[str, ...]:

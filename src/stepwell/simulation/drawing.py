@@ -102,7 +102,7 @@ class Camera:
         tangents = np.tan(FIELD / 2) * np.array([self.size[0] / self.size[1], 1.0]) / EDGE
         shift, distance = np.zeros(2), 0.0
         for _ in range(4):
-            # The middle of what is seen, which is not that of the points.
+            # The middle of the picture, which is not that of the points.
             middle = middle + shift @ self.axes[1:]
             forward, *across = ((points - middle) @ self.axes.T).T
             needed = [
@@ -235,7 +235,7 @@ PATH = (0.84, 0.37, 0.0, 1.0)
 GOAL = (0.0, 0.62, 0.45, 0.35)
 SHADE = 0.18  # opacity of the shade under a part at the floor ...
 FADES = 0.004  # ... which fades with this height [m]
-OVER = 0.0006  # height over the floor of what is drawn on it [m]
+OVER = 0.0006  # height over the floor of marks on it [m]
 
 
 class _Scene:

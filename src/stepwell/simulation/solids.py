@@ -5,13 +5,13 @@ are drawn on bodies that `live.py` moves for every picture, as are the cranks of
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.robot import BodyMass, PartRole, Robot, Shape
+from stepwell.robot import BodyMass, PartRole, Robot, Shape, joined_solids
 from stepwell.simulation import parts
 from stepwell.simulation.leg import cell_joints, in_body, sides
 from stepwell.simulation.simulator import Linkage, Model, Settings, mujoco
@@ -174,24 +174,13 @@ def _set_masses(
                 lump = BodyMass(one.body, mass, holder.at, point)
             held.setdefault(holder.name, []).append(lump)
     for name, lumps in held.items():
-        whole = joined(lumps)
+        whole = joined_solids(lumps)
         turn, body = poses.turn[name], spec.body(name)
         body.explicitinertial = True
         body.mass = whole.mass
         body.ipos = poses.inside(name, whole.centre)
         inertia = turn.T @ whole.inertia @ turn
         body.fullinertia = [*np.diag(inertia), inertia[0, 1], inertia[0, 2], inertia[1, 2]]
-
-
-def joined(masses: list[BodyMass]) -> BodyMass:
-    """Several rigid bodies as one."""
-    mass = sum(one.mass for one in masses)
-    centre = sum((one.mass * one.centre for one in masses), np.zeros(3)) / mass
-    inertia = np.zeros((3, 3))
-    for one in masses:
-        off = one.centre - centre
-        inertia += one.inertia + one.mass * (off @ off * np.eye(3) - np.outer(off, off))
-    return replace(masses[0], mass=mass, centre=centre, inertia=inertia)
 
 
 def _clear(spec: Any, robot: Robot, replaced: set[str]) -> None:

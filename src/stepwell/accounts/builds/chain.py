@@ -15,9 +15,9 @@ from stepwell.build import (
     BandUse,
     Build,
     Clearance,
-    Collision,
     ExceededLimit,
     Layout,
+    MotionSweep,
     Part,
     RobotBuild,
     RobotLayout,
@@ -158,7 +158,7 @@ def build_account(made: Build, about: About) -> Account:
     sampled = made.yield_
     facts = (
         Fact("Build file", made.build_file.title),
-        Fact("Sweep", _sweep_words(made)),
+        Fact("Sweep", sweep_words(made.sweep, "any angles, which is proved")),
         Fact("Least clearance", closest_words(closest)),
         Fact("Yield", "" if sampled is None else _yield_words(made)),
         Fact("Errors of a build", "" if sampled is None else yields.sample_words(sampled)),
@@ -215,15 +215,14 @@ _ASSUMED = (
 )
 
 
-def _sweep_words(made: Build) -> str:
-    swept = made.sweep
+def sweep_words(swept: MotionSweep, where: str) -> str:
+    """Whether the parts are free; `where` has the poses of the sweep."""
     pairs = counted(swept.pairs, "pair")
     if swept.free:
-        return f"no overlap of {pairs} of bodies at any angles, which is proved"
+        return f"no overlap of {pairs} of bodies at {where}"
     if swept.collisions:
-        first: Collision = swept.collisions[0]
         overlaps = counted(len(swept.collisions), "overlap")
-        return f"{overlaps} of parts, the deepest {amount(first.overlap, 'm', 3)}"
+        return f"{overlaps} of parts, the deepest {amount(swept.collisions[0].overlap, 'm', 3)}"
     return f"undecided for {counted(len(swept.undecided), 'pair')} of bodies"
 
 

@@ -9,7 +9,7 @@ from stepwell.accounts.builds import chain as chains
 from stepwell.accounts.head import About, keys, recorded
 from stepwell.accounts.parts import CARD, FULL, Account, Fact, Notes, Picture, RecordTable
 from stepwell.base import Quantity, Schema, amount, counted, number
-from stepwell.build import RobotBuild, RobotOverlap
+from stepwell.build import RobotBuild
 
 
 def nanometres(values: Iterable[float]) -> Iterator[float]:
@@ -101,7 +101,7 @@ def robot_build_account(made: RobotBuild, about: About) -> Account:
     closest = [one for one in made.sweep.clearances if one.distance > fit]
     facts = (
         Fact("Build file", made.build_file.title),
-        Fact("Sweep", _sweep_words(made)),
+        Fact("Sweep", chains.sweep_words(made.sweep, "any state and antenna position, proved")),
         Fact("Least clearance", chains.closest_words(closest)),
         Fact("Mass", _mass_words(made)),
         Fact("Centre of mass", f"({_millimetre_words(made.centre)}) mm, at rest"),
@@ -156,18 +156,6 @@ _ASSUMED = (
     "The force of the actuator is that of the cells without friction, and the drag of the floor.",
     "The friction of the rails is not computed: it depends on material and lubrication.",
 )
-
-
-def _sweep_words(made: RobotBuild) -> str:
-    swept = made.sweep
-    pairs = counted(swept.pairs, "pair")
-    if swept.free:
-        return f"no overlap of {pairs} of bodies at any state and antenna position, proved"
-    if swept.collisions:
-        first: RobotOverlap = swept.collisions[0]
-        overlaps = counted(len(swept.collisions), "overlap")
-        return f"{overlaps} of parts, the deepest {amount(first.overlap, 'm', 3)}"
-    return f"undecided for {counted(len(swept.undecided), 'pair')} of bodies"
 
 
 def _mass_words(made: RobotBuild) -> str:

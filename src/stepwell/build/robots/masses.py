@@ -1,27 +1,18 @@
 """Masses of a robot's rigid bodies from their parts, with centre of mass and inertia."""
 
 import math
-from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from collections.abc import Iterator
 
 import numpy as np
 
 from stepwell.base import Floats
-from stepwell.build.plates import Fastener
+from stepwell.build.plates import STEEL, Fastener
 from stepwell.build.robots.making import PartFrame
 from stepwell.build.robots.robot_layout import RobotLayout
-from stepwell.robot import BodyMass
+from stepwell.robot import BodyMass, Inertial, joined_solids
 
-# Densities of fasteners [kg/m³]: steel; posts are of nylon.
-STEEL, NYLON = 7850.0, 1140.0
-
-
-class Inertial(NamedTuple):
-    """A solid's mass [kg], centre (3,) [m] and inertia (3, 3) about it [kg m²]."""
-
-    mass: float
-    centre: Floats
-    inertia: Floats
+# Density of posts and caps [kg/m³].
+NYLON = 1140.0
 
 
 def axes(place: PartFrame) -> Floats:
@@ -91,16 +82,5 @@ def solids(layout: RobotLayout, body: str) -> list[tuple[str, Inertial]]:
 
 def body_mass(layout: RobotLayout, body: str) -> BodyMass:
     """Mass properties of one rigid body."""
-    one = joined([solid for _, solid in solids(layout, body)])
+    one = joined_solids([solid for _, solid in solids(layout, body)])
     return BodyMass(body, one.mass, one.centre, one.inertia)
-
-
-def joined(pieces: Sequence[Inertial]) -> Inertial:
-    """Several solids as one."""
-    mass = sum(one.mass for one in pieces)
-    centre = sum((one.mass * one.centre for one in pieces), np.zeros(3)) / mass
-    inertia = np.zeros((3, 3))
-    for one in pieces:
-        away = one.centre - centre
-        inertia += one.inertia + one.mass * (np.dot(away, away) * np.eye(3) - np.outer(away, away))
-    return Inertial(float(mass), centre, inertia)
