@@ -6,7 +6,9 @@ And what those of several rooms share: recordings, a browser, the sources of the
 from __future__ import annotations
 
 import gc
+import hashlib
 import os
+import pickle
 import shutil
 import subprocess
 from collections import Counter
@@ -23,6 +25,9 @@ from sizes import SIZE
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
+
+    from stepwell.base import Progress
+    from stepwell.build import MotionSweep, RobotLayout
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -51,7 +56,7 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
     named = config.args_source is not pytest.Config.ArgsSource.TESTPATHS
     if said:
         return None
-    return 0 if named else (os.cpu_count() or 1) + 2
+    return 0 if named else (os.cpu_count() or 1) + 3
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -84,6 +89,28 @@ def predicted_once():
     with pytest.MonkeyPatch.context() as patch:
         # A prediction is a value that depends on the robot's value alone.
         patch.setattr(Robot, "predict", cache(Robot.predict))
+        yield
+
+
+@pytest.fixture(autouse=True, scope="session")
+def swept_once(tmp_path_factory: pytest.TempPathFactory):
+    """The parts of a robot that several tests build are swept once, by the first process."""
+    from stepwell.build.robots import robot_builds
+
+    sweep = robot_builds.robot_sweep
+
+    def shared(layout: RobotLayout, progress: Progress = None) -> MotionSweep:
+        # A sweep is a value that depends on the robot's and the build file's values alone.
+        asked = pickle.dumps((layout.robot, layout.build_file))
+        name = f"sweep-{hashlib.sha256(asked).hexdigest()[:16]}"
+
+        def make(folder: Path) -> None:
+            (folder / "sweep.pickle").write_bytes(pickle.dumps(sweep(layout, progress)))
+
+        return pickle.loads((once(tmp_path_factory, name, make) / "sweep.pickle").read_bytes())
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(robot_builds, "robot_sweep", shared)
         yield
 
 

@@ -559,7 +559,7 @@ ROBOTS = [
         "maze/video",
         (
             "maze robot-forward open --limit 1 --view above --out out",
-            "walk robot-forward --cycles 1 --view 30,-20 --out walked",
+            "walk robot-forward --cycles 0.2 --view 30,-20 --out walked",
         ),
         within=SIMULATED,
         slow=True,
