@@ -1,6 +1,7 @@
 """A robot in its solid parts, from above and from the side."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,7 +17,9 @@ from stepwell.robot import PartRole
 
 # Chords of drawn arcs are at most this far off [m].
 _SAGITTA = 3e-5
-_EDGE, _ABOVE, _BELOW, _GAP = 2.0, 6.0, 12.0, 4.0
+_EDGE, _ABOVE, _BELOW, _GAP = 2.0, 6.0, 17.0, 4.0
+# Length of the scale [mm].
+_SCALE = 50.0
 _COLOURS: dict[str, str] = {
     PartRole.BODY: style.FIXED_BLOCK,
     PartRole.SUPPORT: style.FIXED_BLOCK,
@@ -33,6 +36,7 @@ _COLOURS: dict[str, str] = {
     PartRole.PIN: style.FAINT,
 }
 _PALE = 0.25
+_BOUGHT: dict[str, Any] = {"edgecolor": style.FAINT, "linewidth": 0.6, "linestyle": ":"}
 Pose = Mapping[tuple[str, int | str], float]
 
 
@@ -72,6 +76,8 @@ def robot_parts(build: RobotBuild) -> Figure:
         ax = sheet.place(figure, column * (wide + _GAP), top, wide, talls[up])
         marks.plain(ax, boxes[up])
         _draw(ax, layout, pose, up=up)
+        if up and column == columns - 1:
+            marks.scale_bar(ax, boxes[up][1] - 2.0, boxes[up][2] + 6.0, _SCALE)
         sheet.name_panel(ax, name if build.can_be_built else f"DRAFT: {name}", 0.8)
     shades = (
         ("body", PartRole.BODY),
@@ -80,10 +86,16 @@ def robot_parts(build: RobotBuild) -> Figure:
         ("outer block", PartRole.OUTER_BLOCK),
         ("lever", PartRole.LEVER),
         ("link", PartRole.LINK),
+        ("foot", PartRole.FOOT),
     )
     key = [(True, legends.shade(name, _shade(role))) for name, role in shades]
     has = bool(layout.robot.antennas)
     key.append((has, legends.shade("antenna and crank", _shade(PartRole.ANTENNA))))
+    key.append((True, legends.shade("actuator and battery", "none", **_BOUGHT)))
+    key += [
+        (True, legends.line(f"band of {name} cells", colour, 1.6))
+        for name, colour in zip(("inner", "outer"), style.cell_colours(2), strict=True)
+    ]
     found = legends.applicable(*key)
     legends.below(figure, found, 4 if columns == 2 else 3, left=2.0, handlelength=1.0)
     return figure
@@ -154,8 +166,8 @@ def _draw(ax: Axes, layout: RobotLayout, pose: Pose, *, up: bool) -> None:
         shift = layout.moved(box.body, pose).shift[0] * style.MM
         x, y = np.array(box.low[:2]) * style.MM + shift
         width, height = (np.array(box.high[:2]) - np.array(box.low[:2])) * style.MM
-        look = {"facecolor": "none", "edgecolor": style.FAINT, "linewidth": 0.6, "linestyle": ":"}
-        ax.add_patch(Rectangle((float(x), float(y)), float(width), float(height), **look))
+        place = (float(x), float(y))
+        ax.add_patch(Rectangle(place, float(width), float(height), facecolor="none", **_BOUGHT))
     for band in layout.bands:
         both = tuple(zip(band.bodies, (band.p, band.q), strict=True))
         ends = np.array([_moved(layout, *one, pose) for one in both])
