@@ -109,3 +109,11 @@ def test_numbers_with_a_source_are_not_changed():
     assert "mass of a block [g]" not in labels
     assert "mass of a block [g]" in {v.label for v, _ in ranges.assumed(robot("forward"))}
     assert "friction of a slider's rail [N]" in labels
+
+
+def test_the_rail_friction_at_which_the_cut_robot_stops_is_predicted_as_near_a_boundary():
+    near = {}
+    for one in (robot("forward"), buildable("forward")):
+        rubbing = replace(one, blocks=replace(one.blocks, rail_friction=0.005))
+        near[one.made is not None] = {leg.near_boundary for leg in rubbing.predict().legs}
+    assert near == {False: {False}, True: {True}}
