@@ -153,15 +153,15 @@ __all__ = [
 
 # A union would make every caller narrow the type; `stepwell.files.load` is typed.
 def load(design: str | os.PathLike[str]) -> Any:
-    """Load the chain or the robot of a design file, in SI.
+    """Load the chain, the hopper or the robot of a design file, in SI.
 
     Args:
         design: a TOML file, whose keys docs/design-files.md lists; or "preset:" and a name that
             `presets` lists, for example "preset:paper-forward".
 
     Returns:
-        A Chain, or a Robot if the file has [[leg]]; `stepwell.files.load` also returns the text
-        and the program.
+        A Chain, a Hopper if the file has [hopper], or a Robot if it has [[leg]];
+        `stepwell.files.load` also returns the text and the program.
 
     Raises:
         DesignError: the file is missing, is not text or TOML, or describes an impossible
@@ -169,7 +169,7 @@ def load(design: str | os.PathLike[str]) -> Any:
     """
     from stepwell import files
 
-    return files.load(design).subject
+    return files.load(design).value
 
 
 # Here, because robots and arenas by name are read by a package above the simulation.

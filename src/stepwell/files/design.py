@@ -22,7 +22,9 @@ from stepwell.files.text import DesignError
 from stepwell.mechanism import Chain
 
 if TYPE_CHECKING:
-    from stepwell.robot import Robot
+    from stepwell.robot import Hopper, Robot
+
+    Made = tuple[Chain | Robot, WrittenProgram | None, Hopper | None]
 
 PRESET = "preset:"
 _EMPTY = "is empty: a design file starts with a [chain] table."
@@ -37,12 +39,27 @@ class DesignFile(ByValue):
         name: its name in messages.
         subject: a Chain, or a Robot if the file has [[leg]]; in SI.
         program: program of the actuator in the file of a chain; None for none.
+        hopper: masses on the chain and the task of its snap, of the table [hopper].
     """
 
     text: str = field(repr=False)
     name: str
     subject: Chain | Robot
     program: WrittenProgram | None = None
+    _hopper: Hopper | None = None
+
+    @property
+    def hopper(self) -> Hopper:
+        """The hopper; DesignError if the file has no table [hopper]."""
+        if self._hopper is not None:
+            return self._hopper
+        way = "`stepwell new hopper.toml --preset hopper` writes a file that has one"
+        raise DesignError(self.name, [f"has no table [hopper], and this needs one: {way}."])
+
+    @property
+    def value(self) -> Chain | Robot | Hopper:
+        """The hopper if the file has one, else the chain or the robot."""
+        return self.subject if self._hopper is None else self._hopper
 
     @property
     def chain(self) -> Chain:
@@ -190,18 +207,18 @@ def preset(name: str) -> Any:
     return loads(preset_text(name), f"preset {name}").subject
 
 
-def _made(tables: dict[str, Any], name: str) -> tuple[Chain | Robot, WrittenProgram | None]:
+def _made(tables: dict[str, Any], name: str) -> Made:
     if not tables.keys() <= schema.FileKeys.model_fields.keys():
         # The many keys of a robot are imported only for robots.
         from stepwell.files.robots import robot
         from stepwell.files.schema import robot as robot_schema
 
         if robot_schema.is_robot(tables):
-            return robot(wording.checked(robot_schema.RobotKeys, tables, name), name), None
+            return robot(wording.checked(robot_schema.RobotKeys, tables, name), name), None, None
     return _chain(wording.checked(schema.FileKeys, tables, name), name)
 
 
-def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | None]:
+def _chain(keys: schema.FileKeys, name: str) -> Made:
     chain = keys.chain
     shared = Shared.of(chain.band.given(), chain)
     problems: list[str] = []
@@ -212,8 +229,14 @@ def _chain(keys: schema.FileKeys, name: str) -> tuple[Chain, WrittenProgram | No
     except ValueError as error:
         raise DesignError(name, [f"chain: {error}"]) from None
     program = None if keys.program is None else program_of(keys.program, made, problems)
+    hopper = None
+    if keys.hopper is not None:
+        # Only the files of hoppers import the package of robots.
+        from stepwell.files.hoppers import hopper_of
+
+        hopper = hopper_of(keys.hopper, made, problems)
     toml_text.refuse_any(name, problems)
-    return made, program
+    return made, program, hopper
 
 
 def _similar_file_hint(path: Path, robots: bool | None) -> str:

@@ -4,6 +4,7 @@ import math
 import os
 import re
 from contextlib import suppress
+from dataclasses import replace
 from decimal import Decimal
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,12 +12,13 @@ from stepwell.base import InputError, write_atomic
 from stepwell.files.arena import arena_toml, loads_arena
 from stepwell.files.design import loads
 from stepwell.files.design_text import chain_text, robot_text
+from stepwell.files.hoppers import hopper_text
 from stepwell.files.program import WrittenProgram
 from stepwell.files.schema.keys import Keys, above_zero, bounded, fields, table_lines
 from stepwell.files.schema.wording import checked
 from stepwell.files.text import DesignError, parsed
 from stepwell.mechanism import Chain
-from stepwell.robot import Arena, Robot
+from stepwell.robot import Arena, Hopper, Robot
 
 if TYPE_CHECKING:
     from stepwell.lab import Rig
@@ -28,15 +30,15 @@ _PROGRAM = re.compile(
 
 
 def save(
-    design: Chain | Robot | Arena,
+    design: Chain | Robot | Hopper | Arena,
     path: str | os.PathLike[str],
     *,
     program: WrittenProgram | None = None,
 ) -> None:
-    """Write a chain, a robot or an arena to a file, completely or not at all.
+    """Write a chain, a robot, a hopper or an arena to a file, completely or not at all.
 
     Args:
-        design: chain, robot or arena.
+        design: chain, robot, hopper or arena.
         path: of the TOML file; an existing file is replaced.
         program: of a chain's actuator, for a table [program].
 
@@ -49,8 +51,8 @@ def save(
     write_atomic(path, dumps(design, program=program))
 
 
-def dumps(design: Chain | Robot | Arena, *, program: WrittenProgram | None = None) -> str:
-    """Text of the file of a chain, a robot or an arena; reading returns an equal value.
+def dumps(design: Chain | Robot | Hopper | Arena, *, program: WrittenProgram | None = None) -> str:
+    """Text of the file of a chain, robot, hopper or arena; reading returns an equal value.
 
     TOML: common values of cells and legs first, then each of them, innermost first; at the end the
     program of a chain's actuator.
@@ -67,6 +69,9 @@ def dumps(design: Chain | Robot | Arena, *, program: WrittenProgram | None = Non
     elif isinstance(design, Robot):
         text = robot_text(design)
         again = loads(text, "this robot, written as a design file").subject
+    elif isinstance(design, Hopper):
+        text = f"{chain_text(replace(design.chain, title=design.title))}\n{hopper_text(design)}"
+        again = loads(text, "this hopper, written as a design file").value
     else:
         text = chain_text(design) + ("" if program is None else f"\n{program.text(design)}")
         again = loads(text, "this chain, written as a design file").subject

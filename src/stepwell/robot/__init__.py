@@ -1,7 +1,18 @@
-"""Robots on snapping legs as values: legs, body, antennas, arena, and the predicted gait."""
+"""Robots and hoppers as values: legs, body, antennas, arena; the predicted gait and jump."""
 
 from stepwell.robot.arena import Arena, Cylinder, Floor, Goal, Wall, other_layout, other_start
 from stepwell.robot.fit import of_arena, of_robot
+from stepwell.robot.hopper import Actuator, Hopper, Springs, Task
+from stepwell.robot.hopper_fit import landing_length, longest_stretch, snap_of
+from stepwell.robot.jump import (
+    JumpBound,
+    Release,
+    bound_of,
+    flight,
+    moving_force,
+    predicted_stop,
+    release,
+)
 from stepwell.robot.leg_cycles import TOLERANCE, TRIAL, gait, states
 from stepwell.robot.parts import Antenna, Blocks, Body, Drive, Foot, Leg, Profile
 from stepwell.robot.prediction import (
@@ -31,6 +42,20 @@ from stepwell.robot.shapes import (
 )
 
 __all__ = [
+    "Actuator",
+    "Hopper",
+    "JumpBound",
+    "Release",
+    "Springs",
+    "Task",
+    "bound_of",
+    "flight",
+    "landing_length",
+    "longest_stretch",
+    "moving_force",
+    "predicted_stop",
+    "release",
+    "snap_of",
     "Inertial",
     "joined_solids",
     "Antenna",

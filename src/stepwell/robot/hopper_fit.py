@@ -1,0 +1,142 @@
+"""Reasons why a hopper cannot do its task, found by statics before anything is simulated."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from stepwell.base import InputError, to_unit
+from stepwell.mechanism import Band, Cell, Chain
+from stepwell.robot.hopper import Hopper, Task
+from stepwell.robot.jump import Release, release
+
+_LOOKS = 513
+# Stiffness is raised up to this factor in the search for one that lifts the hopper.
+_MOST = 4096.0
+
+
+def snap_of(hopper: Hopper) -> Release:
+    """The snap of a hopper that does its task.
+
+    Raises:
+        ValueError: the task is impossible, with every reason in a line.
+        StaticsError: the path of the chain could not be computed.
+    """
+    snap = release(hopper.chain, hopper.foot_after, hopper.load)
+    reasons = [*_stretched(hopper), *_too_weak(hopper, snap)]
+    if snap is not None:
+        reasons += [*_actuator(hopper, snap), *_foot(hopper, snap)]
+    if reasons or snap is None:
+        raise InputError("\n".join(reasons))
+    return snap
+
+
+def largest_stretch(cell: Cell, band: Band) -> float:
+    """Largest length of a band over its rest length [1] on the travel of its cell."""
+    length = band.length(np.linspace(-cell.limit, cell.limit, _LOOKS), cell.lever)
+    return float(np.max(length)) / band.rest_length if band.rest_length else math.inf
+
+
+def longest_stretch(chain: Chain) -> float:
+    """Largest stretch of any band of a chain of lever cells [1]."""
+    return max(largest_stretch(cell, band) for cell in chain.levers for band in cell.bands)
+
+
+def _stretched(hopper: Hopper) -> Iterator[str]:
+    most = hopper.springs.stretch
+    for name, cell in zip(hopper.chain.names, hopper.chain.levers, strict=True):
+        for band in cell.bands:
+            ratio = largest_stretch(cell, band)
+            if ratio > most:
+                rest = to_unit(ratio / most * band.rest_length, "mm")
+                need = f" a rest length of {rest:.3g} mm" if band.rest_length else " a rest length"
+                yield (
+                    f"cell {name!r}: its band is stretched to {ratio:.3g} times its rest length: "
+                    f"must be <= {most:.3g} (springs.stretch); use{need} or more, or move its "
+                    f"anchors."
+                )
+
+
+def _too_weak(hopper: Hopper, snap: Release | None) -> Iterator[str]:
+    if snap is not None:
+        return
+    if release(hopper.chain, hopper.foot_after, 0.0) is None:
+        yield (
+            "chain: no snap of a loading stroke moves the foot away from the body: a bistable cell "
+            "before the foot and a cell behind it that leaves its stop are needed."
+        )
+        return
+    pushes = max(
+        float(cell.force_at(cell.travel(np.linspace(-cell.limit, cell.limit, _LOOKS))).max())
+        for cell in hopper.chain.levers[hopper.foot_after :]
+    )
+    factor = _factor(hopper)
+    stronger = (
+        f"bands of {factor:.3g} times the stiffness snap with this load"
+        if factor < _MOST
+        else "no stiffer bands of this chain snap with this load"
+    )
+    what = {Task.JUMP: "body", Task.THROW: "ball and block", Task.STRIKE: "block"}[hopper.task]
+    yield (
+        f"too weak: the cells behind the foot push with {pushes:.3g} N at most, and the weight of "
+        f"the {what} along the chain is {hopper.load:.3g} N ({to_unit(hopper.moved, 'g'):.4g} g), "
+        f"so no snap lifts it; {stronger}."
+    )
+
+
+def _factor(hopper: Hopper) -> float:
+    """Least factor of all stiffnesses with which a snap lifts the load, to 1 %."""
+    low, high = 1.0, 2.0
+    while high < _MOST and release(hopper.chain, hopper.foot_after, hopper.load / high) is None:
+        low, high = high, 2.0 * high
+    if high >= _MOST:
+        return math.inf
+    while high > 1.01 * low:
+        middle = math.sqrt(low * high)
+        if release(hopper.chain, hopper.foot_after, hopper.load / middle) is None:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def _actuator(hopper: Hopper, snap: Release) -> Iterator[str]:
+    most = hopper.actuator.force
+    if snap.peak_force > most:
+        way = "pulls" if snap.largest_force == snap.peak_force else "pushes"
+        yield (
+            f"actuator.force = {most:.3g} N: must be >= {snap.peak_force:.3g} N, with which the "
+            f"actuator {way} in a cycle; use a stronger actuator, or bands of at most "
+            f"{most / snap.peak_force:.3g} times the stiffness."
+        )
+
+
+def landing_length(hopper: Hopper, snap: Release) -> float:
+    """Least length of the foot [m] on which a tilted hopper lands and stands.
+
+    The line of the landing velocity through the centre of mass meets the floor ahead of the foot's
+    middle by twice the height times tan τ, and friction passes on at most µ. Within half the foot
+    the floor's force can stop the body without turning it.
+    """
+    height = hopper.height + sum(snap.after[: hopper.foot_after])
+    high = height * math.cos(hopper.tilt) * hopper.body_mass / hopper.mass
+    slope = math.tan(hopper.tilt)
+    return 2.0 * high * (slope + min(slope, hopper.friction))
+
+
+def _foot(hopper: Hopper, snap: Release) -> Iterator[str]:
+    if hopper.task is not Task.JUMP:
+        return
+    slope, least = math.tan(hopper.tilt), landing_length(hopper, snap)
+    if slope > hopper.friction:
+        yield (
+            f"tilt = {math.degrees(hopper.tilt):.3g} deg: must be <= "
+            f"{math.degrees(math.atan(hopper.friction)):.3g} deg, at which the foot slips with a "
+            f"friction of {hopper.friction:.3g}."
+        )
+    if hopper.foot_length < least:
+        yield (
+            f"foot_length = {to_unit(hopper.foot_length, 'mm'):.4g} mm: must be >= "
+            f"{to_unit(least, 'mm'):.4g} mm, or the hopper turns over when it lands at this tilt; "
+            f"use a longer foot, less tilt or a lower body."
+        )

@@ -1,0 +1,212 @@
+"""The jump of a hopper by statics: energy of a snap, take-off speed, bound of the height."""
+
+import math
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from stepwell.base import ByValue, Floats, InputError
+from stepwell.mechanism import Cell, Chain, Load
+from stepwell.robot.hopper import Hopper
+from stepwell.statics import Event, EventKind, Path
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Release(ByValue):
+    """The snap of a loading stroke that sets free most energy for the foot.
+
+    Attributes:
+        stroke: of the rod at the snap [m].
+        energy: set free by springs and load together at that stroke, E_w [J].
+        foot_travel: of the foot against the body during the snap, Δ [m].
+        load: constant force against that travel [N].
+        before, after: (N,) travels of the cells [m].
+        stored: energy of the springs just before the snap [J].
+        peak_force: largest force of the actuator in a full cycle, in size [N].
+        largest_force, least_force: largest and least force of the actuator in a full cycle [N].
+        ratio: ε [1], energy set free by the springs over k S², of the stiffest band and the
+            longest travel of the chain.
+    """
+
+    stroke: float
+    energy: float
+    foot_travel: float
+    load: float
+    before: tuple[float, ...]
+    after: tuple[float, ...]
+    stored: float
+    peak_force: float
+    largest_force: float
+    least_force: float
+    ratio: float
+
+    @property
+    def of_springs(self) -> float:
+        """Energy set free by the springs alone, ε k S² = E_w + load Δ [J]."""
+        return self.energy + self.load * self.foot_travel
+
+
+def release(chain: Chain, foot_after: int = 1, load: float = 0.0) -> Release | None:
+    """The strongest snap of a loading stroke that moves the foot away; None for no such snap.
+
+    Exact: a full cycle of the loaded chain is followed through its equilibria, and the snap ends
+    at fixed stroke. The foot is the block after `foot_after` cells; `load` [N] acts on all cells
+    before it.
+
+    Args:
+        chain: lever cells, inner first, under a rigid actuator.
+        foot_after: number of cells between body and foot.
+        load: constant force against the travel of the foot [N].
+
+    Raises:
+        StaticsError: the path of the chain could not be computed.
+    """
+    cells = [
+        replace(cell, load=_added(cell.load, load)) if i < foot_after and load else cell
+        for i, cell in enumerate(chain.levers)
+    ]
+    path = replace(chain, cells=tuple(cells)).path([0.0, chain.full_stroke, 0.0])
+    best: Release | None = None
+    for event in path.events:
+        if event.kind is EventKind.SNAP and event.direction > 0:
+            one = _release_of(event, chain, path, foot_after, load)
+            if one.foot_travel > 0.0 and (best is None or one.energy > best.energy):
+                best = one
+    return best
+
+
+def _added(load: Load | None, force: float) -> Load:
+    own = Load.constant(0.0) if load is None else load
+    return replace(own, force=tuple(one + force for one in own.force))
+
+
+def _release_of(event: Event, chain: Chain, path: Path, foot: int, load: float) -> Release:
+    travels = _before(path, event)
+    after = travels.copy()
+    after[list(event.cells)] = event.after
+    moved = float((after - travels)[:foot].sum())
+    stored = math.fsum(
+        float(cell.energy_at(s)) for cell, s in zip(chain.cells, travels, strict=True)
+    )
+    stiffest = max(band.stiffness for cell in chain.levers for band in cell.bands)
+    unit = stiffest * max(chain.full_travels) ** 2
+    forces = path.force
+    return Release(
+        stroke=event.stroke,
+        energy=event.released,
+        foot_travel=moved,
+        load=load,
+        before=tuple(travels.tolist()),
+        after=tuple(after.tolist()),
+        stored=stored,
+        peak_force=float(np.abs(forces).max()),
+        largest_force=float(forces.max()),
+        least_force=float(forces.min()),
+        ratio=(event.released + load * moved) / unit,
+    )
+
+
+def _before(path: Path, event: Event) -> Floats:
+    """(N,) travels of all cells [m] just before a snap."""
+    snaps = [one for one in path.events if one.kind is EventKind.SNAP]
+    samples = np.flatnonzero(path.snap_after)
+    return np.array(path.travel[samples[snaps.index(event)]])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JumpBound(ByValue):
+    """Upper bound of what a snap gives: no damper, no friction, an inelastic stop.
+
+    Attributes:
+        release: the snap.
+        speed_at_stop: of the moved mass against the other one when the foot reaches its stop [m/s].
+        speed: at take-off, of the centre of mass, of the ball, or of the hammer [m/s].
+        energy: kinetic energy of the flight or of the blow [J].
+        height: of the flight above take-off [m].
+        distance: of a jump or throw on level ground [m].
+    """
+
+    release: Release
+    speed_at_stop: float
+    speed: float
+    energy: float
+    height: float
+    distance: float
+
+    @property
+    def efficiency(self) -> float:
+        """Energy that flies over the energy that the springs set free [1]."""
+        return self.energy / self.release.of_springs
+
+
+def bound_of(hopper: Hopper, snap: Release) -> JumpBound:
+    """The bound of a hopper for one of its snaps.
+
+    The moved mass m gets E_w = ½ m v². A jumper shares its momentum with the foot at the stop, so
+    that E = (m_b / M) E_w flies and h = (m_b / M) E_w / (M g) along the tilt.
+    """
+    stop = math.sqrt(2.0 * snap.energy / hopper.moved)
+    return flight(hopper, snap, stop)
+
+
+def flight(hopper: Hopper, snap: Release, speed_at_stop: float) -> JumpBound:
+    """Take-off and flight from the speed of the moved mass at the stop [m/s]."""
+    energy = hopper.useful * 0.5 * hopper.moved * speed_at_stop**2
+    flying = {"jump": hopper.mass, "throw": hopper.ball_mass, "strike": hopper.foot_mass}
+    speed = math.sqrt(2.0 * energy / flying[str(hopper.task)])
+    height = distance = 0.0
+    if hopper.task != "strike":
+        up, along = speed * math.cos(hopper.tilt), speed * math.sin(hopper.tilt)
+        gravity = hopper.gravity
+        height = up**2 / (2.0 * gravity) if gravity else math.inf
+        distance = 2.0 * up * along / gravity if gravity else math.inf
+    return JumpBound(snap, speed_at_stop, speed, energy, height, distance)
+
+
+def moving_force(cell: Cell, travel: Floats, loss: float, way: int) -> Floats:
+    """Force of a moving cell [N] at travels [m], whose bands lose a fraction of the loading work.
+
+    A band that contracts pulls with 1 - `loss` of its tension; `way` is +1 for rising travel. The
+    loop of a band between any two lengths loses this fraction of the loading work.
+    """
+    theta = cell.angle(travel)
+    total = cell.force(theta) - sum(band.force(theta, cell.lever) for band in cell.bands)
+    for band in cell.bands:
+        force = band.force(theta, cell.lever)
+        total = total + np.where(force * way < 0.0, (1.0 - loss) * force, force)
+    return np.asarray(total, float)
+
+
+def predicted_stop(hopper: Hopper, snap: Release, steps: int = 2000) -> float:
+    """Speed of the moved mass at the stop [m/s], with dampers, friction and losses of the springs.
+
+    One mass between two cells at a fixed stroke, m s̈ = F_behind - F_before - load - 2 c ṡ - f; the
+    floor holds the other mass. 0 if the foot does not arrive.
+
+    Raises:
+        ValueError: a chain of more than two cells, whose snaps have no single travel.
+    """
+    if len(hopper.chain) != 2:
+        raise InputError("predicted_stop: must be a hopper of two cells.")
+    inner, outer = hopper.loaded.levers
+    loss, (start, end) = hopper.springs.loss, (snap.before[0], snap.after[0])
+    travel = np.linspace(start, end, steps + 1)
+    behind = np.clip(snap.stroke - travel, 0.0, outer.full_travel)
+    pull = moving_force(outer, behind, loss, -1) - moving_force(inner, travel, loss, 1)
+    net = pull - inner.friction - outer.friction
+    return _end_speed(net, (end - start) / steps, hopper.moved, 2.0 * hopper.damping)
+
+
+def _end_speed(net: Floats, step: float, mass: float, damping: float) -> float:
+    """Speed at the end of a travel [m/s], by Heun's method for v²/2 over the travel."""
+    half = 0.0  # v²/2
+
+    def slope(force: float, at: float) -> float:
+        return (force - damping * math.sqrt(2.0 * max(at, 0.0))) / mass
+
+    forces = net.tolist()
+    for here, there in pairwise(forces):
+        first = slope(here, half)
+        half = max(half + step * (first + slope(there, half + step * first)) / 2.0, 0.0)
+    return math.sqrt(2.0 * half)
