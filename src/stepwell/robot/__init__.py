@@ -7,6 +7,7 @@ from stepwell.robot.hopper_fit import landing_length, longest_stretch, snap_of
 from stepwell.robot.jump import (
     JumpBound,
     Release,
+    after_stop,
     bound_of,
     flight,
     moving_force,
@@ -48,6 +49,7 @@ __all__ = [
     "Release",
     "Springs",
     "Task",
+    "after_stop",
     "bound_of",
     "flight",
     "landing_length",

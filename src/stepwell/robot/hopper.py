@@ -70,11 +70,12 @@ class Hopper(ByValue, Drawn):
 
     Args:
         chain: two lever cells or more, inner first, driven by a prescribed stroke.
-        body_mass: of all but the foot [kg], > 0.
+        body_mass: of all but the foot [kg], the rod and other blocks included, > 0.
         foot_mass: of the foot, the pusher or the hammer [kg], > 0.
         foot_after: number of cells between body and foot, 1 to all but one.
         task: jump, throw or strike.
         ball_mass: of the ball of a throw [kg], > 0.
+        block_mass: of the rod, and of each block that is neither body nor foot [kg], > 0.
         damping: of the travel of each cell [N s/m], >= 0.
         tilt: of the chain from the vertical, forward [rad], 0 to below π/2.
         foot_length: of the sole along the way [m], > 0.
@@ -98,6 +99,7 @@ class Hopper(ByValue, Drawn):
     foot_after: int = 1
     task: Task = Task.JUMP
     ball_mass: float = 0.010
+    block_mass: float = 0.005
     damping: float = 0.5
     tilt: float = 0.0
     foot_length: float = 0.160
@@ -111,6 +113,7 @@ class Hopper(ByValue, Drawn):
 
     def __post_init__(self):
         check.fields(self, check.positive, body_mass="kg", foot_mass="kg", ball_mass="kg")
+        check.fields(self, check.positive, block_mass="kg")
         check.fields(self, check.positive, foot_length="m", height="m", body_size="m")
         check.fields(self, check.not_negative, damping="N s/m", friction="1", gravity="m/s²")
         check.fields(self, check.not_negative, tilt="rad")
@@ -129,6 +132,17 @@ class Hopper(ByValue, Drawn):
                 f"foot_after = {self.foot_after}: must be below {len(self.chain)}, the number of "
                 f"cells: a cell behind the foot has to push it."
             )
+        if not self.frame_mass > 0.0:
+            blocks = to_unit(self.body_mass - self.frame_mass, "g")
+            raise InputError(
+                f"body_mass = {to_unit(self.body_mass, 'g'):.6g} g: must be > {blocks:.6g} g, the "
+                f"rod and the other blocks in it (block_mass)."
+            )
+
+    @property
+    def frame_mass(self) -> float:
+        """Mass of the body without rod and other blocks [kg]."""
+        return self.body_mass - self.block_mass * (len(self.chain) - 1)
 
     @property
     def mass(self) -> float:
@@ -141,6 +155,12 @@ class Hopper(ByValue, Drawn):
         if self.task is Task.JUMP:
             return self.body_mass
         return self.foot_mass + self.ball_mass * (self.task is Task.THROW)
+
+    @property
+    def flying(self) -> float:
+        """Mass that flies or strikes [kg]: body and foot, the ball, or the foot."""
+        masses = {Task.JUMP: self.mass, Task.THROW: self.ball_mass, Task.STRIKE: self.foot_mass}
+        return masses[self.task]
 
     @property
     def useful(self) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 
 from stepwell.base import ByValue, Floats, InputError
 from stepwell.mechanism import Cell, Chain, Load
-from stepwell.robot.hopper import Hopper
+from stepwell.robot.hopper import Hopper, Task
 from stepwell.statics import Event, EventKind, Path
 
 
@@ -146,21 +146,25 @@ def bound_of(hopper: Hopper, snap: Release) -> JumpBound:
     The moved mass m gets E_w = ½ m v². A jumper shares its momentum with the foot at the stop, so
     that E = (m_b / M) E_w flies and h = (m_b / M) E_w / (M g) along the tilt.
     """
-    stop = math.sqrt(2.0 * snap.energy / hopper.moved)
-    return flight(hopper, snap, stop)
+    return after_stop(hopper, snap, math.sqrt(2.0 * snap.energy / hopper.moved))
 
 
-def flight(hopper: Hopper, snap: Release, speed_at_stop: float) -> JumpBound:
+def after_stop(hopper: Hopper, snap: Release, speed_at_stop: float) -> JumpBound:
     """Take-off and flight from the speed of the moved mass at the stop [m/s]."""
     energy = hopper.useful * 0.5 * hopper.moved * speed_at_stop**2
-    flying = {"jump": hopper.mass, "throw": hopper.ball_mass, "strike": hopper.foot_mass}
-    speed = math.sqrt(2.0 * energy / flying[str(hopper.task)])
+    return flight(hopper, snap, math.sqrt(2.0 * energy / hopper.flying), speed_at_stop)
+
+
+def flight(
+    hopper: Hopper, snap: Release, speed: float, speed_at_stop: float = math.nan
+) -> JumpBound:
+    """Energy, height and distance of a flight or a blow with a speed [m/s]."""
+    energy = 0.5 * hopper.flying * speed**2
     height = distance = 0.0
-    if hopper.task != "strike":
+    if hopper.task is not Task.STRIKE:
         up, along = speed * math.cos(hopper.tilt), speed * math.sin(hopper.tilt)
-        gravity = hopper.gravity
-        height = up**2 / (2.0 * gravity) if gravity else math.inf
-        distance = 2.0 * up * along / gravity if gravity else math.inf
+        height = up**2 / (2.0 * hopper.gravity) if hopper.gravity else math.inf
+        distance = 2.0 * up * along / hopper.gravity if hopper.gravity else math.inf
     return JumpBound(snap, speed_at_stop, speed, energy, height, distance)
 
 

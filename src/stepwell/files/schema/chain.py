@@ -8,7 +8,8 @@ from typing import Annotated, Any
 from pydantic import PlainValidator, model_validator
 
 from stepwell.base import Measure, short
-from stepwell.files.schema import elements, hopper, keys
+from stepwell.files.schema import elements, keys
+from stepwell.files.schema.hopper import HopperKeys
 from stepwell.mechanism import LIMITS_DEG, SOFTEST, STIFFEST
 
 ROW_STEP_MM = Decimal("1e-6")
@@ -265,7 +266,7 @@ class FileKeys(keys.Keys):
     title: keys.Line = ""
     chain: ChainKeys
     program: ProgramKeys | None = None
-    hopper: hopper.HopperKeys | None = None
+    hopper: HopperKeys | None = None
 
 
 # Tables by path, used in messages on unknown keys.

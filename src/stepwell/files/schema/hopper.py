@@ -64,6 +64,7 @@ class HopperKeys(keys.Keys):
     foot_mass_g: Mass
     foot_after: Count | None = None
     ball_mass_g: Mass | None = None
+    block_mass_g: Mass | None = None
     damping_N_s_per_m: Number | None = None
     tilt_deg: Tilt | None = None
     foot_length_mm: Size | None = None
