@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from stepwell.base import ByValue, Drawn, InputError, check, to_unit
-from stepwell.mechanism import Chain, Load
+from stepwell.mechanism import Cell, Chain, Load
 
 
 class Task(StrEnum):
@@ -73,10 +73,12 @@ class Hopper(ByValue, Drawn):
         body_mass: of all but the foot [kg], the rod and other blocks included, > 0.
         foot_mass: of the foot, the pusher or the hammer [kg], > 0.
         foot_after: number of cells between body and foot, 1 to all but one.
+        copies: number of equal chains side by side, which share all blocks; a mirrored pair of
+            chains does not move sideways.
         task: jump, throw or strike.
         ball_mass: of the ball of a throw [kg], > 0.
         block_mass: of the rod, and of each block that is neither body nor foot [kg], > 0.
-        damping: of the travel of each cell [N s/m], >= 0.
+        damping: of the travel of each cell, of all copies together [N s/m], >= 0.
         tilt: of the chain from the vertical, forward [rad], 0 to below π/2.
         foot_length: of the sole along the way [m], > 0.
         height: of the body's centre of mass over the sole along the chain, all cells at 0 [m], > 0.
@@ -97,6 +99,7 @@ class Hopper(ByValue, Drawn):
     body_mass: float
     foot_mass: float
     foot_after: int = 1
+    copies: int = 1
     task: Task = Task.JUMP
     ball_mass: float = 0.010
     block_mass: float = 0.005
@@ -118,7 +121,7 @@ class Hopper(ByValue, Drawn):
         check.fields(self, check.not_negative, damping="N s/m", friction="1", gravity="m/s²")
         check.fields(self, check.not_negative, tilt="rad")
         check.fields(self, check.one_of, task=Task)
-        check.fields(self, check.whole, foot_after=1)
+        check.fields(self, check.whole, foot_after=1, copies=1)
         if self.tilt >= math.pi / 2:
             raise InputError(f"tilt = {math.degrees(self.tilt):.6g} deg: must be below 90 deg.")
         _ = self.chain.levers  # An element has no band whose stretch can be checked.
@@ -175,13 +178,16 @@ class Hopper(ByValue, Drawn):
         return self.moved * self.gravity * math.cos(self.tilt)
 
     @property
+    def whole(self) -> Chain:
+        """The chain with the forces of all copies together."""
+        if self.copies == 1:
+            return self.chain
+        return replace(self.chain, cells=tuple(_times(c, self.copies) for c in self.chain.levers))
+
+    @property
     def loaded(self) -> Chain:
-        """The chain with that weight as a constant load on every cell before the foot."""
-        cells = [
-            replace(cell, load=_with(cell.load, self.load)) if i < self.foot_after else cell
-            for i, cell in enumerate(self.chain.levers)
-        ]
-        return replace(self.chain, cells=tuple(cells))
+        """The whole chain with the load on every cell before the foot."""
+        return loaded(self.whole, self.foot_after, self.load)
 
     def __repr__(self):
         title = f"{self.title!r}, " if self.title else ""
@@ -191,7 +197,22 @@ class Hopper(ByValue, Drawn):
         )
 
 
+def loaded(chain: Chain, foot_after: int, load: float) -> Chain:
+    """The chain with a constant load [N] against the travel of each of its first cells."""
+    cells = [
+        replace(cell, load=_with(cell.load, load)) if i < foot_after and load else cell
+        for i, cell in enumerate(chain.levers)
+    ]
+    return replace(chain, cells=tuple(cells))
+
+
 def _with(load: Load | None, force: float) -> Load:
-    if load is None:
-        return Load.constant(force)
-    return replace(load, force=tuple(own + force for own in load.force))
+    own = Load.constant(0.0) if load is None else load
+    return replace(own, force=tuple(one + force for one in own.force))
+
+
+def _times(cell: Cell, copies: int) -> Cell:
+    """A cell with the forces of several."""
+    bands = [replace(band, stiffness=copies * band.stiffness) for band in cell.bands]
+    load = cell.load and replace(cell.load, force=tuple(copies * one for one in cell.load.force))
+    return replace(cell, band=bands, load=load, friction=copies * cell.friction)

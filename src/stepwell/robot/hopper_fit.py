@@ -22,7 +22,7 @@ def snap_of(hopper: Hopper) -> Release:
         ValueError: the task is impossible, with every reason in a line.
         StaticsError: the path of the chain could not be computed.
     """
-    snap = release(hopper.chain, hopper.foot_after, hopper.load)
+    snap = release(hopper.whole, hopper.foot_after, hopper.load)
     reasons = [*_stretched(hopper), *_too_weak(hopper, snap)]
     if snap is not None:
         reasons += [*_actuator(hopper, snap), *_foot(hopper, snap)]
@@ -60,7 +60,7 @@ def _stretched(hopper: Hopper) -> Iterator[str]:
 def _too_weak(hopper: Hopper, snap: Release | None) -> Iterator[str]:
     if snap is not None:
         return
-    if release(hopper.chain, hopper.foot_after, 0.0) is None:
+    if release(hopper.whole, hopper.foot_after, 0.0) is None:
         yield (
             "chain: no snap of a loading stroke moves the foot away from the body: a bistable cell "
             "before the foot and a cell behind it that leaves its stop are needed."
@@ -68,7 +68,7 @@ def _too_weak(hopper: Hopper, snap: Release | None) -> Iterator[str]:
         return
     pushes = max(
         float(cell.force_at(cell.travel(np.linspace(-cell.limit, cell.limit, _LOOKS))).max())
-        for cell in hopper.chain.levers[hopper.foot_after :]
+        for cell in hopper.whole.levers[hopper.foot_after :]
     )
     factor = _factor(hopper)
     stronger = (
@@ -87,13 +87,13 @@ def _too_weak(hopper: Hopper, snap: Release | None) -> Iterator[str]:
 def _factor(hopper: Hopper) -> float:
     """Least factor of all stiffnesses with which a snap lifts the load, to 1 %."""
     low, high = 1.0, 2.0
-    while high < _MOST and release(hopper.chain, hopper.foot_after, hopper.load / high) is None:
+    while high < _MOST and release(hopper.whole, hopper.foot_after, hopper.load / high) is None:
         low, high = high, 2.0 * high
     if high >= _MOST:
         return math.inf
     while high > 1.01 * low:
         middle = math.sqrt(low * high)
-        if release(hopper.chain, hopper.foot_after, hopper.load / middle) is None:
+        if release(hopper.whole, hopper.foot_after, hopper.load / middle) is None:
             low = middle
         else:
             high = middle

@@ -1,14 +1,14 @@
 """The jump of a hopper by statics: energy of a snap, take-off speed, bound of the height."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from stepwell.base import ByValue, Floats, InputError
-from stepwell.mechanism import Cell, Chain, Load
-from stepwell.robot.hopper import Hopper, Task
+from stepwell.mechanism import Cell, Chain
+from stepwell.robot.hopper import Hopper, Task, loaded
 from stepwell.statics import Event, EventKind, Path
 
 
@@ -62,11 +62,7 @@ def release(chain: Chain, foot_after: int = 1, load: float = 0.0) -> Release | N
     Raises:
         StaticsError: the path of the chain could not be computed.
     """
-    cells = [
-        replace(cell, load=_added(cell.load, load)) if i < foot_after and load else cell
-        for i, cell in enumerate(chain.levers)
-    ]
-    path = replace(chain, cells=tuple(cells)).path([0.0, chain.full_stroke, 0.0])
+    path = loaded(chain, foot_after, load).path([0.0, chain.full_stroke, 0.0])
     best: Release | None = None
     for event in path.events:
         if event.kind is EventKind.SNAP and event.direction > 0:
@@ -74,11 +70,6 @@ def release(chain: Chain, foot_after: int = 1, load: float = 0.0) -> Release | N
             if one.foot_travel > 0.0 and (best is None or one.energy > best.energy):
                 best = one
     return best
-
-
-def _added(load: Load | None, force: float) -> Load:
-    own = Load.constant(0.0) if load is None else load
-    return replace(own, force=tuple(one + force for one in own.force))
 
 
 def _release_of(event: Event, chain: Chain, path: Path, foot: int, load: float) -> Release:

@@ -122,7 +122,7 @@ def _blocks(model: Any, hopper: Hopper, body: Any, touch: dict[str, Any]) -> Non
 def _stops(model: Any, hopper: Hopper, soft: tuple[float, float]) -> None:
     """Add the stops and the friction of each cell, on the difference of its blocks' travels."""
     before: dict[str, float] = {}
-    for i, cell in enumerate(hopper.chain.levers):
+    for i, cell in enumerate(hopper.whole.levers):
         stops = {"limited": True, "range": (0.0, cell.full_travel), "solref_limit": soft}
         rubs = {"frictionloss": cell.friction, "solref_friction": soft, "solimp_friction": HARD}
         joints = {f"block {i + 1}": 1.0} | before

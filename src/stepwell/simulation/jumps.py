@@ -324,7 +324,7 @@ class _Run:
         spec = hopper_spec(hopper, settings.time_step, settings.contact_time)
         self.model: Model = spec.compile()
         self.data = mujoco.MjData(self.model)
-        self.laws = [_Law(cell, hopper.springs.loss) for cell in hopper.chain.levers]
+        self.laws = [_Law(cell, hopper.springs.loss) for cell in hopper.whole.levers]
         self.first = self.model.joint("block 1").qposadr[0]
         self.body = self.model.body("ball" if hopper.task is Task.THROW else "body").id
         self.jumps = hopper.task is Task.JUMP

@@ -22,7 +22,7 @@ def _task(value: Any) -> str:
 
 def _count(value: Any) -> int:
     if type(value) is not int or not 1 <= value <= 10**6:
-        keys.refuse("must be a whole number of 1 or more, the cells between body and foot.")
+        keys.refuse("must be a whole number of 1 or more.")
     return value
 
 
@@ -63,6 +63,7 @@ class HopperKeys(keys.Keys):
     body_mass_g: Mass
     foot_mass_g: Mass
     foot_after: Count | None = None
+    copies: Count | None = None
     ball_mass_g: Mass | None = None
     block_mass_g: Mass | None = None
     damping_N_s_per_m: Number | None = None
