@@ -1,4 +1,4 @@
-"""Simulation of robots in MuJoCo: model, walks, arenas, sweeps, videos, exports, environments."""
+"""Simulation in MuJoCo: walks, arenas, jumps, sweeps, videos, exports, environments."""
 
 from typing import TYPE_CHECKING
 
@@ -12,6 +12,8 @@ from stepwell.simulation.comparison import (
 )
 from stepwell.simulation.drawing import VideoError, drawing_system, view_angles
 from stepwell.simulation.exports import exchange, mjcf, sdf
+from stepwell.simulation.hopper_run import EnergyFlow, Hop, JumpSettings
+from stepwell.simulation.jumps import HalvedStep, Jump, RecordFactor, jump
 from stepwell.simulation.mazes import TOUCHED, Contact, GaitChange, Maze, Outcome, maze, mazes
 from stepwell.simulation.model import HEIGHT, obstacle_names, spec
 from stepwell.simulation.simulator import Integrator, Linkage, Settings, mujoco
@@ -29,7 +31,13 @@ __all__ = [
     "Episode",
     "GaitComparison",
     "Convergence",
+    "EnergyFlow",
+    "HalvedStep",
+    "Hop",
     "Integrator",
+    "Jump",
+    "JumpSettings",
+    "RecordFactor",
     "Linkage",
     "Maze",
     "Outcome",
@@ -48,6 +56,7 @@ __all__ = [
     "make_env",
     "maze",
     "mazes",
+    "jump",
     "mjcf",
     "picture",
     "screen_mazes",
