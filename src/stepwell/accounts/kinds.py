@@ -26,6 +26,7 @@ FILES = {
         "ImplicitGraph MemoryReading Sequence TransitionGraph Walked",
         "graph/2 implicit_graph/2",
     ),
+    "jumps": ("Hopper Jump", "jump/1"),
     "lab.as_built": ("AsBuilt", "lab.as_built/2"),
     "lab.band": ("BandFit BandTest", "lab.band/2"),
     "lab.calibrate": ("Calibration", "lab.calibrate/2"),
@@ -88,7 +89,7 @@ def text_account(value: Any, about: About) -> Account:
 
 def _design(value: Any) -> Any:
     """The chain, the robot or the text from which a result was computed, if it has one."""
-    for place in ("drawing", "chain", "robot", "walk.robot", "graph.chain", "study.text"):
+    for place in ("drawing", "hopper", "chain", "robot", "walk.robot", "graph.chain", "study.text"):
         with suppress(AttributeError):
             return attrgetter(place)(value)
     return None

@@ -20,7 +20,10 @@ _GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
     "Analysis": (motion.run, motion.map_, motion.graph, motion.program),
     "Design": (about.new, about.presets, design.design, design.reprogram, build.build),
     "Tolerances and measurements": (checks.check, checks.yield_, lab.commands),
-    "Robots": (robots.commands, robots.walk, robots.maze, robots.export, robots.view),
+    "Robots": (
+        *(robots.commands, robots.walk, robots.maze, robots.jump),
+        *(robots.export, robots.view),
+    ),
     "Parameter studies": (sweep.commands, atlas.commands),
     "Figures and pages": (show.studio, show.figure, motion.animate, show.replay, show.demo),
     "Validation and installation": (about.paper, about.validate, about.schema, about.doctor),

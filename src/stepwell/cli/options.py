@@ -319,6 +319,12 @@ def read_robot(robot: str) -> tuple[str, sw.robot.Robot]:
     return text, sw.files.loads(text, name).robot
 
 
+def read_hopper(design: str) -> tuple[str, sw.robot.Hopper]:
+    """The text of a design file, and the hopper that it describes."""
+    text = sw.files.text_of(design, robots=False)
+    return text, sw.files.loads(text, design).hopper
+
+
 def check_output_folder(out: Path | None, command: str, force: bool, **texts: str) -> None:
     """Refuse a folder that contains files of other origin, or that cannot be written.
 

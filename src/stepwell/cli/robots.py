@@ -1,4 +1,4 @@
-"""`stepwell robot`, `walk`, `maze`, `export` and `view`: statics and simulation of robots."""
+"""`stepwell robot`, `walk`, `maze`, `jump`, `export` and `view`: statics and simulation."""
 
 from __future__ import annotations
 
@@ -212,6 +212,28 @@ def walk(
         result = sw.simulation.walk(design, cycles, progress=tell)
     output.report(result, text, robot)
     screen.stopped(result.stopped)
+
+
+def jump(
+    design: options.Design,
+    jumps: int = option("Number of jumps in a row.", "N", default=1, min=1, max=100),
+    *,
+    output: options.FilmedOutput,
+) -> None:
+    """Simulate jumps of a hopper: energy, take-off, height, and the bound by statics.
+
+    The design file has a table [hopper] with masses, actuator and task: a jump, the throw of a
+    ball, or a blow. A hopper that cannot do its task is refused before the simulation. With --out,
+    figures, samples as CSV, the result as JSON and a video (MP4 and GIF) are written into a folder,
+    together with the design.
+
+    Example: stepwell jump hopper
+    """
+    text, hopper = options.read_hopper(design)
+    output.check_output_folder("jump", design=text)
+    with screen.usable(design), screen.progress("jumping") as tell:
+        result = sw.simulation.jump(hopper, jumps, progress=tell)
+    output.report(result, text, design)
 
 
 def _list(wanted: bool) -> None:

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
         loads_arena,
         loads_arena_tables,
     )
+    from stepwell.files.hoppers import hopper_parameters
     from stepwell.files.known import columns_of, known_keys, new_cells
     from stepwell.files.robot_parameters import (
         RobotParameter,
@@ -68,6 +69,7 @@ __all__ = [
     "digest",
     "dumps",
     "extras_of",
+    "hopper_parameters",
     "key_unit",
     "load",
     "load_arena",
@@ -105,6 +107,7 @@ _LATE = {
         "loads_arena",
         "loads_arena_tables",
     ),
+    "hoppers": ("hopper_parameters",),
     "known": ("columns_of", "known_keys", "new_cells"),
     "robot_parameters": ("RobotParameter", "key_unit", "parameters", "provenance", "vary"),
     "write": ("dumps", "loads_rig", "rig_toml", "save", "with_program"),

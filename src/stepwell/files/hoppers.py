@@ -2,12 +2,20 @@
 
 from typing import Any
 
+from stepwell.base import to_unit
+from stepwell.files.robot_parameters import RobotParameter
 from stepwell.files.schema import hopper as schema
-from stepwell.files.schema.keys import fields, table_lines
+from stepwell.files.schema.keys import Keys, field_of, fields, table_lines, unit_of
+from stepwell.files.schema.robot import ASSUMED
 from stepwell.mechanism import Chain
 from stepwell.robot import Actuator, Hopper, Springs
 
 _PARTS = {"springs": Springs, "actuator": Actuator}
+_TABLES: dict[str, type[Keys]] = {
+    "": schema.HopperKeys,
+    "springs": schema.SpringsKeys,
+    "actuator": schema.ActuatorKeys,
+}
 
 
 def hopper_of(keys: schema.HopperKeys, chain: Chain, problems: list[str]) -> Hopper | None:
@@ -30,7 +38,25 @@ def hopper_of(keys: schema.HopperKeys, chain: Chain, problems: list[str]) -> Hop
 def hopper_text(hopper: Hopper) -> str:
     """Text of the table [hopper], to follow the text of its chain."""
     lines = ["[hopper]", *table_lines(schema.HopperKeys, hopper, left_out=_PARTS)]
-    tables = {"springs": schema.SpringsKeys, "actuator": schema.ActuatorKeys}
-    for name, table in tables.items():
-        lines += ["", f"[hopper.{name}]", *table_lines(table, getattr(hopper, name))]
+    for name in _PARTS:
+        lines += ["", f"[hopper.{name}]", *table_lines(_TABLES[name], getattr(hopper, name))]
     return "\n".join(lines) + "\n"
+
+
+def hopper_parameters(hopper: Hopper) -> tuple[RobotParameter, ...]:
+    """Every number of the table [hopper], also defaults, with its source.
+
+    Springs have the source of their `origin`; all other numbers are assumed.
+    """
+    found: list[RobotParameter] = []
+    for name, table in _TABLES.items():
+        value = getattr(hopper, name) if name else hopper
+        for key in table.model_fields:
+            number = getattr(value, field_of(key))
+            if isinstance(number, int | float):
+                unit = unit_of(key)
+                path = ".".join(filter(None, ("hopper", name, key)))
+                shown = to_unit(float(number), unit) if unit else float(number)
+                source = hopper.springs.origin if name == "springs" else ASSUMED
+                found.append(RobotParameter(path, (shown,), unit, source))
+    return tuple(found)

@@ -47,6 +47,7 @@ _OF_COMMANDS = {
         "robot.toml arena.toml maze.json walk.nc maze.mp4 maze.gif still.png",
         "maze timeline",
     ),
+    "jump": ("design.toml jump.json jump.csv jump.mp4 jump.gif", "energy-flow flight"),
     # The folder meshes has files of its own names.
     "export": ("robot.toml arena.toml robot.xml robot.sdf walk.py", ""),
     "lab read": ("recordings.csv recordings.nc recordings.parquet recordings.json", "recordings"),

@@ -5,11 +5,13 @@ from stepwell.robot.fit import of_arena, of_robot
 from stepwell.robot.hopper import Actuator, Hopper, Springs, Task
 from stepwell.robot.hopper_fit import landing_length, longest_stretch, snap_of
 from stepwell.robot.jump import (
+    Impact,
     JumpBound,
     Release,
     after_stop,
     bound_of,
     flight,
+    impacts,
     moving_force,
     predicted_stop,
     release,
@@ -45,6 +47,7 @@ from stepwell.robot.shapes import (
 __all__ = [
     "Actuator",
     "Hopper",
+    "Impact",
     "JumpBound",
     "Release",
     "Springs",
@@ -52,6 +55,7 @@ __all__ = [
     "after_stop",
     "bound_of",
     "flight",
+    "impacts",
     "landing_length",
     "longest_stretch",
     "moving_force",

@@ -25,6 +25,7 @@ class Release(ByValue):
         stored: energy of the springs just before the snap [J].
         peak_force: largest force of the actuator in a full cycle, in size [N].
         largest_force, least_force: largest and least force of the actuator in a full cycle [N].
+        returned: energy set free by the strongest snap of the return stroke [J].
         ratio: ε [1], energy set free by the springs over k S², of the stiffest band and the
             longest travel of the chain.
     """
@@ -39,6 +40,7 @@ class Release(ByValue):
     peak_force: float
     largest_force: float
     least_force: float
+    returned: float
     ratio: float
 
     @property
@@ -94,6 +96,7 @@ def _release_of(event: Event, chain: Chain, path: Path, foot: int, load: float) 
         peak_force=float(np.abs(forces).max()),
         largest_force=float(forces.max()),
         least_force=float(forces.min()),
+        returned=max((one.released for one in path.events if one.direction < 0), default=0.0),
         ratio=(event.released + load * moved) / unit,
     )
 
@@ -157,6 +160,42 @@ def flight(
         height = up**2 / (2.0 * hopper.gravity) if hopper.gravity else math.inf
         distance = 2.0 * up * along / hopper.gravity if hopper.gravity else math.inf
     return JumpBound(snap, speed_at_stop, speed, energy, height, distance)
+
+
+GIVE = 1e-3  # travel in which a part takes an impact, for its mean force [m]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Impact(ByValue):
+    """An impact that parts have to bear.
+
+    Attributes:
+        name: of the impact.
+        energy: that the parts take at most [J].
+    """
+
+    name: str
+    energy: float
+
+    @property
+    def mean_force(self) -> float:
+        """Mean force [N] on parts that give way by 1 mm; half the way doubles it."""
+        return self.energy / GIVE
+
+
+def impacts(hopper: Hopper, bound: JumpBound) -> tuple[Impact, ...]:
+    """The impacts of one jump, throw or blow, from the bound without losses.
+
+    Forces in a simulation depend on its contact time and are no design numbers; energies are.
+    """
+    stop = 0.5 * hopper.moved * bound.speed_at_stop**2
+    if hopper.task is Task.STRIKE:
+        first = [Impact("blow of the block", bound.energy)]
+    else:
+        first = [Impact("stop of the snap", stop - bound.energy)]
+    if hopper.task is Task.JUMP:
+        first.append(Impact("landing", bound.energy))
+    return (*first, Impact("return snap", bound.release.returned))
 
 
 def moving_force(cell: Cell, travel: Floats, loss: float, way: int) -> Floats:
