@@ -262,6 +262,7 @@ def _assumed(hopper: Hopper) -> str:
 
 def _assumptions(jump: Jump) -> list[str]:
     notes = [
+        f"Source of the springs: {jump.hopper.springs.origin}.",
         "The levers have no mass, and the blocks slide along the chain without moving sideways.",
         "Each cell has the force of its bands at every step; springs have no mass of their own.",
         "Impacts are inelastic: the time constant of stops and contacts is "

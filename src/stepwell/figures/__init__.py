@@ -38,6 +38,7 @@ from stepwell.figures.motion.stroke_program import stroke_program
 from stepwell.figures.motion.strokes import force_stroke, snap_motion, travel_stroke
 from stepwell.figures.robots.build import robot_parts
 from stepwell.figures.robots.gaits import prediction, sweep
+from stepwell.figures.robots.jumps import energy_flow, flight
 from stepwell.figures.robots.mazes import maze, maze_timeline
 from stepwell.figures.robots.robot import robot_above, robot_drawing, robot_side
 from stepwell.figures.robots.trajectory import trajectories, trajectory
@@ -56,6 +57,8 @@ __all__ = [
     "contacts",
     "element_curve",
     "element_curves",
+    "energy_flow",
+    "flight",
     "force_plane",
     "force_stroke",
     "gait",

@@ -18,6 +18,7 @@ from stepwell.figures.motion.stroke_program import stroke_program
 from stepwell.figures.motion.strokes import force_stroke
 from stepwell.figures.robots.build import robot_parts
 from stepwell.figures.robots.gaits import prediction, sweep
+from stepwell.figures.robots.jumps import energy_flow
 from stepwell.figures.robots.mazes import maze
 from stepwell.figures.robots.robot import robot_drawing
 from stepwell.figures.robots.trajectory import trajectory
@@ -42,6 +43,7 @@ def plot(value: Any, **options: Any) -> Figure:
     | a build of a robot | `robot_parts` |
     | a robot, a prediction | `robot_drawing`, `prediction` |
     | a walk, a path through an arena, a sweep | `trajectory`, `maze`, `sweep` |
+    | a jump | `energy_flow` |
     | a recording, a test of bands | `recording`, `band_laws` |
     | a measured element | `measured_element` |
     | an atlas | `graph_classes` |
@@ -116,6 +118,7 @@ _USUAL: dict[str, Callable[..., Figure]] = {
     "Cycle": overview,
     "Design": _designed,
     "Element": element_curve,
+    "Jump": energy_flow,
     "MapView": _map_view,
     "Margin": robustness.margins,
     "Maze": maze,

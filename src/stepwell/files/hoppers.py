@@ -44,10 +44,7 @@ def hopper_text(hopper: Hopper) -> str:
 
 
 def hopper_parameters(hopper: Hopper) -> tuple[RobotParameter, ...]:
-    """Every number of the table [hopper], also defaults, with its source.
-
-    Springs have the source of their `origin`; all other numbers are assumed.
-    """
+    """Every number of the table [hopper], also defaults; all of them are assumed."""
     found: list[RobotParameter] = []
     for name, table in _TABLES.items():
         value = getattr(hopper, name) if name else hopper
@@ -57,6 +54,5 @@ def hopper_parameters(hopper: Hopper) -> tuple[RobotParameter, ...]:
                 unit = unit_of(key)
                 path = ".".join(filter(None, ("hopper", name, key)))
                 shown = to_unit(float(number), unit) if unit else float(number)
-                source = hopper.springs.origin if name == "springs" else ASSUMED
-                found.append(RobotParameter(path, (shown,), unit, source))
+                found.append(RobotParameter(path, (shown,), unit, ASSUMED))
     return tuple(found)

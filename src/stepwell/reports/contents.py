@@ -261,6 +261,42 @@ def _simulated(
     )
 
 
+def _jump(
+    jump: sw.simulation.Jump,
+    account: Account,
+    *,
+    video: bool = False,
+    view: str | tuple[float, float] | None = None,
+    warn: Warn = warnings.warn,
+) -> Contents:
+    draws: dict[str, Draw] = {
+        "energy-flow": partial(figures.energy_flow, jump),
+        "flight": partial(figures.flight, jump),
+    }
+    files: dict[str, Content] = {"design.toml": design_text(account), "jump.csv": jump.to_csv}
+    film = partial(_film_jump, jump, view, warn) if video else None
+    return Contents("jump", "jump.json", files, draws, film=film)
+
+
+def _film_jump(
+    jump: sw.simulation.Jump,
+    view: str | tuple[float, float] | None,
+    warn: Warn,
+    folder: Path,
+    progress: Progress | None,
+) -> None:
+    targets = (folder / "jump.mp4", folder / "jump.gif")
+    for some in (targets, targets[1:]):
+        try:
+            sw.simulation.jump_video(jump, *some, view=view or "side", progress=progress)
+            return
+        except ModuleNotFoundError as error:
+            warn(str(error))
+        except sw.simulation.VideoError as error:
+            warn(str(error))
+            return
+
+
 def _sweep(sweep: sw.simulation.Sweep, _: Account) -> Contents:
     files: dict[str, Content] = {"sweep.csv": sweep.to_csv, "sweep.nc": _netcdf(sweep)}
     return Contents("robot sweep", "sweep.json", files, {"sweep": partial(figures.sweep, sweep)})
@@ -335,6 +371,7 @@ CONTENTS: dict[str, Callable[..., Contents]] = {
     "Check": _check,
     "Comparison": _comparison,
     "Design": _design,
+    "Jump": _jump,
     "MapView": _map,
     "Maze": _simulated,
     "MeasuredElement": _measured_element,

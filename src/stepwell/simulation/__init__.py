@@ -13,6 +13,7 @@ from stepwell.simulation.comparison import (
 from stepwell.simulation.drawing import VideoError, drawing_system, view_angles
 from stepwell.simulation.exports import exchange, mjcf, sdf
 from stepwell.simulation.hopper_run import EnergyFlow, Hop, JumpSettings
+from stepwell.simulation.hopper_video import jump_video
 from stepwell.simulation.jumps import HalvedStep, Jump, RecordFactor, jump
 from stepwell.simulation.mazes import TOUCHED, Contact, GaitChange, Maze, Outcome, maze, mazes
 from stepwell.simulation.model import HEIGHT, obstacle_names, spec
@@ -57,6 +58,7 @@ __all__ = [
     "maze",
     "mazes",
     "jump",
+    "jump_video",
     "mjcf",
     "picture",
     "screen_mazes",

@@ -41,7 +41,7 @@ class JumpSettings(base.ByValue):
 
     time_step: float = COARSEST
     contact_time: float = 3e-4
-    sample: float = 2e-3
+    sample: float = 1e-3
 
     def __post_init__(self):
         check.fields(self, check.positive, time_step="s", contact_time="s", sample="s")

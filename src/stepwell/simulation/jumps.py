@@ -1,5 +1,6 @@
 """Simulated jumps, throws and blows of a hopper beside those predicted by statics."""
 
+import os
 from dataclasses import dataclass, replace
 
 from stepwell import base
@@ -82,6 +83,20 @@ class Jump(base.ByValue, base.Drawn):
     def first(self) -> Hop:
         """The first jump."""
         return self.hops[0]
+
+    def to_csv(self, file: str | os.PathLike[str]) -> None:
+        """Write the samples as CSV: time, place of the centre of mass, and travels of the cells."""
+        names = self.hopper.chain.names
+        columns = [
+            (base.Quantity("time", "s"), self.time),
+            (base.Quantity("forward", "mm"), self.centre[:, 0]),
+            (base.Quantity("height", "mm"), self.centre[:, 1]),
+            *(
+                (base.Quantity(f"travel_{name}", "mm"), travel)
+                for name, travel in zip(names, self.travels.T, strict=True)
+            ),
+        ]
+        base.write_csv(file, columns)
 
     @property
     def stored_per_spring(self) -> float:

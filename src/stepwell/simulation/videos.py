@@ -88,7 +88,7 @@ def video(
     times = np.arange(begin, walk.time[-1], speed / fps)
     # The samples that become frames.
     chosen = np.minimum(np.searchsorted(walk.time, times), len(walk.time) - 1)
-    encoders = [_ENCODERS[target.suffix.lower()](width, height, fps) for target in targets]
+    encoders = [encoder_of(target)(width, height, fps) for target in targets]
     shots.model.vis.quality.shadowsize = 2048
     with shots.drawing() as drawing:
         for done, sample in enumerate(chosen, 1):
@@ -154,8 +154,7 @@ def _telling(result: Walk | Maze) -> float:
 
 def _require_usable(targets: Iterable[Path], width: int, height: int, speed: float | None) -> None:
     for target in targets:
-        if target.suffix.lower() not in _ENCODERS:
-            raise base.InputError(f"{target}: must end in .mp4 or .gif.")
+        encoder_of(target)
     if width % 2 or height % 2 or width < 16 or height < 16:
         raise base.InputError(f"width, height = {width}, {height}: must be even and at least 16.")
     if speed is not None and not speed > 0:
@@ -425,4 +424,11 @@ class _Gif:
         return out.getvalue()
 
 
-_ENCODERS = {".mp4": _Mp4, ".gif": _Gif}
+_ENCODERS: dict[str, type[_Mp4] | type[_Gif]] = {".mp4": _Mp4, ".gif": _Gif}
+
+
+def encoder_of(file: Path) -> type[_Mp4] | type[_Gif]:
+    """The encoder of a video by the suffix of its file, or a `ValueError`."""
+    if file.suffix.lower() not in _ENCODERS:
+        raise base.InputError(f"{file}: must end in .mp4 or .gif.")
+    return _ENCODERS[file.suffix.lower()]
