@@ -8,6 +8,7 @@ import numpy as np
 from stepwell.base import Floats
 from stepwell.robot import Hopper, Task
 from stepwell.simulation import parts
+from stepwell.simulation.model import scenery
 from stepwell.simulation.simulator import Spec, mujoco
 
 BALL = 0.008  # radius of a thrown ball [m]
@@ -42,7 +43,8 @@ def hopper_spec(hopper: Hopper, time_step: float, contact_time: float) -> Spec:
     option.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
     touch = {"solref": (contact_time, 1.0), "solimp": HARD, "condim": 3}
     touch["friction"] = (hopper.friction, 0.0, 0.0)
-    _floor(model, hopper, touch)
+    scenery(model)
+    _light(model)
     out = np.array(out_of(hopper))
     jumps = hopper.task is Task.JUMP
     at = -hopper.height * out if jumps else np.array((0.0, 0.0, 2.0 * hopper.body_size))
@@ -56,6 +58,7 @@ def hopper_spec(hopper: Hopper, time_step: float, contact_time: float) -> Spec:
     parts.box(body, size, mass=hopper.frame_mass, quat=_turn(hopper), **seen)
     _blocks(model, hopper, body, touch)
     _stops(model, hopper, (contact_time, 1.0))
+    _lines(model, hopper, body)
     if hopper.task is Task.THROW:
         _ball(model, hopper, at, touch)
     return model
@@ -65,21 +68,11 @@ def _turn(hopper: Hopper) -> tuple[float, float, float, float]:
     return (math.cos(hopper.tilt / 2), 0.0, math.sin(hopper.tilt / 2), 0.0)
 
 
-def _floor(model: Any, hopper: Hopper, touch: dict[str, Any]) -> None:
-    model.visual.headlight.ambient = (0.42, 0.42, 0.43)
-    model.visual.headlight.diffuse = (0.35, 0.35, 0.35)
-    model.visual.headlight.specular = (0.0, 0.0, 0.0)
-    model.visual.global_.offwidth, model.visual.global_.offheight = 1920, 1080
-    model.stat.extent = 0.3
-    plane = {
-        "type": mujoco.mjtGeom.mjGEOM_PLANE,
-        "size": (0, 0, 0.05),
-        "rgba": (0.95, 0.95, 0.94, 1),
-    }
-    groups = parts.STANDS if hopper.task is Task.JUMP else parts.SEEN
-    model.worldbody.add_geom(name="floor", **plane, **groups, **touch)
+def _light(model: Any) -> None:
+    """Add a lamp, so that parts cast shadows."""
     light = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
-    model.worldbody.add_light(name="lamp", pos=(0, 0, 3), dir=(0.3, 0.4, -1), type=light)
+    look = {"diffuse": (0.45, 0.45, 0.44), "specular": (0.2, 0.2, 0.2), "castshadow": True}
+    model.worldbody.add_light(name="lamp", pos=(0, 0, 3), dir=(0.3, 0.4, -1), type=light, **look)
 
 
 def place_of(hopper: Hopper, number: int) -> Floats:
@@ -128,6 +121,20 @@ def _stops(model: Any, hopper: Hopper, soft: tuple[float, float]) -> None:
         joints = {f"block {i + 1}": 1.0} | before
         parts.combined(model, f"travel {i + 1}", joints, solimp_limit=HARD, **stops, **rubs)
         before = {f"block {i + 1}": -1.0}
+
+
+def _lines(model: Any, hopper: Hopper, body: Any) -> None:
+    """Add two lines for each cell, which carry nothing, to see which blocks it joins."""
+    wide, before = 0.2 * WIDE, body
+    at = np.array(out_of(hopper)) * hopper.body_size / 2
+    for i in range(len(hopper.chain)):
+        block, colour = model.body(f"block {i + 1}"), parts.BANDS[i % len(parts.BANDS)]
+        for side in (-1, 1):
+            ends = (f"cell {i + 1}.{side}.in", f"cell {i + 1}.{side}.out")
+            parts.site(before, ends[0], (at[0], side * wide * (1 + i), at[2]))
+            parts.site(block, ends[1], (0.0, side * wide * (1 + i), 0.0))
+            parts.between(model, f"cell {i + 1}.{side}", ends, width=0.0015, rgba=colour)
+        before, at = block, np.zeros(3)
 
 
 def _ball(model: Any, hopper: Hopper, at: Floats, touch: dict[str, Any]) -> None:

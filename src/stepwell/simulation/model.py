@@ -135,7 +135,7 @@ def spec(
     model.modelname = robot.title or "robot"
     model.compiler.degree = False
     _options(model, robot, settings)
-    _scenery(model)
+    scenery(model)
     body = _body(model, robot, settings)
     _light(body)
     carriage = _carriage(model, robot, body)
@@ -167,7 +167,8 @@ def _options(model: Any, robot: Robot, settings: Settings) -> None:
     option.impratio = 100.0
 
 
-def _scenery(model: Any) -> None:
+def scenery(model: Any) -> None:
+    """Add the floor, named "floor", the sky, and the look of a picture."""
     model.visual.headlight.ambient = (0.42, 0.42, 0.43)
     model.visual.headlight.diffuse = (0.18, 0.18, 0.18)
     model.visual.headlight.specular = (0.0, 0.0, 0.0)
