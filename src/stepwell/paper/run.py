@@ -4,7 +4,7 @@ import os
 from collections.abc import Callable
 
 from stepwell.base import need, notify
-from stepwell.paper import cells, measured, order, pathways, steering, walking
+from stepwell.paper import cells, jumping, measured, order, pathways, steering, walking
 from stepwell.paper.claims import Claim, ClaimVerdict, Verdicts
 from stepwell.paper.others import elements, pairs, trilinear
 
@@ -35,6 +35,7 @@ def claims(
         *steering.STEERING_CLAIMS,
         *steering.ANTENNA_CLAIMS,
         *order.MORE_CELLS_CLAIMS,
+        *jumping.JUMPING_CLAIMS,
         *(steering.MANY_RUNS if everything else ()),
     )
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stepwell.base import InputError, to_unit
+from stepwell.base import Floats, InputError, to_unit
 from stepwell.mechanism import Band, Cell, Chain
 from stepwell.robot.hopper import Hopper, Task
 from stepwell.robot.jump import Release, release
@@ -33,8 +33,11 @@ def snap_of(hopper: Hopper) -> Release:
 
 def largest_stretch(cell: Cell, band: Band) -> float:
     """Largest length of a band over its rest length [1] on the travel of its cell."""
-    length = band.length(np.linspace(-cell.limit, cell.limit, _LOOKS), cell.lever)
-    return float(np.max(length)) / band.rest_length if band.rest_length else math.inf
+    return float(np.max(_lengths(cell, band))) / band.rest_length if band.rest_length else math.inf
+
+
+def _lengths(cell: Cell, band: Band) -> Floats:
+    return band.length(np.linspace(-cell.limit, cell.limit, _LOOKS), cell.lever)
 
 
 def longest_stretch(chain: Chain) -> float:
@@ -48,28 +51,31 @@ def _stretched(hopper: Hopper) -> Iterator[str]:
         for band in cell.bands:
             ratio = largest_stretch(cell, band)
             if ratio > most:
-                rest = to_unit(ratio / most * band.rest_length, "mm")
-                need = f" a rest length of {rest:.3g} mm" if band.rest_length else " a rest length"
+                # Rounded up, so that the advice suffices.
+                longest = float(np.max(_lengths(cell, band)))
+                rest = math.ceil(10.0 * to_unit(longest / most, "mm")) / 10.0
                 yield (
                     f"cell {name!r}: its band is stretched to {ratio:.3g} times its rest length: "
-                    f"must be <= {most:.3g} (springs.stretch); use{need} or more, or move its "
-                    f"anchors."
+                    f"must be <= {most:.3g} (springs.stretch); use a rest length of {rest:g} mm "
+                    f"or more, or move its anchors."
                 )
 
 
 def _too_weak(hopper: Hopper, snap: Release | None) -> Iterator[str]:
     if snap is not None:
         return
-    if release(hopper.whole, hopper.foot_after, 0.0) is None:
-        yield (
-            "chain: no snap of a loading stroke moves the foot away from the body: a bistable cell "
-            "before the foot and a cell behind it that leaves its stop are needed."
-        )
-        return
     pushes = max(
         float(cell.force_at(cell.travel(np.linspace(-cell.limit, cell.limit, _LOOKS))).max())
         for cell in hopper.whole.levers[hopper.foot_after :]
     )
+    if release(hopper.whole, hopper.foot_after, 0.0) is None:
+        yield (
+            f"chain: no snap of a loading stroke moves the foot away from the body, and the cells "
+            f"behind the foot push with {pushes:.3g} N at most against a weight of "
+            f"{hopper.load:.3g} N: put a bistable cell before the foot, and behind it a cell that "
+            f"moves first and pulls harder than the bistable one after its snap begins."
+        )
+        return
     factor = _factor(hopper)
     stronger = (
         f"bands of {factor:.3g} times the stiffness snap with this load"
@@ -104,10 +110,13 @@ def _actuator(hopper: Hopper, snap: Release) -> Iterator[str]:
     most = hopper.actuator.force
     if snap.peak_force > most:
         way = "pulls" if snap.largest_force == snap.peak_force else "pushes"
+        # The load does not fall with the bands; rounded down, so that the advice suffices.
+        softer = max(most - snap.load, 0.0) / (snap.peak_force - snap.load)
+        softer = math.floor(1e3 * softer) / 1e3
         yield (
             f"actuator.force = {most:.3g} N: must be >= {snap.peak_force:.3g} N, with which the "
             f"actuator {way} in a cycle; use a stronger actuator, or bands of at most "
-            f"{most / snap.peak_force:.3g} times the stiffness."
+            f"{softer:g} times the stiffness."
         )
 
 
