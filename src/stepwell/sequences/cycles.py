@@ -156,7 +156,7 @@ def sequence_of(path: statics.Path) -> Sequence:
     vertex, first = at.copy(), None if between else at.copy()
     steps: list[tuple[tuple[int, int], ...]] = []
     touched: set[int] = set()
-    for change in changes:
+    for change in changes.values():
         for cell, phase in change:
             between += (phase < 0) - (at[cell] < 0)
             at[cell] = phase

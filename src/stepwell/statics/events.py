@@ -173,28 +173,42 @@ def segments_of(
     """Segments of a log in order; `problem` is called where cells follow without a row."""
     rows, now = log.segments.tolist(), np.array(start)
     for k, row in enumerate(rows):
-        movers = log.movers[log.first[k] : log.first[k + 1]]
-        if row[logged.FOLLOW]:
-            movers = state.moved(problem(), log, k, now)
-        # Most segments have one mover or two, for which lists are faster than arrays.
-        columns = movers.T.tolist()
-        cells, sheet_0, sheet_1 = (
-            tuple(map(int, columns[one])) for one in (logged.CELL, logged.SHEET_0, logged.SHEET_1)
-        )
-        before, after = tuple(columns[logged.TRAVEL_0]), tuple(columns[logged.TRAVEL_1])
-        for cell, travel in zip(cells, after, strict=True):
-            now[cell] = travel
-        kind, cause, near = _KINDS[int(row[logged.KIND])], None, (math.inf, math.inf, 0.0)
-        if kind is SegmentKind.SNAP:
-            cause = _CAUSES.get(int(row[logged.CAUSE]), Cause.FOLD)
-            near = row[logged.NEAR_FORCE], row[logged.NEAR_TRAVEL], row[logged.ERROR]
-        drive = row[logged.DRIVE_0], row[logged.DRIVE_1]
-        force = row[logged.FORCE_0], row[logged.FORCE_1]
-        moves, sheets = (cells, before, after), (sheet_0, sheet_1)
-        direction = int(row[logged.DIRECTION])
-        heat, tie, decided = row[logged.RELEASED], row[logged.TIE_A] >= 0, int(row[logged.DECIDED])
-        what = kind, direction, drive, force
-        yield Segment(*what, *moves, *sheets, heat, tie, cause, *near, _DECIDED.get(decided))
+        movers = _movers(log, k, problem, now)
+        yield _segment(row, movers)
+        _move(now, movers)
+
+
+def _movers(
+    log: logged.Log, k: int, problem: Callable[[], state.DrivenChain], now: Floats
+) -> Floats:
+    """Rows of all cells that move in segment k from (N,) travels [m]."""
+    if log.segments[k, logged.FOLLOW]:
+        return state.moved(problem(), log, k, now)
+    return log.movers[log.first[k] : log.first[k + 1]]
+
+
+def _move(now: Floats, movers: Floats) -> None:
+    now[movers[:, logged.CELL].astype(int)] = movers[:, logged.TRAVEL_1]
+
+
+def _segment(row: list[float], movers: Floats) -> Segment:
+    # Most segments have one mover or two, for which lists are faster than arrays.
+    columns = movers.T.tolist()
+    cells, sheet_0, sheet_1 = (
+        tuple(map(int, columns[one])) for one in (logged.CELL, logged.SHEET_0, logged.SHEET_1)
+    )
+    before, after = tuple(columns[logged.TRAVEL_0]), tuple(columns[logged.TRAVEL_1])
+    kind, cause, near = _KINDS[int(row[logged.KIND])], None, (math.inf, math.inf, 0.0)
+    if kind is SegmentKind.SNAP:
+        cause = _CAUSES.get(int(row[logged.CAUSE]), Cause.FOLD)
+        near = row[logged.NEAR_FORCE], row[logged.NEAR_TRAVEL], row[logged.ERROR]
+    drive = row[logged.DRIVE_0], row[logged.DRIVE_1]
+    force = row[logged.FORCE_0], row[logged.FORCE_1]
+    moves, sheets = (cells, before, after), (sheet_0, sheet_1)
+    direction = int(row[logged.DIRECTION])
+    heat, tie, decided = row[logged.RELEASED], row[logged.TIE_A] >= 0, int(row[logged.DECIDED])
+    what = kind, direction, drive, force
+    return Segment(*what, *moves, *sheets, heat, tie, cause, *near, _DECIDED.get(decided))
 
 
 # The phase of a cell that is in transit.
@@ -203,13 +217,17 @@ TRANSIT = -1
 _NOWHERE: Stretch = -1, math.inf, -math.inf
 
 
+# (cell, phase) of cells that change, TRANSIT between two, by number of the segment.
+Changes = dict[int, list[tuple[int, int]]]
+
+
 def phase_changes(
     log: logged.Log,
     start: tuple[float, ...],
     sheets: tuple[int, ...],
     stretches: tuple[tuple[Stretch, ...], ...],
-) -> tuple[list[int], list[list[tuple[int, int]]]]:
-    """(N,) phases at the start, TRANSIT between two, and (cell, phase) of changes by segment."""
+) -> tuple[list[int], Changes]:
+    """(N,) phases at the start, TRANSIT between two, and all changes in order."""
     begin = [
         _phase(own, *at) for own, at in zip(stretches, zip(sheets, start, strict=True), strict=True)
     ]
@@ -225,12 +243,10 @@ def phase_changes(
     first = np.diff(cells[order], prepend=-1) > 0
     before = np.empty(len(cells), int)
     before[order] = np.where(first, np.array(begin)[cells[order]], np.roll(phases[order], 1))
+    changed = np.flatnonzero(phases != before)
     segment = np.repeat(np.arange(int(log.used[0])), np.diff(log.first))
-    changes = grouped(
-        (int(segment[row]), (int(cells[row]), int(phases[row])))
-        for row in np.flatnonzero(phases != before).tolist()
-    )
-    return begin, list(changes.values())
+    columns = [values[changed].tolist() for values in (segment, cells, phases)]
+    return begin, grouped((k, (cell, phase)) for k, cell, phase in zip(*columns, strict=True))
 
 
 def _phase(stretches: tuple[Stretch, ...], sheet: int, travel: float) -> int:
@@ -238,44 +254,47 @@ def _phase(stretches: tuple[Stretch, ...], sheet: int, travel: float) -> int:
     return TRANSIT if digit == "-" else int(digit)
 
 
-def events_of(segments: Iterable[Segment], start: Floats, chain: Chain) -> Iterator[Event]:
-    """Switches and snaps of a path that starts at (N,) travels [m]."""
-    stretches, measure = chain.stretches, chain.measure
-    travels = start.copy()
-    for segment in segments:
-        arrivals = list(_arrivals(segment, stretches))
-        begin = float(travels.sum()) if segment.kind is SegmentKind.SNAP else math.nan
-        for cell, travel in zip(segment.cells, segment.after, strict=True):
-            travels[cell] = travel
-        if segment.kind is SegmentKind.SNAP:
-            assert segment.cause is not None
-            what = EventKind.SNAP, segment.cause, segment.drive[0], begin, segment.direction
-            moves = segment.cells, segment.before, segment.after
-            sheets = segment.sheets_before, segment.sheets_after
-            arrived = tuple((segment.cells[m], phase) for m, phase in arrivals)
-            rest = segment.released, arrived, segment.tie, measure
-            near = segment.distance_force, segment.distance_travel, segment.error, segment.decided
-            yield Event(*what, *moves, *sheets, *segment.force, *rest, *near)
-            continue
-        stroke = float(travels.sum()) if arrivals else math.nan
-        for m, phase in arrivals:
-            cell, sheet = segment.cells[m], (segment.sheets_after[m],)
-            _, low, high = stretches[cell][phase]
-            cause = Cause.STOP if low == high else Cause.TURN
-            what = EventKind.SWITCH, cause, segment.drive[1], stroke, segment.direction
-            moves = (cell,), (segment.before[m],), (segment.after[m],)
-            forces = segment.force[1], segment.force[1]
-            rest = 0.0, ((cell, phase),), segment.tie, measure
-            yield Event(*what, *moves, sheet, sheet, *forces, *rest)
+def events_of(
+    log: logged.Log,
+    start: tuple[float, ...],
+    problem: Callable[[], state.DrivenChain],
+    changes: Changes,
+    chain: Chain,
+) -> Iterator[Event]:
+    """Switches and snaps of a log; `problem` is called where cells follow without a row."""
+    now, stretches = np.array(start), chain.stretches
+    for k, row in enumerate(log.segments.tolist()):
+        movers = _movers(log, k, problem, now)
+        arrived = [change for change in changes.get(k, ()) if change[1] != TRANSIT]
+        if int(row[logged.KIND]) == logged.SNAP:
+            yield _snap(_segment(row, movers), float(now.sum()), tuple(arrived), chain.measure)
+        _move(now, movers)
+        if arrived and int(row[logged.KIND]) != logged.SNAP:
+            segment, stroke = _segment(row, movers), float(now.sum())
+            for cell, phase in arrived:
+                _, low, high = stretches[cell][phase]
+                cause = Cause.STOP if low == high else Cause.TURN
+                yield _switch(segment, stroke, (cell, phase), cause, chain.measure)
 
 
-def _arrivals(
-    segment: Segment, stretches: tuple[tuple[Stretch, ...], ...]
-) -> Iterator[tuple[int, int]]:
-    """(mover, phase) of the movers of a segment that arrive in another phase."""
-    for m, cell in enumerate(segment.cells):
-        after = phase_at(stretches[cell], segment.sheets_after[m], segment.after[m])
-        if after != "-":
-            before = phase_at(stretches[cell], segment.sheets_before[m], segment.before[m])
-            if before != after:
-                yield m, int(after)
+def _snap(
+    segment: Segment, stroke: float, arrived: tuple[tuple[int, int], ...], measure: Measure
+) -> Event:
+    assert segment.cause is not None
+    what = EventKind.SNAP, segment.cause, segment.drive[0], stroke, segment.direction
+    moves = segment.cells, segment.before, segment.after
+    sheets = segment.sheets_before, segment.sheets_after
+    rest = segment.released, arrived, segment.tie, measure
+    near = segment.distance_force, segment.distance_travel, segment.error, segment.decided
+    return Event(*what, *moves, *sheets, *segment.force, *rest, *near)
+
+
+def _switch(
+    segment: Segment, stroke: float, arrived: tuple[int, int], cause: Cause, measure: Measure
+) -> Event:
+    m = segment.cells.index(arrived[0])
+    sheet = (segment.sheets_after[m],)
+    what = EventKind.SWITCH, cause, segment.drive[1], stroke, segment.direction
+    moves = (arrived[0],), (segment.before[m],), (segment.after[m],)
+    forces = segment.force[1], segment.force[1]
+    return Event(*what, *moves, sheet, sheet, *forces, 0.0, (arrived,), segment.tie, measure)

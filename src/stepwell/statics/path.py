@@ -12,6 +12,7 @@ import numpy as np
 from stepwell import base, mechanism
 from stepwell.kernels import watched
 from stepwell.statics.events import (
+    Changes,
     Event,
     EventKind,
     Segment,
@@ -166,11 +167,13 @@ class Path(base.ByValue, base.Drawn):
     @cached_property
     def events(self) -> tuple[Event, ...]:
         """All switches and snaps in order."""
-        return tuple(events_of(self.segments(), np.array(self.start), self.chain))
+        changes = self.phase_changes[1]
+        walked = self._log, self.start, lambda: self._problem, changes, self.chain
+        return tuple(events_of(*walked))
 
     @cached_property
-    def phase_changes(self) -> tuple[list[int], list[list[tuple[int, int]]]]:
-        """(N,) phases at the start, and (cell, phase) of simultaneous changes; -1 in transit."""
+    def phase_changes(self) -> tuple[list[int], Changes]:
+        """(N,) phases at the start, and (cell, phase) of changes by segment; -1 in transit."""
         return phase_changes(self._log, self.start, self.start_sheet, self.chain.stretches)
 
     @cached_property
