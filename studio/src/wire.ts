@@ -2,7 +2,7 @@
 
 import type { Design } from "./design";
 
-export type Block = Float64Array | Int32Array | Uint8Array;
+export type Block = Float64Array | Float32Array | Int32Array | Uint8Array;
 
 /** What is wrong with a design, and with which of its keys. */
 export interface Problem {
@@ -46,7 +46,7 @@ export const tooLarge = (name: string, bytes: number): string =>
   `${name}: has ${(bytes / 1e6).toFixed(1)} MB; the studio takes at most ${(LONGEST / 1e6).toFixed(1)} MB. ` +
   "The command line takes larger files.";
 
-const KINDS = { f8: Float64Array, i4: Int32Array, u1: Uint8Array };
+const KINDS = { f8: Float64Array, f4: Float32Array, i4: Int32Array, u1: Uint8Array };
 
 /** The header and the arrays of a binary message. */
 export function unpack(message: ArrayBuffer): View {

@@ -60,7 +60,7 @@ def test_the_motions_of_the_package_are_those_computed_now(name: str):
     header, blocks = motions()[name]
     assert stored.header == {key: header[key] for key in stored.header}
     for key, block in stored.blocks.items():
-        np.testing.assert_allclose(block, blocks[key], atol=1e-4, rtol=0)
+        np.testing.assert_allclose(block, blocks[key], atol=1e-4, rtol=1e-6)
 
 
 @pytest.mark.parametrize("name", CHAINS)

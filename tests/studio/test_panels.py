@@ -9,6 +9,7 @@ import pytest
 
 import stepwell as sw
 from stepwell.accounts import account
+from stepwell.base import display_unit
 from stepwell.design import DEFAULT_TOLERANCES
 from stepwell.files import DesignError, loads, loads_tables, preset_text, presets, tables_in
 from stepwell.sequences import to_dot
@@ -99,7 +100,7 @@ def test_every_number_of_a_chain_of_levers_is_pythons(name: str):
         ("drive", path.drive * 1e3),
         ("stroke", path.stroke * 1e3),
         ("force", path.force),
-        ("travel", path.travel * 1e3),
+        ("travel", np.float32(path.travel * 1e3)),
         ("segment", path.branch),
         ("direction", path.direction),
     ):
@@ -107,11 +108,11 @@ def test_every_number_of_a_chain_of_levers_is_pythons(name: str):
     for i, cell in enumerate(chain.levers):
         cell_header = header["cells"][i]
         np.testing.assert_array_equal(
-            blocks["angle"][:, i], np.degrees(cell.angle(path.travel[:, i]))
+            blocks["angle"][:, i], np.float32(np.degrees(cell.angle(path.travel[:, i])))
         )
         np.testing.assert_array_equal(
             blocks["landscape_energy"][:, i],
-            cell.energy_at(np.linspace(0.0, cell.full_travel, 65)) * 1e3,
+            np.float32(cell.energy_at(np.linspace(0.0, cell.full_travel, 65)) * 1e3),
         )
         assert (cell_header["force_0_N"], cell_header["force_1_N"]) == (cell.force_0, cell.force_1)
         assert cell_header["full_travel_mm"] == cell.full_travel * 1e3
@@ -131,22 +132,25 @@ def test_every_event_is_pythons_and_lies_at_its_sample(name: str):
     header, blocks = ask("evaluate", tables(name))
     events = chain.cycle().events
     assert len(header["events"]) == len(events)
+    measure = chain.measure
+    units = measure.travel_unit, measure.force_unit, chain.drive_unit
+    unit, force, drive = (display_unit(one)[1] for one in units)
     before = -1
     for event_header, event in zip(header["events"], events, strict=True):
         assert event_header["kind"] == event.kind.name.lower()
-        assert event_header["cause"] == event.cause.name.lower()
         assert event_header["cells"] == list(event.cells)
-        assert event_header["released_mJ"] == event.released * 1e3
+        assert event_header["direction"] == event.direction
+        assert event_header["stroke_mm"] == event.stroke * unit
         k = event_header["sample"]
         assert k >= before
         before = k
-        assert blocks["drive"][k] == event_header["drive_mm"]
+        assert blocks["drive"][k] == event.drive * drive
         if event.kind is EventKind.SNAP:
             # A jump between two samples, and never a piece of a curve.
             assert blocks["segment"][k] != blocks["segment"][k + 1]
             assert blocks["drive"][k] == blocks["drive"][k + 1]
             np.testing.assert_allclose(
-                blocks["force"][k], event_header["force_before_N"], rtol=1e-9, atol=1e-9
+                blocks["force"][k], event.force_before * force, rtol=1e-9, atol=1e-9
             )
     jumps = np.count_nonzero(np.diff(blocks["segment"]))
     assert jumps >= sum(one["kind"] == "snap" for one in header["events"])

@@ -125,6 +125,7 @@ def test_blocks_come_back_as_they_were():
         "none": np.empty((0, 2)),
         "c": np.array([np.nan, np.inf, -0.0]),
         "d": np.array([True]),
+        "e": np.array([0.1, np.nan], np.float32),
     }
     data = packed("x", 3, View({"words": "ü → λ"}, blocks))
     assert len(data) % 8 == 0
@@ -132,7 +133,7 @@ def test_blocks_come_back_as_they_were():
     assert header["words"] == "ü → λ" and header["ok"] is True
     for name, block in blocks.items():
         np.testing.assert_array_equal(arrays[name], block)
-    assert [b["dtype"] for b in header["blocks"]] == ["f8", "i4", "f8", "f8", "i4"]
+    assert [b["dtype"] for b in header["blocks"]] == ["f8", "i4", "f8", "f8", "i4", "f4"]
 
 
 def test_an_unexpected_error_is_a_line_on_the_page_and_a_report_in_the_terminal(

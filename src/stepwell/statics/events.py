@@ -1,7 +1,7 @@
 """Segments of a path, the events between them, and both read off the log of the follower."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
 from itertools import zip_longest

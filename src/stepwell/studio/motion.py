@@ -54,21 +54,24 @@ def arrays_of(path: Path) -> dict[str, np.ndarray[Any, Any]]:
     """The samples of a path in the units of `units_of`; a snap is a jump between two of them.
 
     `tension` (n, B) is a fraction of the greatest tension of any band, NaN if slack; `pull` (n, E)
-    is the force of every element on its curve.
+    is the force of every element on its curve. Tables have single precision, 7 digits.
     """
     (_, travel), (_, force), (_, drive) = _units_of(path.chain)
     turned, angle = levers.Levers(path.chain.cells, path.travel), np.full_like(path.travel, np.nan)
     angle[:, turned.number] = np.degrees(turned.angle)
     greatest = max(still.greatest_tension for still in _stills_of(path.chain))
     share = np.abs(turned.tension()) / (greatest or 1.0)
-    return {
-        "drive": path.drive * drive,
-        "stroke": path.stroke * travel,
-        "force": path.force * force,
+    tables = {
         "travel": path.travel * travel,
         "angle": angle,
         "tension": np.where(turned.slack, np.nan, share),
         "pull": _pulls(path) * force,
+    }
+    return {
+        "drive": path.drive * drive,
+        "stroke": path.stroke * travel,
+        "force": path.force * force,
+        **{name: table.astype(np.float32) for name, table in tables.items()},
         "segment": path.branch,
         "direction": path.direction,
     }
@@ -89,8 +92,8 @@ def landscape(chain: Chain) -> dict[str, np.ndarray[Any, Any]]:
     """Travels and energies of every single cell (m, N); NaN for curves that fold back."""
     stills = _stills_of(chain)
     return {
-        "landscape_travel": np.stack([one.travel for one in stills], axis=1),
-        "landscape_energy": np.stack([one.energy for one in stills], axis=1),
+        "landscape_travel": np.stack([one.travel for one in stills], axis=1, dtype=np.float32),
+        "landscape_energy": np.stack([one.energy for one in stills], axis=1, dtype=np.float32),
     }
 
 
@@ -195,21 +198,16 @@ def layout_of(path: Path) -> dict[str, Any]:
 
 def events_of(events: Iterable[Event], path: Path) -> list[dict[str, Any]]:
     """Switches and snaps; each lies between its sample and the one after it."""
-    (_, travel), (_, force), (_, drive) = _units_of(path.chain)
+    (_, travel), _, _ = _units_of(path.chain)
     events = list(events)
     return [
         {
             "kind": event.kind.name.lower(),
-            "cause": event.cause.name.lower(),
             "direction": event.direction,
-            "drive_mm": event.drive * drive,
             "stroke_mm": event.stroke * travel,
             "cells": list(event.cells),
             "before_mm": [one * travel for one in event.before],
             "after_mm": [one * travel for one in event.after],
-            "force_before_N": event.force_before * force,
-            "force_after_N": event.force_after * force,
-            "released_mJ": event.released * MJ,
             "sample": sample,
         }
         for event, sample in zip(events, _samples_at(events, path), strict=True)
