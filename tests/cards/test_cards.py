@@ -55,6 +55,8 @@ PARTS = {
     *("Episode", "Sample", "Scrambling", "Segment", "Sensitivities", "Series", "Settings"),
     *("Sheet", "SnapPrediction", "Sorted", "Step", "BandType", "Table", "Tie"),
     *("Tolerances", "Transition", "Trial", "Turn", "Wall", "Weighing", "WrongHole"),
+    *("Actuator", "EnergyFlow", "HalvedStep", "Hop", "Impact", "JumpBound", "JumpSettings"),
+    *("RecordFactor", "Release", "Springs"),
 }
 VOID = {"img", "br"}
 HOSTILE = '<script>alert("1")</script>&amp;\x1b[1m\u202e'

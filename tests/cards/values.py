@@ -10,6 +10,7 @@ import numpy as np
 
 import stepwell as sw
 from claims import committed
+from hoppers import hopper, jumped
 from lab.values import of_recordings
 from stepwell import simulation
 from stepwell.accounts import account
@@ -109,6 +110,8 @@ def of_robots() -> dict[str, Any]:
         arena,
         sw.preset("robot-left").predict(),  # without antennas it takes half as long
         sw.build(sw.preset("robot-forward")),
+        hopper(),
+        jumped(),
         walk,
         robot.maze(arena, limit=4),
         sweep,

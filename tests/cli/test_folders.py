@@ -22,6 +22,7 @@ EVERY = {
     "robot sweep": ("robot-forward", "foot.below_mm=0.3:0.6:2"),
     "walk": ("robot-forward",),
     "maze": ("robot-explorer", "cylinder"),
+    "jump": ("hopper",),
     "export": ("robot-forward",),
     "paper": (),
     "lab read": (".",),

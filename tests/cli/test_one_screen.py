@@ -38,6 +38,7 @@ QUICK = {
 ROBOTS = {
     "walk robot-forward --cycles 2": "mm in 2 cycles",
     "maze robot-explorer three-walls --limit 4": "4 s",
+    "jump hopper": "mm high",
     "robot show robot-forward": "forward",
     "robot show robot-explorer": "forward",
     "robot sweep robot-forward foot.below_mm=0.6:1:3 --cycles 1 --out feet": "3 of 3",

@@ -49,7 +49,7 @@ def answer(text: str) -> str:
         ("chain = 3", "forward.toml: chain = 3: must be a table, as in [chain]."),
         (
             f"robot = 1\n[chain]\n{CELL}",
-            "forward.toml: robot: unknown key. Known here: title, chain, program.",
+            "forward.toml: robot: unknown key. Known here: title, chain, program, hopper.",
         ),
         # keys in the wrong table or unit
         (
@@ -244,7 +244,8 @@ def test_every_misspelt_key_is_recognised():
         for key in keys.model_fields:
             near = key + key[-1]
             before = "[chain]\n" + CELL if table.startswith("chain.cell") else ""
-            place = f"[{table}]\n" if table in ("chain", "chain.band", "program") else ""
+            alone = table in ("chain", "chain.band", "program") or table.startswith("hopper")
+            place = f"[{table}]\n" if alone else ""
             inside = table.removeprefix("chain.cell").strip(".")
             if table.startswith("chain.cell") and inside:
                 value = f"{near} = 1"

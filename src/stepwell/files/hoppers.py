@@ -19,7 +19,13 @@ _TABLES: dict[str, type[Keys]] = {
 
 
 def hopper_of(keys: schema.HopperKeys, chain: Chain, problems: list[str]) -> Hopper | None:
-    """The hopper of a file; None with a line added to `problems` for each impossible value."""
+    """The hopper of a file.
+
+    Args:
+        keys: of the table [hopper].
+        chain: of the same file, whose title the hopper takes.
+        problems: a line is added for each impossible value; then the result is None.
+    """
     values: dict[str, Any] = fields(keys, left_out=_PARTS)
     for name, make in _PARTS.items():
         try:

@@ -13,6 +13,7 @@ from stepwell.robot.jump import (
     flight,
     impacts,
     moving_force,
+    onset,
     predicted_stop,
     release,
 )
@@ -59,6 +60,7 @@ __all__ = [
     "landing_length",
     "longest_stretch",
     "moving_force",
+    "onset",
     "predicted_stop",
     "release",
     "snap_of",

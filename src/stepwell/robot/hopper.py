@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from stepwell.base import ByValue, Drawn, InputError, check, to_unit
+from stepwell.base import ByValue, InputError, check, to_unit
 from stepwell.mechanism import Cell, Chain, Load
 
 
@@ -60,7 +60,7 @@ class Actuator(ByValue):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Hopper(ByValue, Drawn):
+class Hopper(ByValue):
     """A body, a chain of cells below it, and a block of the chain that is the foot.
 
     The innermost block belongs to the body. The first `foot_after` cells join it to the foot, the

@@ -8,7 +8,7 @@ import numpy as np
 from stepwell.base import Floats, InputError, to_unit
 from stepwell.mechanism import Band, Cell, Chain
 from stepwell.robot.hopper import Hopper, Task
-from stepwell.robot.jump import Release, release
+from stepwell.robot.jump import Release, predicted_stop, release
 
 _LOOKS = 513
 # Stiffness is raised up to this factor in the search for one that lifts the hopper.
@@ -25,7 +25,7 @@ def snap_of(hopper: Hopper) -> Release:
     snap = release(hopper.whole, hopper.foot_after, hopper.load)
     reasons = [*_stretched(hopper), *_too_weak(hopper, snap)]
     if snap is not None:
-        reasons += [*_actuator(hopper, snap), *_foot(hopper, snap)]
+        reasons += [*_actuator(hopper, snap), *_foot(hopper, snap), *_losses(hopper, snap)]
     if reasons or snap is None:
         raise InputError("\n".join(reasons))
     return snap
@@ -110,8 +110,9 @@ def _actuator(hopper: Hopper, snap: Release) -> Iterator[str]:
     most = hopper.actuator.force
     if snap.peak_force > most:
         way = "pulls" if snap.largest_force == snap.peak_force else "pushes"
-        # The load does not fall with the bands; rounded down, so that the advice suffices.
-        softer = max(most - snap.load, 0.0) / (snap.peak_force - snap.load)
+        # Load and friction do not fall with the bands; rounded down, so that the advice suffices.
+        kept = snap.load + sum(cell.friction for cell in hopper.whole.levers)
+        softer = max(most - kept, 0.0) / (snap.peak_force - kept)
         softer = math.floor(1e3 * softer) / 1e3
         yield (
             f"actuator.force = {most:.3g} N: must be >= {snap.peak_force:.3g} N, with which the "
@@ -131,6 +132,15 @@ def landing_length(hopper: Hopper, snap: Release) -> float:
     high = height * math.cos(hopper.tilt) * hopper.body_mass / hopper.mass
     slope = math.tan(hopper.tilt)
     return 2.0 * high * (slope + min(slope, hopper.friction))
+
+
+def _losses(hopper: Hopper, snap: Release) -> Iterator[str]:
+    if len(hopper.chain) == 2 and predicted_stop(hopper, snap) == 0.0:
+        yield (
+            f"damping = {hopper.damping:.3g} N s/m, springs.loss = "
+            f"{to_unit(hopper.springs.loss, '%'):.3g} %: friction, dampers and springs take all "
+            f"energy of the snap; reduce them."
+        )
 
 
 def _foot(hopper: Hopper, snap: Release) -> Iterator[str]:

@@ -18,7 +18,7 @@ class Release(ByValue):
 
     Attributes:
         stroke: of the rod at the snap [m].
-        energy: set free by springs and load together at that stroke, E_w [J].
+        energy: set free by springs and load together at that stroke, E_w [J], friction included.
         foot_travel: of the foot against the body during the snap, Δ [m].
         load: constant force against that travel [N].
         before, after: (N,) travels of the cells [m].
@@ -79,15 +79,16 @@ def _release_of(event: Event, chain: Chain, path: Path, foot: int, load: float) 
     after = travels.copy()
     after[list(event.cells)] = event.after
     moved = float((after - travels)[:foot].sum())
-    stored = math.fsum(
-        float(cell.energy_at(s)) for cell, s in zip(chain.cells, travels, strict=True)
+    stored, left = (
+        math.fsum(float(cell.energy_at(s)) for cell, s in zip(chain.cells, place, strict=True))
+        for place in (travels, after)
     )
     stiffest = max(band.stiffness for cell in chain.levers for band in cell.bands)
     unit = stiffest * max(chain.full_travels) ** 2
     forces = path.force
     return Release(
         stroke=event.stroke,
-        energy=event.released,
+        energy=stored - left - load * moved,
         foot_travel=moved,
         load=load,
         before=tuple(travels.tolist()),
@@ -97,7 +98,7 @@ def _release_of(event: Event, chain: Chain, path: Path, foot: int, load: float) 
         largest_force=float(forces.max()),
         least_force=float(forces.min()),
         returned=max((one.released for one in path.events if one.direction < 0), default=0.0),
-        ratio=(event.released + load * moved) / unit,
+        ratio=(stored - left) / unit,
     )
 
 
@@ -162,6 +163,7 @@ def flight(
     return JumpBound(snap, speed_at_stop, speed, energy, height, distance)
 
 
+_STEPS = 2000  # of the travel of a snap
 GIVE = 1e-3  # travel in which a part takes an impact, for its mean force [m]
 
 
@@ -212,7 +214,24 @@ def moving_force(cell: Cell, travel: Floats, loss: float, way: int) -> Floats:
     return np.asarray(total, float)
 
 
-def predicted_stop(hopper: Hopper, snap: Release, steps: int = 2000) -> float:
+def onset(hopper: Hopper, snap: Release) -> float:
+    """Travel of the foot [m] at which it snaps, for a hopper of two cells with losses.
+
+    Until then the rod pulls the foot along: the cell behind it, whose band loses tension where it
+    contracts, has to overcome the cell before it. That of the stop if there is no snap.
+
+    Raises:
+        ValueError: a chain of more than two cells, whose snaps have no single travel.
+    """
+    if len(hopper.chain) != 2:
+        raise InputError("chain: must have two cells; the snaps of more have no single travel.")
+    travel = np.linspace(snap.before[0], snap.after[0], _STEPS + 1)
+    net = _net(hopper, travel, np.full(_STEPS + 1, snap.before[1]))
+    there = np.flatnonzero(net >= -1e-9 * float(np.abs(net).max()))
+    return float(travel[there[0]]) if len(there) else snap.after[0]
+
+
+def predicted_stop(hopper: Hopper, snap: Release) -> float:
     """Speed of the moved mass at the stop [m/s], with dampers, friction and losses of the springs.
 
     One mass between two cells at a fixed stroke, m s̈ = F_behind - F_before - load - 2 c ṡ - f; the
@@ -221,15 +240,19 @@ def predicted_stop(hopper: Hopper, snap: Release, steps: int = 2000) -> float:
     Raises:
         ValueError: a chain of more than two cells, whose snaps have no single travel.
     """
-    if len(hopper.chain) != 2:
-        raise InputError("predicted_stop: must be a hopper of two cells.")
+    start, end = onset(hopper, snap), snap.after[0]
+    travel = np.linspace(start, end, _STEPS + 1)
+    behind = np.maximum(snap.before[1] - (travel - start), 0.0)
+    net = _net(hopper, travel, behind)
+    return _end_speed(net, (end - start) / _STEPS, hopper.moved, 2.0 * hopper.damping)
+
+
+def _net(hopper: Hopper, travel: Floats, behind: Floats) -> Floats:
+    """Force on the foot [N] that moves out, at travels [m] of the cells before and behind it."""
     inner, outer = hopper.loaded.levers
-    loss, (start, end) = hopper.springs.loss, (snap.before[0], snap.after[0])
-    travel = np.linspace(start, end, steps + 1)
-    behind = np.clip(snap.stroke - travel, 0.0, outer.full_travel)
+    loss, friction = hopper.springs.loss, inner.friction + outer.friction
     pull = moving_force(outer, behind, loss, -1) - moving_force(inner, travel, loss, 1)
-    net = pull - inner.friction - outer.friction
-    return _end_speed(net, (end - start) / steps, hopper.moved, 2.0 * hopper.damping)
+    return np.asarray(pull - friction, float)
 
 
 def _end_speed(net: Floats, step: float, mass: float, damping: float) -> float:

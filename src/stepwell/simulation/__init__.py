@@ -12,9 +12,9 @@ from stepwell.simulation.comparison import (
 )
 from stepwell.simulation.drawing import VideoError, drawing_system, view_angles
 from stepwell.simulation.exports import exchange, mjcf, sdf
-from stepwell.simulation.hopper_run import EnergyFlow, Hop, JumpSettings
-from stepwell.simulation.hopper_video import jump_video
-from stepwell.simulation.jumps import HalvedStep, Jump, RecordFactor, jump
+from stepwell.simulation.hoppers.jumps import HalvedStep, Jump, RecordFactor, jump
+from stepwell.simulation.hoppers.run import EnergyFlow, Hop, JumpSettings
+from stepwell.simulation.hoppers.video import jump_video
 from stepwell.simulation.mazes import TOUCHED, Contact, GaitChange, Maze, Outcome, maze, mazes
 from stepwell.simulation.model import HEIGHT, obstacle_names, spec
 from stepwell.simulation.simulator import Integrator, Linkage, Settings, mujoco

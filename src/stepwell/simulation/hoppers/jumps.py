@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from stepwell import base
 from stepwell.base import Floats, check
 from stepwell.robot import Hopper, JumpBound, Task, after_stop, bound_of, predicted_stop, snap_of
-from stepwell.simulation.hopper_run import Hop, HopperRun, JumpSettings, Progress
+from stepwell.simulation.hoppers.run import Hop, HopperRun, JumpSettings, Progress
 
 # The highest jump of an engineered jumper and the specific energy of its spring [m], [J/kg]:
 # Hawkes et al. 2022, Nature 604, 657 (32.9 m; 1,075 J/kg of spring).

@@ -10,8 +10,8 @@ from stepwell import base
 from stepwell.base import Floats
 from stepwell.robot import Task
 from stepwell.simulation.drawing import Camera, DrawingProcess, VideoError, view_angles
-from stepwell.simulation.hopper_model import hopper_spec
-from stepwell.simulation.jumps import Jump
+from stepwell.simulation.hoppers.jumps import Jump
+from stepwell.simulation.hoppers.model import hopper_spec
 from stepwell.simulation.videos import encoder_of
 
 View = str | tuple[float, float]

@@ -10,8 +10,8 @@ import numpy as np
 from stepwell import base
 from stepwell.base import Floats, InputError, check
 from stepwell.mechanism import Cell
-from stepwell.robot import Hopper, JumpBound, Release, Task, flight, moving_force
-from stepwell.simulation.hopper_model import hopper_spec, out_of
+from stepwell.robot import Hopper, JumpBound, Release, Task, flight, moving_force, onset
+from stepwell.simulation.hoppers.model import hopper_spec, out_of
 from stepwell.simulation.simulator import Model, mujoco, quietly
 
 Progress = Callable[[float, float], None]
@@ -236,7 +236,9 @@ class HopperRun:
     def _command(self, count: int) -> list[tuple[float, float]]:
         """Corners (time, stroke) of the command of the rod [s], [m]."""
         corners, speed = self._begin(), self.hopper.actuator.speed
-        top = min(self.snap.stroke + OVER, self.hopper.chain.full_stroke)
+        # Losses delay the snap.
+        late = onset(self.hopper, self.snap) - self.snap.before[0] if len(self.laws) == 2 else 0.0
+        top = min(self.snap.stroke + late + OVER, self.hopper.chain.full_stroke)
         top += self.snap.largest_force / self.hopper.actuator.stiffness
         up = self.bound.speed * math.cos(self.hopper.tilt)
         aloft = 2.0 * up / self.hopper.gravity if self.jumps else ALOFT

@@ -1,0 +1,1 @@
+"""Simulation of hoppers: model, run, jumps, videos."""
