@@ -79,6 +79,13 @@ class Jump(base.ByValue, base.Drawn):
     travels: Floats
     positions: Floats
 
+    def __repr__(self):
+        high = base.to_unit(self.first.height, "mm")
+        return (
+            f"Jump({self.hopper!r}: {len(self.hops)} times, {high:.3g} mm high, "
+            f"{self.first.speed:.3g} m/s; bound {base.to_unit(self.bound.height, 'mm'):.3g} mm)"
+        )
+
     @property
     def first(self) -> Hop:
         """The first jump."""
