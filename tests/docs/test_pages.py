@@ -46,6 +46,8 @@ DRAWN = ("00_figures_of_the_pages", "00_pictures_of_the_front_page")
 FULL = [f"docs/{page}.md" for page in ("gallery", "robot-theory")]
 FULL += [f"docs/how-to/{page}.md" for page in ("masses", "measured-data", "robots")]
 FULL += ["docs/how-to/stroke-programs.md"]
+# Its jumps are those of tests/simulation/test_jumps.py.
+FULL += ["docs/how-to/jump.md"]
 RUN = [page for page in (*PAGES, *HOW_TO) if SIZE == "full" or page not in FULL]
 # Those that are not slow.
 QUICK = ("README.md", "docs/index.md", "docs/how-to/read-a-result.md")

@@ -534,6 +534,19 @@ ROBOTS = [
         slow=True,
     ),
     Case(
+        "jump/written",
+        (
+            "jump hopper --no-video --view side --out out",
+            "jump hopper-forward --jumps 2 --json",
+            "jump weak.toml",
+            "jump preset:paper-forward",
+        ),
+        given={"weak.toml": preset_text("hopper").replace("force_N = 40", "force_N = 20")},
+        within=SIMULATED,
+        shown=True,
+        slow=True,
+    ),
+    Case(
         "maze/contact",
         ("maze robot-explorer cylinder --limit 36 --no-video --out out",),
         within=SIMULATED,
