@@ -12,6 +12,7 @@ from matplotlib.path import Path
 
 from stepwell.base import Floats, number, percent
 from stepwell.figures.common import sheet, style
+from stepwell.figures.common.words import literal
 from stepwell.robot import Task
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ _OUT = {
     "foot": ("contact", style.FAINT),
     "lift": ("lift before lift-off", style.BLUE),
 }
+_LETTERS = 60  # of a title
 _LEAST = 1e-3  # fraction of the input from which an output is drawn
 # Of the panels of the motion [mm]; time shown before the snap and after lift-off [s].
 _HIGH, _LEFT, _FOOT, _GAP = 38.0, 13.0, 11.0, 18.0
@@ -61,7 +63,8 @@ def energy_flow(jump: Jump) -> Figure:
     ax.set(xlim=(0.0, page - 4.0), ylim=(0.0, tall))
     ax.axis("off")
     _flows(ax, flow, outputs, (page - 4.0, tall, scale))
-    sheet.name_panel(ax, jump.hopper.title[:60] if page > style.COLUMN + 1 else "Energy")
+    title = jump.hopper.title[:_LETTERS] if page > style.COLUMN + 1 else ""
+    sheet.name_panel(ax, literal(title) if title else "Energy")
     return figure
 
 
@@ -181,7 +184,9 @@ def _travels(ax: Axes, jump: Jump) -> None:
     colours, dashes = style.cell_colours(len(names)), style.cell_dashes(len(names))
     for i, name in enumerate(names):
         travel = jump.travels[shown, i] * style.MM
-        ax.plot(time, travel, color=colours[i], linestyle=dashes[i], label=name, gid="travel")
+        ax.plot(
+            time, travel, color=colours[i], linestyle=dashes[i], label=literal(name), gid="travel"
+        )
     late = (first.lift_off - first.snap) * 1e3
     ax.axvline(late, color=style.FAINT, linewidth=0.8)
     ax.set(xlabel="Time from the snap [ms]", ylabel="Travel [mm]", gid="Snap")
