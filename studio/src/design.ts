@@ -113,20 +113,20 @@ export const placesOf = (cells: CellTable[]): Place[] =>
   );
 
 /** The name of an anchor for people. */
-export function labelOf(cells: CellTable[], { cell, band, anchor }: Place): string {
-  const name = nameOf(cells[cell], cell);
-  return bandsOf(cells[cell]).length > 1
+export function labelOf(of: CellTable, { cell, band, anchor }: Place): string {
+  const name = nameOf(of, cell);
+  return bandsOf(of).length > 1
     ? `${anchor} of band ${band + 1} of ${name}`
     : `${anchor} of ${name}`;
 }
 
 /** What tells an anchor from all others, though cells are reordered and bands are added. */
-export const lockOf = (chain: string, cells: CellTable[], { cell, band, anchor }: Place): string =>
-  `${chain} ${nameOf(cells[cell], cell)} ${band} ${anchor}`;
+export const lockOf = (chain: string, of: CellTable, { cell, band, anchor }: Place): string =>
+  `${chain} ${nameOf(of, cell)} ${band} ${anchor}`;
 
 /** The key of an anchor as messages name it. */
-export function keyOf(chain: string, cells: CellTable[], { cell, band, anchor }: Place): string {
-  const own = Array.isArray(cells[cell]?.bands) ? `.bands[${band}]` : "";
+export function keyOf(chain: string, of: CellTable, { cell, band, anchor }: Place): string {
+  const own = Array.isArray(of.bands) ? `.bands[${band}]` : "";
   return `${chain}.cell[${cell}]${own}.${key(anchor)}`;
 }
 

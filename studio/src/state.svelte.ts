@@ -499,7 +499,7 @@ class Studio {
       this.problems = view.problems ?? [];
       return;
     }
-    this.problems = [];
+    if (this.problems.length) this.problems = [];
     this.at = this.way ? this.at : carried(this.views.evaluate, view, this.at);
     this.views = { ...this.views, evaluate: view };
     window.clearTimeout(this.following);
