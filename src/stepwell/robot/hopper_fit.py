@@ -113,7 +113,7 @@ def _actuator(hopper: Hopper, snap: Release) -> Iterator[str]:
         # Load and friction do not fall with the bands; rounded down, so that the advice suffices.
         kept = snap.load + sum(cell.friction for cell in hopper.whole.levers)
         softer = max(most - kept, 0.0) / (snap.peak_force - kept)
-        softer = math.floor(1e3 * softer) / 1e3
+        softer = round(softer - 5e-4, 3)
         yield (
             f"actuator.force = {most:.3g} N: must be >= {snap.peak_force:.3g} N, with which the "
             f"actuator {way} in a cycle; use a stronger actuator, or bands of at most "

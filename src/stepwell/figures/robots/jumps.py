@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.path import Path
 
-from stepwell.base import Floats, number, percent
+from stepwell.base import Floats, number, percent, to_unit
 from stepwell.figures.common import sheet, style
 from stepwell.figures.common.words import literal
 from stepwell.robot import Task
@@ -180,14 +180,14 @@ def _risen(jump: Jump) -> Floats:
 def _travels(ax: Axes, jump: Jump) -> None:
     first, names = jump.first, jump.hopper.chain.names
     shown = (jump.time > first.snap - _BEFORE) & (jump.time < first.lift_off + _AFTER)
-    time = (jump.time[shown] - first.snap) * 1e3
+    time = to_unit(jump.time[shown] - first.snap, "ms")
     colours, dashes = style.cell_colours(len(names)), style.cell_dashes(len(names))
     for i, name in enumerate(names):
         travel = jump.travels[shown, i] * style.MM
         ax.plot(
             time, travel, color=colours[i], linestyle=dashes[i], label=literal(name), gid="travel"
         )
-    late = (first.lift_off - first.snap) * 1e3
+    late = to_unit(first.lift_off - first.snap, "ms")
     ax.axvline(late, color=style.FAINT, linewidth=0.8)
     ax.set(xlabel="Time from the snap [ms]", ylabel="Travel [mm]", gid="Snap")
     _legend(ax)
