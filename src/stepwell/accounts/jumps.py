@@ -189,8 +189,10 @@ def jump_account(jump: Jump, about: About) -> Account:
     fallen = [f"jump {i}" for i, hop in enumerate(jump.hops, 1) if not hop.landed]
     warned = [parts.Warned("Landing", "It does not stand on its foot after:", fallen)]
     origin = "Predicted by statics, and simulated in MuJoCo."
-    options = {"packages": ["mujoco"]}
-    return Account(jump, title, "jump/1", _answer(jump), facts, sections, warned, origin, **options)
+    return Account(
+        *(jump, title, "jump/1", _answer(jump), facts, sections, warned, origin),
+        packages=["mujoco"],
+    )
 
 
 def _answer(jump: Jump) -> str:

@@ -53,7 +53,8 @@ def hopper_spec(hopper: Hopper, time_step: float, contact_time: float) -> Spec:
         parts.slider(body, "x", (1.0, 0.0, 0.0))
         parts.slider(body, "z", (0.0, 0.0, 1.0))
         parts.hinge(body, "pitch", (0.0, 1.0, 0.0))
-    size = (hopper.body_size,) * 3
+    side = hopper.body_size
+    size = (side, side, side)
     seen = {**parts.SEEN, "rgba": parts.BODY}
     parts.box(body, size, mass=hopper.frame_mass, quat=_turn(hopper), **seen)
     _blocks(model, hopper, body, touch)
@@ -138,8 +139,8 @@ def _lines(model: Any, hopper: Hopper, body: Any) -> None:
 
 
 def _ball(model: Any, hopper: Hopper, at: Floats, touch: dict[str, Any]) -> None:
-    out = np.array(out_of(hopper))
-    start = at + place_of(hopper, hopper.foot_after - 1) + (THICK + BALL) * out
+    out = out_of(hopper)
+    start = at + place_of(hopper, hopper.foot_after - 1) + (THICK + BALL) * np.array(out)
     ball = model.worldbody.add_body(name="ball", pos=start)
     parts.slider(ball, "ball", out)
     look = {"rgba": parts.SUPPORT, "priority": 1, **parts.STANDS, **touch}

@@ -301,7 +301,7 @@ class HopperRun:
         out, pitch = blocks[foot], position[2] if self.jumps else 0.0
         place = position[0] - out * math.sin(self.hopper.tilt)
         state = (*data.energy.tolist(), data.ncon, x, z, out, speeds[foot], push, pitch, place)
-        self.log.append(_Row(time, stored, *works, *state))
+        self.log.append(_Row._make((time, stored, *works, *state)))
         if keep:
             self.seen.append((time, x, z, *position))
         self._work(works, before, (push, lacking, damped))
