@@ -27,6 +27,7 @@ FILES = {
     "parts": ("build", "parts", "parts_files"),
     "recordings": ("element", "measured"),
     "robots": ("arena", "arenas", "maze", "predict", "robot", "robot_numbers", "walk"),
+    "robot_parts": ("robot_parts",),
     "studies": (
         *("studies", "study", "study_begin", "study_csv"),
         *("study_design", "study_estimate", "study_stop"),
@@ -38,8 +39,9 @@ _PANELS = {kind: file for file, kinds in FILES.items() for kind in kinds}
 # progress. All others take milliseconds.
 LONG = {
     *("atlas", "border", "build", "element", "export", "graph", "jump", "map", "map_followed"),
-    *("margin", "maze", "measured", "parts_files", "predict", "program", "replay", "study"),
-    *("study_csv", "study_design", "study_estimate", "thumbnails", "walk", "wish", "yield"),
+    *("margin", "maze", "measured", "parts_files", "predict", "program", "replay", "robot_parts"),
+    *("study", "study_csv", "study_design", "study_estimate", "thumbnails", "walk", "wish"),
+    "yield",
 }
 # Panels whose processes belong to the server.
 OWN = {"studies", "study_begin", "study_stop"}

@@ -13,14 +13,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import Floats
+from stepwell.base import Floats, Vec2
 from stepwell.build.robots.plan import AntennaPlan, LegPlan, RobotPlan, near
 
 Parameter = tuple[str, int | str]
 # How a parameter moves a body: with the swinging block of a cell, with its travel alone, by
 # turning, or in a way of its own.
 ARC, ALONG, TURN, OWN = "arc", "along", "turn", "own"
-
+# Bodies of a leg that move in the plane of x and z.
+UPRIGHT = ("link front", "link rear", "foot")
 
 STROKE: Parameter = ("stroke", "")
 
@@ -34,6 +35,13 @@ class Moved(NamedTuple):
     shift: Floats
     turn: Floats
     hinge: tuple[float, float]
+
+    def of(self, point: Vec2) -> Floats:
+        """(n, 2) places [m] of a point of the body, which is given in the reference pose [m]."""
+        hinge = np.array(self.hinge)
+        x, y = np.array(point) - hinge
+        c, s = np.cos(self.turn), np.sin(self.turn)
+        return self.shift + hinge + np.column_stack([c * x - s * y, s * x + c * y])
 
 
 @dataclass(frozen=True)
@@ -62,6 +70,10 @@ class Motions:
             if body.startswith(f"{leg.leg.name}."):
                 return leg.leg.name, body.removeprefix(f"{leg.leg.name}.")
         return "", body
+
+    def upright(self, body: str) -> bool:
+        """Whether a body moves in the plane of x and z, not in plan."""
+        return self.split(body)[1] in UPRIGHT
 
     def across(self, leg: LegPlan) -> tuple[float, float]:
         """Range of the place of an outer block along the carriage's slot, 0 in state 00 [m]."""

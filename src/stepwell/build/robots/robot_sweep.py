@@ -16,7 +16,7 @@ from stepwell.build.plates import Fastener
 from stepwell.build.rigid import Freedom, Overlap, Piece, RigidBody
 from stepwell.build.robots.antennas import CORD, Cord
 from stepwell.build.robots.making import PartFrame
-from stepwell.build.robots.motion import ALONG, ARC, STROKE, TURN, Parameter
+from stepwell.build.robots.motion import ALONG, ARC, STROKE, TURN, UPRIGHT, Parameter
 from stepwell.build.robots.plan import LegPlan
 from stepwell.build.robots.robot_layout import RobotBand, RobotLayout
 from stepwell.robot import body_names
@@ -270,7 +270,7 @@ class SweptRobot:
 
 # Bodies of an antenna, which may have the name of a leg.
 _SWUNG = ("antenna", "crank")
-_V_BODIES = ("slider", "link front", "link rear", "foot")
+_V_BODIES = ("slider", *UPRIGHT)
 
 
 @dataclass(frozen=True)
@@ -291,14 +291,7 @@ class RobotPoses:
         line = body.path
         ends = []
         for owner, point in line.ends:
-            moved = self.layout.motions.of(owner, self.values, self.driver)
-            x, y = np.array(point) - np.array(moved.hinge)
-            c, s = np.cos(moved.turn), np.sin(moved.turn)
-            ends.append(
-                moved.shift
-                + np.array(moved.hinge)
-                + np.column_stack([c * x - s * y, s * x + c * y])
-            )
+            ends.append(self.layout.motions.of(owner, self.values, self.driver).of(point))
         start, way = ends[0], ends[1] - ends[0]
         return np.stack([start + share * way for share in line.share], axis=1)
 

@@ -24,9 +24,13 @@ from stepwell.build import (
     layout as layout_of,
     loads_build_file,
     preset_text,
+    robot_layout,
+    robot_sweep,
     sweep,
 )
 from stepwell.files import dumps
+from stepwell.mechanism import Chain
+from stepwell.robot import Robot
 from stepwell.studio.ask import Ask, PageDesign, View
 
 USUAL = "acrylic-3mm"
@@ -48,7 +52,7 @@ def answer_parts(design: PageDesign, ask: Ask) -> View:
     joints of their inner block, at `half_mm` on either side of the offset. The bar is at `bar_mm`:
     x from the last block, y from the fixed one.
     """
-    build_file = _material(ask)
+    build_file = material(ask)
     ask.close()
     layout = layout_of(design.chain, build_file)
     # At angles of 0 a lever points across the stroke: the step to the next block is the offset.
@@ -92,19 +96,29 @@ def answer_parts(design: PageDesign, ask: Ask) -> View:
 def answer_build(design: PageDesign, ask: Ask) -> View:
     """The record of `stepwell build --json`, its `answer`, and `overlaps` with angles.
 
-    A first part has the sweep alone; ways out of collisions and the yield take longer.
+    A first part has the sweep alone; ways out of collisions and the yield take longer. With `whole`
+    the record is that of the robot, whose overlaps have no angles.
     """
-    chain, build_file = design.chain, _material(ask)
+    subject, build_file = _subject(design, ask), material(ask)
     ask.close()
     need("build")
-    swept = sweep(layout_of(chain, build_file), ask.report)
-    overlaps = [
-        {"parts": one.parts, "angles_deg": np.degrees(one.angles).tolist()}
-        for one in swept.collisions
-    ]
+    if isinstance(subject, Robot):
+        swept = robot_sweep(robot_layout(subject, build_file), ask.report)
+        overlaps: list[dict[str, Any]] = [{"parts": one.parts} for one in swept.collisions]
+    else:
+        swept = sweep(layout_of(subject, build_file), ask.report)
+        overlaps = [
+            {"parts": one.parts, "angles_deg": np.degrees(one.angles).tolist()}
+            for one in swept.collisions
+        ]
     ask.show(View({"sweep": {"free": swept.free}, "overlaps": overlaps}))
-    account = accounts.account(build(chain, build_file, swept=swept))
+    account = accounts.account(build(subject, build_file, swept=swept))
     return View({**account.record, "answer": account.answer, "overlaps": overlaps})
+
+
+def _subject(design: PageDesign, ask: Ask) -> Chain | Robot:
+    """The robot if its parts are asked as a `whole`, else the chain that is shown."""
+    return design.robot if ask.switch("whole", default=False) else design.chain
 
 
 _LONGEST_NESTING = 60.0
@@ -117,11 +131,11 @@ def answer_parts_files(design: PageDesign, ask: Ask) -> View:
     """
     from stepwell.build import FileOptions, build_files, draft_comment
 
-    chain, build_file = design.chain, _material(ask)
+    subject, build_file = _subject(design, ask), material(ask)
     seconds = ask.number("seconds", 0.0, _LONGEST_NESTING, 10.0)
     draft = ask.switch("draft", default=False)
     ask.close()
-    made = build(chain, build_file)
+    made = build(subject, build_file)
     options = FileOptions(nest=seconds, draft=draft)
     account, parts = accounts.account(made), build_files(made, options, progress=ask.report)
     comment = draft_comment(made)
@@ -129,7 +143,7 @@ def answer_parts_files(design: PageDesign, ask: Ask) -> View:
         "report.html": accounts.page(account),
         "build.json": json.dumps(account.record, indent=2, allow_nan=False) + "\n",
         "build.toml": comment + dumps_build_file(build_file),
-        "design.toml": comment + dumps(chain),
+        "design.toml": comment + dumps(subject),
         **parts,
     }
     return View({"suffix": "zip"}, {"file": np.frombuffer(_zipped(every), np.uint8)})
@@ -144,8 +158,8 @@ def _zipped(every: Mapping[str, str | bytes]) -> bytes:
     return file.getvalue()
 
 
-def _material(ask: Ask) -> BuildFile:
-    """The requested preset; a path is none."""
+def material(ask: Ask) -> BuildFile:
+    """The requested preset of a build file; a path is none."""
     name, presets = ask.text("material", 100, USUAL), build_presets()
     if name not in presets:
         raise InputError(f"ask.material = {name!r}: must be {', '.join(presets)}.")
