@@ -24,8 +24,6 @@ from stepwell.build import (
     layout as layout_of,
     loads_build_file,
     preset_text,
-    robot_layout,
-    robot_sweep,
     sweep,
 )
 from stepwell.files import dumps
@@ -103,7 +101,7 @@ def answer_build(design: PageDesign, ask: Ask) -> View:
     ask.close()
     need("build")
     if isinstance(subject, Robot):
-        swept = robot_sweep(robot_layout(subject, build_file), ask.report)
+        swept = build(subject, build_file, progress=ask.report).sweep
         overlaps: list[dict[str, Any]] = [{"parts": one.parts} for one in swept.collisions]
     else:
         swept = sweep(layout_of(subject, build_file), ask.report)
