@@ -53,9 +53,15 @@ export interface Shape {
 /** What was chosen last stays while another tab is open. */
 class Parts {
   material = $state("acrylic-3mm");
+  /** All materials, once they are known. */
+  materials = $state.raw<{ name: string; title?: string }[]>([]);
   /** The hidden layers by role. */
   hidden = $state.raw<ReadonlySet<string>>(new Set());
   exploded = $state(false);
+  /** How far the parts of a robot are apart, 0 to 1. */
+  apart = $state(0);
+  /** Whether a robot is shown as a whole, not the chain of one leg. */
+  robot = $state(true);
 
   /** Shows or hides a layer. */
   turn(role: string): void {

@@ -56,7 +56,7 @@ def answer_parts(design: PageDesign, ask: Ask) -> View:
     # At angles of 0 a lever points across the stroke: the step to the next block is the offset.
     blocks = layout.positions(np.zeros(len(layout.cells)))
     header = {
-        "materials": _materials(),
+        "materials": materials(),
         "layers": _layers(layout),
         "parts": [_part(layout, part) for part in layout.parts],
         "fasteners": list(_fasteners(layout)),
@@ -169,7 +169,8 @@ def _preset(name: str) -> BuildFile:
     return loads_build_file(preset_text(name), name)
 
 
-def _materials() -> list[dict[str, str]]:
+def materials() -> list[dict[str, str]]:
+    """Name and title of every preset of a build file."""
     return [{"name": name, "title": _preset(name).title} for name in build_presets()]
 
 

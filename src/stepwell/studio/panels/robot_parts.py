@@ -12,7 +12,7 @@ from stepwell.robot import Robot
 from stepwell.statics import Path
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.motion import drawn
-from stepwell.studio.panels.parts import material
+from stepwell.studio.panels.parts import material, materials
 
 Angles = Mapping[tuple[str, int], Floats]
 
@@ -61,6 +61,7 @@ def answer_robot_parts(design: PageDesign, ask: Ask) -> View:
             for words in [made.band_words(use)[0]]
         ],
         "mass_g": to_unit(made.mass, "g"),
+        "materials": materials(),
     }
     vertices = np.concatenate([one.vertices for one in shapes])
     faces = [one.faces + start for one, start in zip(shapes, first[:-1], strict=True)]
