@@ -22,8 +22,10 @@ const [INK, WHITE] = ["#222222", "#e8e6e1"];
 // Tension of a band from slack to the greatest: the shades of the videos, and grey for a slack one.
 const SHADES = ["#00244d", "#7d7a78", "#ffe838"];
 const SLACK = "#bfbfbf";
+// The darkest shade would not be seen on a dark page.
+const shades = (dark: boolean): string[] => (dark ? ["#2a5a94", ...SHADES.slice(1)] : SHADES);
 /** The shades as a gradient of CSS. */
-export const GRADIENT = `linear-gradient(90deg, ${SHADES.join(", ")})`;
+export const gradient = (dark: boolean): string => `linear-gradient(90deg, ${shades(dark).join(", ")})`;
 
 type Vec3 = [number, number, number];
 
@@ -32,11 +34,17 @@ const rgb = (hex: string): number[] => [1, 3, 5].map((k) => parseInt(hex.slice(k
 export const roleColour = (role: string, dark: boolean): string =>
   dark && ROLES[role] === INK ? WHITE : (ROLES[role] ?? ROLES.body);
 
-function shade(tension: number): number[] {
+/** The roles of the parts of a view, in the order of their colours. */
+export const rolesOf = (view: View): string[] => {
+  const used = new Set(view.parts.map((one: { role: string }) => one.role));
+  return Object.keys(ROLES).filter((role) => used.has(role));
+};
+
+function shade(tension: number, dark: boolean): number[] {
   if (tension <= 0) return rgb(SLACK);
   const at = Math.min(tension, 1) * (SHADES.length - 1);
   const k = Math.min(Math.floor(at), SHADES.length - 2);
-  const [a, b] = [rgb(SHADES[k]), rgb(SHADES[k + 1])];
+  const [a, b] = shades(dark).slice(k, k + 2).map(rgb);
   return a.map((one, i) => one + (b[i] - one) * (at - k));
 }
 
@@ -90,6 +98,8 @@ void main() {
 // How far the middles of parts move apart in the exploded view, as a multiple of their distance.
 const FAR: Vec3 = [0.5, 0.9, 4];
 const FIELD = (35 * Math.PI) / 180;
+// The sphere around all parts is larger than what is seen.
+const CLOSE = 1.25;
 const [NEAREST, FARTHEST] = [0.25, 4];
 const BOX = [0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3];
 
@@ -177,8 +187,7 @@ export class Solids {
   private tilt = 0.6;
   private zoom = 1;
   private waits = 0;
-  /** The roles of the parts, each with a colour. */
-  roles: string[] = [];
+  private roles: string[] = [];
 
   constructor(private readonly canvas: HTMLCanvasElement) {
     const gl = canvas.getContext("webgl2", { alpha: false, antialias: true });
@@ -195,12 +204,10 @@ export class Solids {
     if (this.view) this.load(this.view);
   };
 
-  get corners(): number {
-    return (this.mesh?.at.length ?? 0) / 3;
-  }
-
-  get triangles(): number {
-    return (this.mesh?.triangles.length ?? 0) / 3;
+  /** Numbers of vertices and triangles. */
+  get counts(): [number, number] {
+    const { at, triangles } = this.mesh ?? { at: [], triangles: [] };
+    return [at.length / 3, triangles.length / 3];
   }
 
   /** The parts of a design, sent to the graphics card once. */
@@ -208,7 +215,7 @@ export class Solids {
     const { gl } = this;
     this.clear();
     this.view = view;
-    this.roles = [...new Set<string>(view.parts.map((one: { role: string }) => one.role))];
+    this.roles = rolesOf(view);
     const mesh = (this.mesh = meshOf(view, this.roles));
     const bands = view.bands.length;
     const bodies = view.bodies.length + bands;
@@ -329,11 +336,11 @@ export class Solids {
   /** One picture; with `names` each pixel has the number of its part. */
   private render(names = false): void {
     const { gl, mesh, view, canvas } = this;
-    if (!mesh || !view || gl.isContextLost()) return;
     gl.viewport(0, 0, canvas.width, canvas.height);
     const [r, g, b] = names ? [0, 0, 0] : rgb(this.look.dark ? "#13171b" : "#f6f4ef");
     gl.clearColor(r, g, b, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    if (!mesh || !view) return;
     gl.useProgram(this.program);
     const { moved, lengths, colours } = this.states(view);
     gl.uniform4fv(this.place("moved"), moved);
@@ -359,7 +366,7 @@ export class Solids {
       const [px, py, qx, qy] = ends.slice(4 * k, 4 * k + 4);
       moved.push((px + qx) / 2, (py + qy) / 2, z_mm, Math.atan2(qy - py, qx - px));
       lengths.push(Math.hypot(qx - px, qy - py) + width_mm);
-      colours.push(...shade(tension[k]), Number(!hidden.has("bands")));
+      colours.push(...shade(tension[k], dark), Number(!hidden.has("bands")));
     }
     return { moved, lengths, colours };
   }
@@ -368,7 +375,7 @@ export class Solids {
     const half = low.map((one, axis) => ((high[axis] - one) / 2) * (1 + FAR[axis] * this.spread));
     const radius = Math.hypot(...half);
     const aspect = this.canvas.width / this.canvas.height;
-    const far = radius / Math.sin(FIELD / 2) / Math.min(1, aspect) / this.zoom;
+    const far = radius / Math.sin(FIELD / 2) / Math.min(1, aspect) / (CLOSE * this.zoom);
     const [ca, sa, ce, se] = [Math.cos(this.turn), Math.sin(this.turn), Math.cos(this.tilt), Math.sin(this.tilt)];
     const axes = [[-sa, ca, 0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]];
     const target = low.map((one, axis) => (one + high[axis]) / 2);
