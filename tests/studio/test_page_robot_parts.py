@@ -2,6 +2,7 @@
 
 import io
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +15,10 @@ from chromium import nothing_found
 from stepwell.figures.robots import build as figure
 from stepwell.simulation.live import tension_colour
 from studio.browser import Opened, begun, output, settled, without
+from studio.conftest import WIDE, blameless
 from studio.test_robot_parts import asked
 
-from playwright.sync_api import Locator, Page, expect  # isort: skip
+from playwright.sync_api import Browser, Locator, Page, expect  # isort: skip
 
 # What else a robot's page asks takes seconds, and is looked at elsewhere.
 QUIET = without("yield", "predict", "thumbnails", "atlas", "robot", "build")
@@ -24,13 +26,30 @@ PATIENT = 120_000
 EDGE = 30  # px, where corners are round
 
 
-@pytest.fixture
-def robot_page(opened: Opened, empty_address: str) -> Page:
+@pytest.fixture(scope="module")
+def built(browser: Browser, empty_address: str) -> Iterator[Page]:
+    """A page with a robot in its parts, for all tests of this file."""
+    context = browser.new_context(viewport=WIDE, color_scheme="light")
+    opened = Opened(context.new_page())
     opened.page.add_init_script(QUIET)
-    page = begun(opened.page, empty_address, "robot-forward")
-    page.get_by_role("tab", name="Parts").click()
-    space(page).wait_for(timeout=PATIENT)
-    return page
+    begun(opened.page, empty_address, "robot-forward")
+    opened.page.get_by_role("tab", name="Parts").click()
+    space(opened.page).wait_for(timeout=PATIENT)
+    yield opened.page
+    context.close()
+    blameless(opened)
+
+
+@pytest.fixture
+def robot_page(built: Page) -> Iterator[Page]:
+    """That page, which is given back as it was."""
+    yield built
+    built.set_viewport_size(WIDE)
+    built.mouse.move(0, 0)
+    for name in ("Stroke", "Exploded view"):
+        slid(built, name, "0")
+    for box in built.get_by_role("group", name="Kinds of parts").get_by_role("checkbox").all():
+        box.check()
 
 
 def space(page: Page) -> Locator:
@@ -144,6 +163,8 @@ def test_an_edit_ends_the_work_and_the_parts_of_the_new_design_follow(robot_page
         field.press("Enter")
         expect(page.get_by_text("Building the parts…")).to_be_visible()
     assert page.evaluate("window.ended") >= 1
+    for _ in range(2):
+        page.get_by_role("button", name="Undo").click()
     settled(page)
     expect(page.get_by_text("Building the parts…")).to_have_count(0)
     expect(space(page)).to_have_count(1)
