@@ -101,8 +101,8 @@ class Charted {
     this.matches = null;
     this.done = 0;
     // One that is still being charted is not wanted any more.
-    studio.cancel("atlas");
-    const asked = ++this.asked;
+    this.leave();
+    const { asked } = this;
     studio.once(
       "atlas",
       { name },
@@ -119,6 +119,12 @@ class Charted {
         if (asked === this.asked && view.progress) this.done = view.progress[0] / view.progress[1];
       },
     );
+  }
+
+  /** Ends what is being charted; it can be opened again. */
+  leave(): void {
+    this.asked += 1;
+    studio.cancel("atlas");
   }
 
   find(): void {
