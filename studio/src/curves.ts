@@ -49,6 +49,8 @@ export interface Cursor {
 
 // From an event so near the pointer the reading is of the event [px].
 const NEAR = 8;
+// Radius of a dot [px].
+const DOT = 3.2;
 
 export const rangesOf = ({ lines }: Curves): [Point, Point] => [
   rangeOf(lines.map((line) => line.x)),
@@ -59,7 +61,7 @@ export const rangesOf = ({ lines }: Curves): [Point, Point] => [
 const joined = ({ segment, direction }: Line, k: number): boolean =>
   k > 0 && (!segment || segment[k] === segment[k - 1]) && (!direction || direction[k] === direction[k - 1]);
 
-export function paintCurves(pen: Pen, { lines, dots }: Curves, frame: Frame, look: Look): void {
+export function paintCurves(pen: Pen, { lines, dots }: Curves, frame: Frame, { paper }: Look): void {
   pen.lineJoin = "round";
   // All of unloading lies under all of loading, so that no thin line cuts a thick one.
   for (const way of [-1, 1]) {
@@ -80,13 +82,19 @@ export function paintCurves(pen: Pen, { lines, dots }: Curves, frame: Frame, loo
   }
   pen.globalAlpha = 1;
   pen.setLineDash([]);
-  for (const { x, y, colour, kind } of dots) {
-    if (kind === "event") continue;
+  // All dots of a look are one path, which takes a browser much less time than one path each.
+  const marked = dots.filter((dot) => dot.kind !== "event");
+  pen.lineWidth = 1.5;
+  for (const look of new Set(marked.map((dot) => `${dot.kind} ${dot.colour}`))) {
+    const [kind, colour] = look.split(" ");
+    [pen.fillStyle, pen.strokeStyle] = [kind === "from" ? paper : colour, colour];
     pen.beginPath();
-    pen.arc(frame.across(x), frame.up(y), 3.2, 0, 2 * Math.PI);
-    pen.fillStyle = kind === "from" ? look.paper : colour;
-    pen.strokeStyle = colour;
-    pen.lineWidth = 1.5;
+    for (const dot of marked) {
+      if (dot.kind !== kind || dot.colour !== colour) continue;
+      const [x, y] = [frame.across(dot.x), frame.up(dot.y)];
+      pen.moveTo(x + DOT, y);
+      pen.arc(x, y, DOT, 0, 2 * Math.PI);
+    }
     pen.fill();
     pen.stroke();
   }
