@@ -182,6 +182,12 @@ PROGRAMS = [
 DESIGNED = [
     _folder("design/cycle", f"design '{_BACK}' --samples 100 --seed 3", shown=True, slow=True),
     _one("design/all", "design all:3 --samples 50", slow=True),
+    _one(
+        "design/requirements",
+        "design '3 before 1 loading; state 101; 2 never without 3' --samples 50 "
+        "--weight window=1 --weight yield=2",
+        slow=True,
+    ),
     _folder("design/states", "design 00,10,11 --samples 20 --drive 200", slow=True),
     Case(
         "design/options",

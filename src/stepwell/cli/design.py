@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
@@ -24,6 +25,9 @@ BANDS = {"paper": (28.5, 10.0), "robot": (30.0, 10.0), "antennas": (47.0, 22.0)}
 
 # A cell that holds the band of a table without cells.
 _ANYWHERE = "[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n"
+
+# Words of requirements, which no other target has.
+_REQUIREMENTS = re.compile(r"\b(before|first|last|order|state|never|after|cells?)\b")
 
 FORCE_SCALE, TRAVEL_SCALE = Range(0.5, 2.0), Range(1.0, 1.0)
 
@@ -184,6 +188,11 @@ class AimOptions(Group):
         "Quantity to maximise: the yield, or the worst-case margin of all anchors together.",
         default=Objective.YIELD,
     )
+    weights: list[str] | None = option(
+        "Weight of yield, peak-force, snap-energy or window in the choice between candidates. May "
+        "be repeated.",
+        "--weight NAME=NUMBER",
+    )
     force_limit: float | None = option("Maximum force of the actuator [N].", "FORCE", min=0)
     drive: NewDrive = None
 
@@ -192,8 +201,8 @@ def design(
     *,
     target: str = argument(
         "Target: a sequence such as '00>10>11>01>00', an order of loading and unloading such as "
-        "2-1-3/1-2-3 or of loading alone such as 2-1-3, reachable states such as 00,10,11, or "
-        "all:N for all states of N cells.",
+        "2-1-3/1-2-3 or of loading alone such as 2-1-3, reachable states such as 00,10,11, all:N "
+        "for all states of N cells, or requirements such as '2 before 1 loading; state 101'.",
         "TARGET",
     ),
     parts: Parts,
@@ -220,6 +229,7 @@ def design(
         "objective": aim.objective.value,
         "most_force": math.inf if aim.force_limit is None else aim.force_limit,
         "actuator_stiffness": stiffness_of(aim.drive),
+        "weights": weights_of(aim.weights or ()),
     }
     how = goal | allowed | aims | vars(sampling)
     try:
@@ -320,6 +330,8 @@ def target_of(text: str) -> dict[str, Any]:
     every = re.fullmatch(r"all:(\d{1,2})", text)
     if every:
         return {"states": "all", "cells": int(every[1])}
+    if _REQUIREMENTS.search(text):
+        return {"requirements": text}
     if ">" in text or "-" in text or re.search(",.*[2-9]|[2-9].*,", text):
         return {"sequence": text if ">" in text else text.replace(",", "-")}
     if "," in text:
@@ -327,9 +339,22 @@ def target_of(text: str) -> dict[str, Any]:
     raise wrong(
         "TARGET",
         f"{text!r}: must be a sequence such as 00>10>11>01>00, an order such as 2-1-3 or "
-        f"2-1-3/1-2-3, states such as 00,10,11, or all:N for all states of N cells. Put a sequence "
-        f"in quotes, for the shell interprets >.",
+        f"2-1-3/1-2-3, states such as 00,10,11, all:N for all states of N cells, or requirements "
+        f"such as '2 before 1 loading; state 101'. Put a sequence in quotes, for the shell "
+        f"interprets >.",
     )
+
+
+def weights_of(texts: Iterable[str]) -> dict[str, float] | None:
+    """NAME=NUMBER of each weight; None without any."""
+    weights: dict[str, float] = {}
+    for text in texts:
+        name, _, number = text.partition("=")
+        try:
+            weights[name.replace("-", " ")] = float(number)
+        except ValueError:
+            raise wrong("--weight", f"{text!r}: must be NAME=NUMBER, as in window=1.") from None
+    return weights or None
 
 
 def elements_of(text: str) -> "tuple[sw.Element, ...]":

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from stepwell.design.checks import Check, Measurement, Verdict, check, measurement, verdict_of
     from stepwell.design.map_boundaries import boundaries, parameter_boundaries
     from stepwell.design.maps import MapView, parameter_map, transition_map
+    from stepwell.design.requirements import Requirement, Requirements
     from stepwell.design.run import Run
     from stepwell.design.synthesis.designed import Design, Impossible
     from stepwell.design.synthesis.inverse import design
@@ -58,6 +59,8 @@ __all__ = [
     "Parameter",
     "Reached",
     "Reprogramming",
+    "Requirement",
+    "Requirements",
     "Resistance",
     "Robustness",
     "RobustnessLimit",
@@ -103,6 +106,7 @@ _LATE = {
     "checks": ("Check", "Measurement", "Verdict", "check", "measurement", "verdict_of"),
     "map_boundaries": ("boundaries", "parameter_boundaries"),
     "maps": ("MapView", "parameter_map", "transition_map"),
+    "requirements": ("Requirement", "Requirements"),
     "run": ("Run",),
     "synthesis.designed": ("Design", "Impossible"),
     "synthesis.inverse": ("design",),

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from stepwell.base import ByValue, join_first
 from stepwell.concave import one_travel, proved_cells, relays
 from stepwell.design.orders import Orders, TargetOrders, by_cells_at_1, short
+from stepwell.design.requirements import Requirements
 from stepwell.mechanism import Chain
 from stepwell.sequences import Branches, Sequence, cycle
 from stepwell.statics import Landing, StaticsError, Tie
@@ -130,6 +131,7 @@ class Target:
     text: str
     orders: TargetOrders  # orders of concave cells that give the target
     by_states: bool
+    requirements: Requirements | None = None  # parts of a target, checked by simulation
 
     @cached_property
     def states(self) -> frozenset[str] | None:
@@ -153,6 +155,8 @@ class Target:
 
     def fault(self, chain: Chain, orders: Orders) -> str:
         """How a simulated chain designed for orders misses the target; "" if it does not."""
+        if self.requirements is not None:
+            return self._missed(chain)
         try:
             behaviour = self.simulate(chain)
         except (StaticsError, ValueError) as failure:
@@ -162,3 +166,18 @@ class Target:
         if self.states is not None and behaviour.states is not None:
             return short(state_differences(behaviour.states, self.states))
         return "" if behaviour.sequence == orders.sequence else short(str(behaviour.sequence))
+
+    def _missed(self, chain: Chain) -> str:
+        """The first requirement that a simulated chain misses; "" for none."""
+        assert self.requirements is not None
+        try:
+            behaviour = self.simulate(chain)
+            reaches = None
+            if self.requirements.by_states and not unsearchable(chain):
+                reaches, ties = reachable_states(chain)
+                behaviour = behaviour._replace(tied=behaviour.tied or bool(ties))
+            if behaviour.tied:
+                return "a tie"
+            return short(self.requirements.fault(chain, behaviour.sequence, reaches))
+        except (StaticsError, ValueError) as failure:
+            return str(failure)

@@ -15,7 +15,14 @@ from stepwell.sequences.cycles import (
     cycles_of,
 )
 from stepwell.sequences.planning import program
-from stepwell.sequences.programs import Program, ProgramMethod, Turn, Unreachable, turn_schema
+from stepwell.sequences.programs import (
+    Program,
+    ProgramMethod,
+    Turn,
+    Unreachable,
+    state_after,
+    turn_schema,
+)
 
 if TYPE_CHECKING:
     from stepwell.sequences.counting import Accumulator, Counting
@@ -70,6 +77,7 @@ __all__ = [
     "implicit_graph",
     "program",
     "read_memory",
+    "state_after",
     "switching_fields",
     "to_dot",
     "to_graphml",

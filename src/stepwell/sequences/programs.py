@@ -10,7 +10,7 @@ from pathlib import Path as File
 from stepwell import base, mechanism
 from stepwell.sequences.branches import windows
 from stepwell.sequences.cycles import Sequence, arrival, sequence_of
-from stepwell.statics import Configuration, Landing, Path
+from stepwell.statics import Configuration, Landing, Path, drive_range
 
 
 class ProgramMethod(StrEnum):
@@ -238,6 +238,19 @@ class Program(base.ByValue, base.Drawn):
 
     def __repr__(self):
         return f"Program({self})"
+
+
+def state_after(chain: mechanism.Chain, turn: float) -> str:
+    """First state with every cell in a phase that a chain passes on unloading after one turn.
+
+    The chain is loaded from all cells in their first phase to `turn` [m], or [N] under force
+    control, and unloaded from there. "" if it passes none.
+    """
+    low, _ = drive_range(chain)
+    loaded = chain.path([low, turn])
+    unloading = chain.path([turn, low], start=loaded.end_configuration)
+    first = sequence_of(unloading).first
+    return "" if "-" in first else first
 
 
 class Unreachable(base.Shown, base.StepwellError, ValueError):

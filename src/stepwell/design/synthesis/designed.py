@@ -230,7 +230,8 @@ def explained(
         needed = TIED * max(float(np.max(np.abs(table.force))) for table in nearest.tables)
         if mismatch:
             largest = nearest.smallest_gap()
-            does = mismatch if target.states is not None else f"gives {mismatch}"
+            own = target.states is not None or target.requirements is not None
+            does = mismatch if own else f"gives {mismatch}"
             why = (
                 f"the chain with F0 and F1 in the target orders {does} in the simulation, because "
                 f"of unequal levers or a snap in which a cell passes another"

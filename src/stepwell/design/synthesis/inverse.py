@@ -1,7 +1,7 @@
 """Inverse design: anchors with which a chain reaches a target."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from stepwell.base import ONE_BY_ONE, QUICKLY, InputError, Progress, Vec2, to_unit
 from stepwell.design.orders import by_cells_at_1, of_sequence, of_states, order_of, short
 from stepwell.design.plane import Box
+from stepwell.design.requirements import Requirements
 from stepwell.design.switches import switching_forces
 from stepwell.design.synthesis import region as areas
 from stepwell.design.synthesis.attempt import Attempt
@@ -17,6 +18,7 @@ from stepwell.design.synthesis.designed import Design
 from stepwell.design.synthesis.elements import Allowed, ElementTarget, Range, Scaled, scaled
 from stepwell.design.synthesis.region import AnchorBox, AnchorPolygon, BandType, HoleGrid, Region
 from stepwell.design.synthesis.tries import Placed, TargetSearch
+from stepwell.design.synthesis.weighing import checked_weights, of_requirements, weighed
 from stepwell.design.targets import Target, unsearchable
 from stepwell.design.tolerances.draws import DEFAULT_TOLERANCES, Tolerances, levers_of, refuse_slips
 from stepwell.design.tolerances.yields import Yield, yields
@@ -36,6 +38,8 @@ def design(
     *,
     states: Iterable[str] | str | None = None,
     order: Order | None = None,
+    requirements: Iterable[str] | str | None = None,
+    weights: Mapping[str, float] | None = None,
     cells: int | None = None,
     within: Region | Sequence[Region] | None = None,
     holes: float | None = None,
@@ -79,7 +83,14 @@ def design(
             cells the engine follows every branch of the nominal design and of each sample;
             `Design.reached` contains whether it did.
         order: the loading order instead, such as [2, 1, 3], with any unloading order.
-        cells: number of cells for states="all".
+        requirements: parts of a target instead, as in `Requirement`, in a list or in one text with
+            semicolons, such as "2 before 1 loading; state 101". Of all orders that meet them, the
+            one with the best objective is chosen. `Design.yield_` counts samples that meet them.
+        weights: of "yield", "peak force", "snap energy" and "window" in the choice between
+            candidates that meet the target, instead of the objective alone. Each quantity is scaled
+            to 0 for the worst candidate and 1 for the best one: large yields and windows, small
+            forces and energies; a negative weight reverses this.
+        cells: number of cells for states="all" or requirements.
         within: regions of the free anchors, one for all cells or one for each; by default the
             paper's box, scaled with the largest lever, and its mirror image for p.
         holes: pitch of drilled holes [m]. None for anywhere.
@@ -119,9 +130,12 @@ def design(
 
     Source: sorting theorem, theory page; defaults from Kamp et al. 2024, Figs. 1 and 2.
     """
-    sequence = _one_target(sequence, states, order, samples)
+    parts = None if requirements is None else Requirements.parse(requirements, cells or 0)
+    sequence = _one_target(sequence, states, order, parts, samples)
     grid = _grid_of(holes, origin)
     if elements:
+        if parts is not None or weights:
+            raise InputError("elements: leave `requirements` and `weights` out, or use bands.")
         if within is not None or grid is not None:
             raise InputError("elements have no anchors: leave `within` and `holes` out.")
         allowed = Allowed(elements, force_scale, travel_scale, most_force, tolerances)
@@ -135,7 +149,7 @@ def design(
     fixed = q if free == "p" else p
     usual = within is None
     within = areas.usual_box(max(levers), free) if within is None else within
-    target, regions = _target_and_regions(sequence, states, cells, within)
+    target, regions = _target_and_regions(parts or sequence, states, cells, within)
     rule = Rule(
         (float(fixed[0]), float(fixed[1])),
         tuple(Kind(band, r, float(limit), unusual) for r in levers for band in bands),
@@ -153,6 +167,8 @@ def design(
     n = len(rules)
     search = TargetSearch(target, regions, grid, actuator_stiffness, seed, progress, n, free, usual)
     placed = search.placed(rules)
+    if weights:
+        placed = weighed(search, placed, checked_weights(weights))
     attempt = placed.best
     if attempt is not None:
         chain = attempt.chain(actuator_stiffness, f"Designed for {target.text}")
@@ -165,6 +181,8 @@ def design(
     count = samples or _default_samples(attempt, criterion)
     largest = _largest_tolerances(attempt, chain, bands, tolerances)
     counted = yields(chain, largest, samples=count, seed=seed, target=criterion)
+    if parts is not None:
+        counted = of_requirements(counted, parts)
     search.end()
     return Design(
         chain,
@@ -211,7 +229,7 @@ def _design_of_elements(
 
 
 def _target_and_regions(
-    sequence: str | None,
+    sequence: str | Requirements | None,
     states: Iterable[str] | str | None,
     cells: int | None,
     within: Region | Sequence[Region],
@@ -222,7 +240,10 @@ def _target_and_regions(
             f"within = {within!r}: must be an AnchorBox or an AnchorPolygon, or one for each cell."
         )
     alike = len(set(given)) == 1
-    if states is None:
+    if isinstance(sequence, Requirements):
+        orders = sequence.orders(alike=alike)
+        target = Target(sequence.text, orders, by_states=False, requirements=sequence)
+    elif states is None:
         orders = of_sequence(str(sequence))
         text = str(orders.orders[0].sequence) if len(orders.orders) == 1 else f"order {sequence}"
         target = Target(short(text), orders, by_states=False)
@@ -240,16 +261,21 @@ def _target_and_regions(
 
 
 def _one_target(
-    sequence: str | None, states: Iterable[str] | str | None, order: Order | None, n: int | None
+    sequence: str | None,
+    states: Iterable[str] | str | None,
+    order: Order | None,
+    parts: Requirements | None,
+    n: int | None,
 ) -> str | None:
     """The target sequence or order as text, None for states; ValueError unless there is one."""
     if n is not None and n < 1:
         raise InputError(f"samples = {n}: must be 1 or more.")
-    if sum(one is not None for one in (sequence, states, order)) != 1:
+    if sum(one is not None for one in (sequence, states, order, parts)) != 1:
         raise InputError(
-            'give one target, a sequence, an order or states: design("00>10>11>01>00"), '
-            'design(order=[2, 1, 3]), design(states=["00", "10", "11"]) or '
-            'design(states="all", cells=3).'
+            "give one target, a sequence, an order, states or requirements: "
+            'design("00>10>11>01>00"), design(order=[2, 1, 3]), '
+            'design(states=["00", "10", "11"]), design(states="all", cells=3) or '
+            'design(requirements="2 before 1 loading").'
         )
     if order is None:
         return sequence
@@ -423,6 +449,7 @@ def _method(attempt: Attempt, placed: Placed) -> str:
         how += f"; {attempt.excluded} excluded (band not proved taut and concave)"
     if len(placed.attempts) > 1:
         how += f"; best of {len(placed.attempts)} combinations of orders and levers"
+    how += placed.weighed
     if placed.mismatch:
         how += f"; better candidates miss the target in the simulation ({placed.mismatch})"
     if placed.others:

@@ -218,6 +218,7 @@ class Placed:
     complete: bool  # all choices were compared: none is better, or none reaches the target
     mismatch: str  # what a better candidate does in the simulation
     others: int  # number of random choices simulated
+    weighed: str = ""  # the comparison by weights, in words
 
     @property
     def candidates(self) -> int:
@@ -344,13 +345,17 @@ class TargetSearch:
     ) -> tuple[Chain, str]:
         """A chain that no closed form decides, with its method; raises Impossible for none."""
         target = self.target
-        if self.holes is None:
+        if self.holes is None and target.requirements is None:
             concave = not target.orders.stepwise and all(
                 all_proved(rule, region) for rule in rules for region in set(self.regions)
             )
             report = f"{placed.others} random choices in the target orders were simulated"
             report *= placed.others > 0
             raise self._impossible(placed, report, proved=target.orders.never or concave)
+        if target.requirements is not None:
+            proved = self._contradictory(rules)
+            left = "" if proved else "only cells proved concave were tried"
+            raise self._impossible(placed, left, proved=proved)
         if target.orders.never or (not target.orders.orders and target.states is None):
             raise self._impossible(placed, "", proved=target.orders.never)
         decided = placed.complete and target.states is None
@@ -368,6 +373,20 @@ class TargetSearch:
             f"searched: no choice among the {placed.candidates} holes where the closed form holds "
             f"reaches the target; {report}, and {len(chains)} of them reach it; best yield of "
             f"{min(len(chains), _COMPARED)} of these, {_SAMPLES} samples each"
+        )
+
+    def _contradictory(self, rules: list[Rule]) -> bool:
+        """Whether no allowed chain meets the requirements, by their orders alone.
+
+        Requirements on states follow from orders only for concave cells of one full travel.
+        """
+        assert self.target.requirements is not None
+        conflict = self.target.requirements.conflict
+        if not any(one.state for one in conflict if one.kind != "place"):
+            return bool(conflict)
+        one_lever = all(len({kind.lever for kind in rule.kinds}) == 1 for rule in rules)
+        return one_lever and all(
+            all_proved(rule, region) for rule in rules for region in set(self.regions)
         )
 
     def _impossible(self, placed: Placed, rest: str, *, proved: bool) -> Impossible:
