@@ -1,0 +1,423 @@
+"""Chains as state machines: what every input of a stroke program does, and a search for inputs."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+
+from stepwell.base import ByValue, Floats, InputError, Ints, number, to_unit
+from stepwell.mechanism import Chain
+from stepwell.sequences.machines import Machine
+from stepwell.sequences.mesostates import BranchAtlas, Routes, atlas
+from stepwell.sequences.transition_graph import graph
+
+# Drives between ends of branches that are compared; more are thinned out.
+_MOST_GAPS = 80
+# Different inputs that are tried for each input of a machine.
+_MOST_INPUTS = 400
+
+
+class Span(NamedTuple):
+    """A turning point and the interval in which it has the same effect [m, or N]."""
+
+    drive: float
+    low: float
+    high: float
+
+    @property
+    def slack(self) -> float:
+        """Largest deviation in both directions."""
+        return min(self.drive - self.low, self.high - self.drive)
+
+
+class Reply(NamedTuple):
+    """A state of a chain at the base drive, and what every input does.
+
+    Attributes:
+        label: the state of the chain, such as "01"; - for a cell in transit.
+        state: the state of the machine.
+        output: its output.
+        after: for each input the number of the next reply.
+    """
+
+    label: str
+    state: str
+    output: str
+    after: tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Realisation(ByValue):
+    """A chain and a stroke program that behave as a state machine.
+
+    Between two inputs the drive rests at `base`. Each input is a list of turning points, after
+    which the drive returns to `base`. All intervals hold jointly.
+
+    Attributes:
+        chain, machine: the chain, and the machine it realises.
+        base: the resting drive.
+        inputs: turning points of each input, in the order of the machine's inputs.
+        reset: turning points from all cells in their first phase to the base, both included.
+        start: the state of the chain at the beginning.
+        by_hand: whether that state can only be set by hand.
+        replies: all states that the inputs reach, the first one first, with the effect of each
+            input: exact, from the transition graph.
+    """
+
+    chain: Chain = field(repr=False)
+    machine: Machine = field(repr=False)
+    base: Span
+    inputs: tuple[tuple[Span, ...], ...]
+    reset: tuple[float, ...]
+    start: str
+    by_hand: bool
+    replies: tuple[Reply, ...]
+
+    @property
+    def slack(self) -> float:
+        """How far base and all turning points may deviate at once [m], or [N]."""
+        return min(span.slack for span in (self.base, *(s for one in self.inputs for s in one)))
+
+    def drives(self, inputs: Iterable[str]) -> tuple[float, ...]:
+        """Turning points of a list of inputs, from the base to the base."""
+        points = [self.base.drive]
+        for name in inputs:
+            turns = self.inputs[self.machine.inputs.index(name)]
+            points += [*(span.drive for span in turns), self.base.drive]
+        return tuple(points)
+
+    def simulate(self, inputs: Sequence[str]) -> tuple[str, ...]:
+        """Outputs by the engine: the one at the start first, then after each input.
+
+        An output is "?" where the chain is in no state of the table.
+        """
+        begin = self.start if self.by_hand else None
+        reset = self.reset if len(self.reset) > 1 else (*self.reset, *self.reset)
+        place = self.chain.path(list(reset), start=begin).end_configuration
+        known = self._known
+        outputs = [known.get(place_key(place.travel), "?")]
+        for name in inputs:
+            points = list(self.drives([name]))
+            place = self.chain.path(points, start=place).end_configuration
+            outputs.append(known.get(place_key(place.travel), "?"))
+        return tuple(outputs)
+
+    @cached_property
+    def _known(self) -> dict[tuple[float, ...], str]:
+        """The output of each place of the chain at the base, each reached once by the engine."""
+        begin = self.start if self.by_hand else None
+        reset = self.reset if len(self.reset) > 1 else (*self.reset, *self.reset)
+        places = {0: self.chain.path(list(reset), start=begin).end_configuration}
+        for at in (waiting := [0]):
+            for k, after in enumerate(self.replies[at].after):
+                if after not in places:
+                    points = list(self.drives([self.machine.inputs[k]]))
+                    run = self.chain.path(points, start=places[at])
+                    places[after] = run.end_configuration
+                    waiting.append(after)
+        return {place_key(place.travel): self.replies[at].output for at, place in places.items()}
+
+    def follow(self, inputs: Iterable[str]) -> tuple[str, ...]:
+        """Outputs by the table of replies, the one at the start first."""
+        at, outputs = 0, [self.replies[0].output]
+        for name in inputs:
+            at = self.replies[at].after[self.machine.inputs.index(name)]
+            outputs.append(self.replies[at].output)
+        return tuple(outputs)
+
+    def holds_in(self, chain: Chain) -> bool:
+        """Whether another chain, such as a sample within tolerances, behaves the same.
+
+        It has the same base and turning points, and its own states.
+        """
+        try:
+            response = _Response(chain)
+            start = response.start_at(self.reset, self.start if self.by_hand else None)
+            drives = [self.drives([name]) for name in self.machine.inputs]
+        except (InputError, ValueError, ArithmeticError):
+            return False
+        known, waiting = {start: 0}, [start]
+        for at in waiting:
+            for k, points in enumerate(drives):
+                after, state = response.moved(at, points), self.machine.moves[known[at]][k]
+                if known.setdefault(after, state) != state:
+                    return False
+                if after not in waiting:
+                    waiting.append(after)
+        return True
+
+    def __str__(self):
+        unit = 1e3
+        lines = [f"base {_shown(self.base)} mm"]
+        for name, spans in zip(self.machine.inputs, self.inputs, strict=True):
+            lines.append(f"{name}: {' → '.join(map(_shown, spans))} mm")
+        how = (
+            f"{self.start}, set by hand"
+            if self.by_hand
+            else f"{self.start}, by "
+            + " → ".join(number(drive * unit) for drive in self.reset)
+            + " mm"
+        )
+        lines += [f"start: {how}", ""]
+        head = ("chain", "state", "output", *self.machine.inputs)
+        rows = [
+            (one.label, one.state, one.output, *(self.replies[k].label for k in one.after))
+            for one in self.replies
+        ]
+        widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
+        for row in (head, *rows):
+            cells = zip(row, widths, strict=True)
+            lines.append("  ".join(f"{text:<{width}}" for text, width in cells).rstrip())
+        return "\n".join(lines)
+
+    def __repr__(self):
+        return (
+            f"Realisation({len(self.replies)} states, slack {number(to_unit(self.slack, 'mm'))} mm)"
+        )
+
+
+def place_key(travel: Sequence[float]) -> tuple[float, ...]:
+    """Travels rounded to a micrometre, which distinguish the states at one drive."""
+    return tuple(round(float(one), 6) + 0.0 for one in travel)
+
+
+def _shown(span: Span) -> str:
+    return f"{number(span.drive * 1e3)} (±{number(span.slack * 1e3)})"
+
+
+class _Response:
+    """The branches of a chain by number, and what drives do to them."""
+
+    def __init__(self, chain: Chain):
+        self.chain = chain
+        self.atlas: BranchAtlas = atlas(graph(chain))
+        self.branches = self.atlas.mesostates
+        self.routes = Routes(self.branches, self.atlas.bottom)
+
+    def moved(self, branch: int, points: Iterable[float]) -> int:
+        """The branch after the drive went through these points; it is on `branch` at the first."""
+        first, *rest = points
+        for drive in rest:
+            way = +1 if drive > first else -1
+            at = np.array([branch])
+            branch = int(self.branches.toward(way).risen(at, way * drive)[0])
+            first = drive
+        return branch
+
+    def start_at(self, reset: Sequence[float], state: str | None) -> int:
+        """The branch at the base; InputError where a chain cannot stand in the state there."""
+        if state is None:
+            return self.moved(self.atlas.bottom, reset)
+        for branch in range(len(self.branches)):
+            stands = self.branches.low[branch] <= reset[-1] <= self.branches.high[branch]
+            if stands and self.atlas.label_at(branch, reset[-1]) == state:
+                return branch
+        raise InputError(f"start = {state!r}: the chain cannot stand there at the base.")
+
+
+class _Inputs(NamedTuple):
+    """Different inputs at one base: what each does to every branch, and its turning points."""
+
+    acts: Ints  # (I, B)
+    gaps: list[tuple[int, ...]]  # numbers of gaps
+
+
+def realisations(
+    chain: Chain, machine: Machine, *, by_hand: bool = False, turns: int = 1
+) -> Iterator[Realisation]:
+    """Ways in which a chain realises a machine, one for each base drive and start.
+
+    One drive between every two neighbouring ends of branches stands for all, so every program of
+    inputs with up to `turns` turning points is tried, if a chain has up to 80 such gaps.
+
+    Args:
+        chain: a chain without friction.
+        machine: the machine; the smallest equivalent one is realised.
+        by_hand: also begin in states that can only be set by hand.
+        turns: most turning points of an input, 1 or 2.
+    """
+    machine, response = machine.smallest, _Response(chain)
+    everywhere = np.arange(len(response.branches))
+    among = everywhere if by_hand else np.flatnonzero(response.routes.reached)
+    gaps = _gaps(response, among)
+    middles = gaps.mean(axis=1)
+    every = np.broadcast_to(everywhere, (len(gaps), len(everywhere)))
+    moves = (
+        response.branches.toward(-1).risen(every, -middles[:, None]),
+        response.branches.risen(every, middles[:, None]),
+    )
+    for base in range(len(gaps)):
+        stands = [
+            int(b)
+            for b in among
+            if response.branches.low[b] <= middles[base] <= response.branches.high[b]
+        ]
+        if len(stands) < len(machine.states):
+            continue
+        inputs = _inputs_at(moves, base, np.array(stands), turns, gaps)
+        for start in stands:
+            chosen = _assigned(machine, inputs, start)
+            if chosen is not None:
+                one = _realised(response, machine, gaps, moves, (base, start, *chosen))
+                if one is not None:
+                    yield one
+
+
+def _gaps(response: _Response, among: Ints) -> Floats:
+    """(L, 2) drives between neighbouring ends of these branches."""
+    branches = response.branches
+    ends = np.unique(np.concatenate([branches.low[among], branches.high[among]]))
+    gaps = np.column_stack([ends[:-1], ends[1:]])[np.diff(ends) > 4 * branches.slip]
+    if len(gaps) > _MOST_GAPS:
+        widest = np.sort(np.argsort(-np.ptp(gaps, axis=1), kind="stable")[:_MOST_GAPS])
+        gaps = gaps[widest]
+    return gaps
+
+
+def _act(moves: tuple[Ints, Ints], base: int, turns: Sequence[int]) -> Ints:
+    """(B,) the branch at the base after these turns, for each branch at the base."""
+    at, before = np.arange(moves[0].shape[1]), base
+    for gap in (*turns, base):
+        if gap != before:
+            at = moves[int(gap > before)][gap][at]
+        before = gap
+    return at
+
+
+def _inputs_at(
+    moves: tuple[Ints, Ints], base: int, stands: Ints, turns: int, gaps: Floats
+) -> _Inputs:
+    """Inputs that differ in what they do to the branches that exist at a base."""
+    others = [gap for gap in range(len(gaps)) if gap != base]
+    every: list[tuple[int, ...]] = [(gap,) for gap in others]
+    if turns > 1:
+        every += [(a, b) for a, b in product(others, others) if a != b]
+    width = np.ptp(gaps, axis=1)
+    best: dict[bytes, tuple[float, tuple[int, ...], Ints]] = {}
+    for one in every:
+        act = _act(moves, base, one)
+        key, narrow = act[stands].tobytes(), float(min(width[gap] for gap in one))
+        shorter = -len(one)
+        if key not in best or (shorter, narrow) > (-len(best[key][1]), best[key][0]):
+            best[key] = narrow, one, act
+    kept = sorted(best.values(), key=lambda it: (len(it[1]), -it[0]))[:_MOST_INPUTS]
+    acts = np.array([act for _, _, act in kept]).reshape(len(kept), -1)
+    return _Inputs(acts, [one for _, one, _ in kept])
+
+
+def _assigned(
+    machine: Machine, inputs: _Inputs, start: int
+) -> tuple[tuple[tuple[int, ...], ...], dict[int, int]] | None:
+    """Turning points of each input such that states are those of the machine; None for none."""
+    acts = inputs.acts.tolist()
+
+    def closed(chosen: list[int]) -> dict[int, int] | None:
+        known, waiting = {start: 0}, [start]
+        for at in waiting:
+            for k, number_of in enumerate(chosen):
+                after, state = acts[number_of][at], machine.moves[known[at]][k]
+                if after not in known:
+                    known[after] = state
+                    waiting.append(after)
+                elif known[after] != state:
+                    return None
+        return known
+
+    def grow(chosen: list[int]) -> list[int] | None:
+        if len(chosen) == len(machine.inputs):
+            return chosen
+        for one in range(len(acts)):
+            more = [*chosen, one]
+            if one not in chosen and closed(more) is not None:
+                whole = grow(more)
+                if whole is not None:
+                    return whole
+        return None
+
+    chosen = grow([])
+    if chosen is None:
+        return None
+    known = closed(chosen)
+    assert known is not None
+    return tuple(inputs.gaps[one] for one in chosen), known
+
+
+def _realised(
+    response: _Response,
+    machine: Machine,
+    gaps: Floats,
+    moves: tuple[Ints, Ints],
+    found: tuple[int, int, tuple[tuple[int, ...], ...], dict[int, int]],
+) -> Realisation | None:
+    """The realisation with all intervals widened; None where one label has two outputs."""
+    base, start, chosen, known = found
+    states = np.array([*known])
+    windows = [_widened(moves, base, one, states, gaps) for one in chosen]
+    middle = float(gaps[base].mean())
+    spans = tuple(
+        tuple(Span((gaps[a, 0] + gaps[b, 1]) / 2, gaps[a, 0], gaps[b, 1]) for a, b in one)
+        for one in windows
+    )
+    number_of = {branch: k for k, branch in enumerate(known)}
+    labels = {branch: response.atlas.label_at(branch, middle) for branch in known}
+    outputs = {branch: machine.outputs[state] for branch, state in known.items()}
+    if len({(labels[b], outputs[b]) for b in known}) > len({*labels.values()}):
+        return None
+    acts = [_act(moves, base, one) for one in chosen]
+    replies = tuple(
+        Reply(
+            labels[branch],
+            machine.states[state],
+            outputs[branch],
+            tuple(number_of[int(act[branch])] for act in acts),
+        )
+        for branch, state in known.items()
+    )
+    hand = not response.routes.reached[start]
+    reset = (middle,) if hand else response.routes.turns(start, middle)
+    return Realisation(
+        response.chain,
+        machine,
+        Span(middle, float(gaps[base, 0]), float(gaps[base, 1])),
+        tuple(tuple(Span(*map(float, span)) for span in one) for one in spans),
+        reset,
+        labels[start],
+        hand,
+        replies,
+    )
+
+
+def _widened(
+    moves: tuple[Ints, Ints], base: int, turns: Sequence[int], states: Ints, gaps: Floats
+) -> list[tuple[int, int]]:
+    """For each turn the first and last gap such that all choices between do the same to states."""
+    right = _act(moves, base, turns)[states]
+    spans = [(gap, gap) for gap in turns]
+
+    def same(spans: list[tuple[int, int]]) -> bool:
+        ranges = [range(a, b + 1) for a, b in spans]
+        return all(
+            base not in one and np.array_equal(_act(moves, base, one)[states], right)
+            for one in product(*ranges)
+        )
+
+    for k in range(len(spans)):
+        for end, step in ((0, -1), (1, +1)):
+            while True:
+                a, b = spans[k]
+                wider = [*spans]
+                wider[k] = (a + step, b) if end == 0 else (a, b + step)
+                beside = wider[k][end] if end == 0 else wider[k][1]
+                if not 0 <= beside < len(gaps) or not _touch(gaps, wider[k]) or not same(wider):
+                    break
+                spans = wider
+    return spans
+
+
+def _touch(gaps: Floats, span: tuple[int, int]) -> bool:
+    """Whether gaps follow each other with less than a tenth of a micrometre between them."""
+    a, b = span
+    return bool(np.all(gaps[a + 1 : b + 1, 0] - gaps[a:b, 1] < 1e-7))
