@@ -18,6 +18,7 @@ from stepwell.design.tolerances.draws import DEFAULT_TOLERANCES, Draws, Toleranc
 
 if TYPE_CHECKING:
     from stepwell.design.checks import Check, Measurement, Verdict, check, measurement, verdict_of
+    from stepwell.design.machine_design import MachineDesign, design_machine, machine_yield
     from stepwell.design.map_boundaries import boundaries, parameter_boundaries
     from stepwell.design.maps import MapView, parameter_map, transition_map
     from stepwell.design.requirements import Requirement, Requirements
@@ -52,6 +53,7 @@ __all__ = [
     "Design",
     "Draws",
     "Impossible",
+    "MachineDesign",
     "MapView",
     "Margin",
     "Measurement",
@@ -76,6 +78,8 @@ __all__ = [
     "check",
     "checked_cycle",
     "design",
+    "design_machine",
+    "machine_yield",
     "verdict_of",
     "margin",
     "parameter",
@@ -104,6 +108,7 @@ sys.modules[__name__].__class__ = _CallablePackage
 # The first cycle needs a margin; other modules are imported at first use.
 _LATE = {
     "checks": ("Check", "Measurement", "Verdict", "check", "measurement", "verdict_of"),
+    "machine_design": ("MachineDesign", "design_machine", "machine_yield"),
     "map_boundaries": ("boundaries", "parameter_boundaries"),
     "maps": ("MapView", "parameter_map", "transition_map"),
     "requirements": ("Requirement", "Requirements"),

@@ -36,9 +36,11 @@ if TYPE_CHECKING:
     )
     from stepwell.sequences.fields import from_switching_fields, switching_fields
     from stepwell.sequences.implicit import ImplicitGraph, Step, Walked, implicit_graph
+    from stepwell.sequences.machines import Machine, Pump
     from stepwell.sequences.memory import Forgetting, Latch, Loop, ReturnPointMemory, Scrambling
     from stepwell.sequences.nodes import Node, Transition, TransitionKind
     from stepwell.sequences.reading import MemoryReading, read_memory
+    from stepwell.sequences.responses import Realisation, Reply, Span, realisations
     from stepwell.sequences.transition_graph import TransitionGraph, graph
 
 __all__ = [
@@ -51,14 +53,19 @@ __all__ = [
     "ImplicitGraph",
     "Latch",
     "Loop",
+    "Machine",
     "Node",
     "Pathway",
     "Program",
     "ProgramMethod",
+    "Pump",
     "MemoryReading",
+    "Realisation",
+    "Reply",
     "ReturnPointMemory",
     "Scrambling",
     "Sequence",
+    "Span",
     "Step",
     "Transition",
     "TransitionGraph",
@@ -77,6 +84,7 @@ __all__ = [
     "implicit_graph",
     "program",
     "read_memory",
+    "realisations",
     "state_after",
     "switching_fields",
     "to_dot",
@@ -91,9 +99,11 @@ _LATE = {
     "exchange": ("from_dot", "from_graphml", "from_json", "to_dot", "to_graphml", "to_json"),
     "fields": ("from_switching_fields", "switching_fields"),
     "implicit": ("ImplicitGraph", "Step", "Walked", "implicit_graph"),
+    "machines": ("Machine", "Pump"),
     "memory": ("Forgetting", "Latch", "Loop", "ReturnPointMemory", "Scrambling"),
     "nodes": ("Node", "Transition", "TransitionKind"),
     "reading": ("MemoryReading", "read_memory"),
+    "responses": ("Realisation", "Reply", "Span", "realisations"),
     "transition_graph": ("TransitionGraph", "graph"),
 }
 

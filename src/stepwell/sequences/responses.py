@@ -13,9 +13,14 @@ from stepwell.mechanism import Chain
 from stepwell.sequences.machines import Machine
 from stepwell.sequences.mesostates import BranchAtlas, Routes, atlas
 from stepwell.sequences.transition_graph import graph
+from stepwell.statics import Configuration, StaticsError
 
 # Drives between ends of branches that are compared; more are thinned out.
 _MOST_GAPS = 80
+# Places closer than this at one drive are one [m].
+_SAME = 1e-6
+# Chains with more places at the base do not behave as a small machine.
+_MOST_PLACES = 64
 # Different inputs that are tried for each input of a machine.
 _MOST_INPUTS = 400
 
@@ -92,33 +97,48 @@ class Realisation(ByValue):
     def simulate(self, inputs: Sequence[str]) -> tuple[str, ...]:
         """Outputs by the engine: the one at the start first, then after each input.
 
-        An output is "?" where the chain is in no state of the table.
+        Raises InputError where the chain is in no state of the table.
         """
-        begin = self.start if self.by_hand else None
-        reset = self.reset if len(self.reset) > 1 else (*self.reset, *self.reset)
-        place = self.chain.path(list(reset), start=begin).end_configuration
-        known = self._known
-        outputs = [known.get(place_key(place.travel), "?")]
+        states = self._states
+        place = self._start_in(self.chain)
+        outputs = [self.machine.outputs[states.at(place)]]
         for name in inputs:
-            points = list(self.drives([name]))
-            place = self.chain.path(points, start=place).end_configuration
-            outputs.append(known.get(place_key(place.travel), "?"))
+            place = self.chain.path(list(self.drives([name])), start=place).end_configuration
+            outputs.append(self.machine.outputs[states.at(place)])
         return tuple(outputs)
 
     @cached_property
-    def _known(self) -> dict[tuple[float, ...], str]:
-        """The output of each place of the chain at the base, each reached once by the engine."""
-        begin = self.start if self.by_hand else None
+    def _states(self) -> "_Places":
+        found = self._followed(self.chain)
+        if found is None:
+            raise InputError(
+                "the chain does not behave as the machine: search its inputs again with "
+                "`realisations`."
+            )
+        return found
+
+    def _start_in(self, chain: Chain) -> Configuration:
+        """The place of a chain at the base, after the reset."""
         reset = self.reset if len(self.reset) > 1 else (*self.reset, *self.reset)
-        places = {0: self.chain.path(list(reset), start=begin).end_configuration}
-        for at in (waiting := [0]):
-            for k, after in enumerate(self.replies[at].after):
-                if after not in places:
-                    points = list(self.drives([self.machine.inputs[k]]))
-                    run = self.chain.path(points, start=places[at])
-                    places[after] = run.end_configuration
-                    waiting.append(after)
-        return {place_key(place.travel): self.replies[at].output for at, place in places.items()}
+        begin = self.start if self.by_hand else None
+        return chain.path(list(reset), start=begin).end_configuration
+
+    def _followed(self, chain: Chain) -> "_Places | None":
+        """All places at the base that the inputs reach, by the engine; None for a mismatch."""
+        known = _Places([self._start_in(chain)], [0])
+        for k, place in enumerate(known.places):
+            for one, name in enumerate(self.machine.inputs):
+                after = chain.path(list(self.drives([name])), start=place).end_configuration
+                state = self.machine.moves[known.states[k]][one]
+                at = known.find(after)
+                if at is None:
+                    known.places.append(after)
+                    known.states.append(state)
+                elif known.states[at] != state:
+                    return None
+            if len(known.places) > _MOST_PLACES:
+                return None
+        return known
 
     def follow(self, inputs: Iterable[str]) -> tuple[str, ...]:
         """Outputs by the table of replies, the one at the start first."""
@@ -131,36 +151,20 @@ class Realisation(ByValue):
     def holds_in(self, chain: Chain) -> bool:
         """Whether another chain, such as a sample within tolerances, behaves the same.
 
-        It has the same base and turning points, and its own states.
+        It has the same base and turning points, and its own states. The engine follows every
+        input from every place that the inputs reach.
         """
         try:
-            response = _Response(chain)
-            start = response.start_at(self.reset, self.start if self.by_hand else None)
-            drives = [self.drives([name]) for name in self.machine.inputs]
-        except (InputError, ValueError, ArithmeticError):
+            return self._followed(chain) is not None
+        except (StaticsError, ValueError):
             return False
-        known, waiting = {start: 0}, [start]
-        for at in waiting:
-            for k, points in enumerate(drives):
-                after, state = response.moved(at, points), self.machine.moves[known[at]][k]
-                if known.setdefault(after, state) != state:
-                    return False
-                if after not in waiting:
-                    waiting.append(after)
-        return True
 
     def __str__(self):
-        unit = 1e3
         lines = [f"base {_shown(self.base)} mm"]
         for name, spans in zip(self.machine.inputs, self.inputs, strict=True):
             lines.append(f"{name}: {' → '.join(map(_shown, spans))} mm")
-        how = (
-            f"{self.start}, set by hand"
-            if self.by_hand
-            else f"{self.start}, by "
-            + " → ".join(number(drive * unit) for drive in self.reset)
-            + " mm"
-        )
+        points = " → ".join(number(drive * 1e3) for drive in self.reset)
+        how = f"{self.start}, " + ("set by hand" if self.by_hand else f"by {points} mm")
         lines += [f"start: {how}", ""]
         head = ("chain", "state", "output", *self.machine.inputs)
         rows = [
@@ -179,9 +183,27 @@ class Realisation(ByValue):
         )
 
 
-def place_key(travel: Sequence[float]) -> tuple[float, ...]:
-    """Travels rounded to a micrometre, which distinguish the states at one drive."""
-    return tuple(round(float(one), 6) + 0.0 for one in travel)
+@dataclass
+class _Places:
+    """Places of a chain at the base, and the number of the machine's state in each."""
+
+    places: list[Configuration]
+    states: list[int]
+
+    def find(self, place: Configuration) -> int | None:
+        """The number of a place; None for a new one."""
+        for k, known in enumerate(self.places):
+            near = np.allclose(place.travel, known.travel, rtol=0.0, atol=_SAME)
+            if near and place.sheet == known.sheet:
+                return k
+        return None
+
+    def at(self, place: Configuration) -> int:
+        """The state of the machine in a place; InputError in no known place."""
+        number_of = self.find(place)
+        if number_of is None:
+            raise InputError("the chain is in no state of the table of replies.")
+        return self.states[number_of]
 
 
 def _shown(span: Span) -> str:
@@ -196,26 +218,6 @@ class _Response:
         self.atlas: BranchAtlas = atlas(graph(chain))
         self.branches = self.atlas.mesostates
         self.routes = Routes(self.branches, self.atlas.bottom)
-
-    def moved(self, branch: int, points: Iterable[float]) -> int:
-        """The branch after the drive went through these points; it is on `branch` at the first."""
-        first, *rest = points
-        for drive in rest:
-            way = +1 if drive > first else -1
-            at = np.array([branch])
-            branch = int(self.branches.toward(way).risen(at, way * drive)[0])
-            first = drive
-        return branch
-
-    def start_at(self, reset: Sequence[float], state: str | None) -> int:
-        """The branch at the base; InputError where a chain cannot stand in the state there."""
-        if state is None:
-            return self.moved(self.atlas.bottom, reset)
-        for branch in range(len(self.branches)):
-            stands = self.branches.low[branch] <= reset[-1] <= self.branches.high[branch]
-            if stands and self.atlas.label_at(branch, reset[-1]) == state:
-                return branch
-        raise InputError(f"start = {state!r}: the chain cannot stand there at the base.")
 
 
 class _Inputs(NamedTuple):
