@@ -60,8 +60,15 @@ def machine_yield(
     """The fraction of samples within tolerances that behave as the machine."""
     made = Draws(realisation.chain, tolerances, seed)
     successes = sum(_holds(realisation, made, k) for k in range(samples))
-    counted = (realisation.chain, tolerances, samples, seed, successes)
-    return MachineDesign(*counted, realisation, tried)
+    return MachineDesign(
+        realisation,
+        tried,
+        chain=realisation.chain,
+        tolerances=tolerances,
+        samples=samples,
+        seed=seed,
+        successes=successes,
+    )
 
 
 def _holds(realisation: Realisation, made: Draws, number: int) -> bool:
@@ -83,6 +90,7 @@ def design_machine(
     turns: int = 2,
     tolerances: Tolerances = DEFAULT_TOLERANCES,
     chains: int = 200,
+    steps: int = 40,
     samples: int = 200,
     seed: int = 0,
     progress: Progress = None,
@@ -103,6 +111,7 @@ def design_machine(
         turns: most turning points of an input, 1 or 2.
         tolerances: manufacturing tolerances.
         chains: number of random chains.
+        steps: largest number of displacements in the improvement of each candidate.
         samples: samples of the yield.
         seed: random seed.
         progress: called with (done, total).
@@ -141,11 +150,11 @@ def design_machine(
     notify(progress, chains, chains)
     if not found:
         why = f"not decided after {chains} random chains of {cells} cells; none realises it"
-        if pump is not None and pump.period > 1:
-            why += f". It needs two states that one word exchanges: {pump}"
+        if pump is not None and pump.period % 2 == 0:
+            why += f". It needs two states that one program exchanges: {pump}"
         raise Impossible(name, f"{why}. Try more chains or cells, or by_hand=True", proved=False)
     found.sort(key=lambda one: -one.slack)
-    best = [_improved(one, within, tolerances, rng) for one in found[:_IMPROVED]]
+    best = [_improved(one, within, tolerances, rng, steps) for one in found[:_IMPROVED]]
     counted = [
         machine_yield(one, tolerances, samples=samples, seed=seed, tried=chains) for one in best
     ]
@@ -169,18 +178,23 @@ def _drawn(
 
 
 def _improved(
-    first: Realisation, within: AnchorBox, tolerances: Tolerances, rng: np.random.Generator
+    first: Realisation,
+    within: AnchorBox,
+    tolerances: Tolerances,
+    rng: np.random.Generator,
+    steps: int,
 ) -> Realisation:
-    """The realisation with its anchors displaced at random as long as more samples succeed."""
+    """The realisation with its anchors displaced at random where more samples succeed."""
     best, scored, step = first, _score(first, tolerances), _STEP
-    while step > _STEP * _SMALLER**25 and scored < 2 * _COMPARED:
+    for _ in range(steps):
+        if scored == 2 * _COMPARED:
+            break
         other = _displaced(best, within, step, rng)
         score = -1 if other is None else _score(other, tolerances)
-        if other is not None and score >= scored:
-            step = step if score > scored else step * _SMALLER
-            best, scored = other, score
-        else:
+        if other is None or score <= scored:
             step *= _SMALLER
+        if other is not None and score >= scored:
+            best, scored = other, score
     return best
 
 
@@ -207,7 +221,7 @@ def _displaced(
             float(np.clip(x, within.left, within.right)),
             float(np.clip(y, within.bottom, within.top)),
         )
-        cells.append(replace(cell, bands=(replace(cell.bands[0], q=q),)))
+        cells.append(replace(cell, band=replace(cell.bands[0], q=q)))
     try:
         chain = replace(one.chain, cells=tuple(cells))
         if not one.holds_in(chain):

@@ -40,7 +40,14 @@ if TYPE_CHECKING:
     from stepwell.sequences.memory import Forgetting, Latch, Loop, ReturnPointMemory, Scrambling
     from stepwell.sequences.nodes import Node, Transition, TransitionKind
     from stepwell.sequences.reading import MemoryReading, read_memory
-    from stepwell.sequences.responses import Realisation, Reply, Span, realisations
+    from stepwell.sequences.responses import (
+        Exchange,
+        Realisation,
+        Reply,
+        Span,
+        exchange,
+        realisations,
+    )
     from stepwell.sequences.transition_graph import TransitionGraph, graph
 
 __all__ = [
@@ -48,6 +55,7 @@ __all__ = [
     "Counting",
     "Cycle",
     "Cycles",
+    "Exchange",
     "Forgetting",
     "IMPOSSIBLE",
     "ImplicitGraph",
@@ -76,6 +84,7 @@ __all__ = [
     "Walked",
     "cycle",
     "cycles_of",
+    "exchange",
     "from_dot",
     "from_graphml",
     "from_json",
@@ -103,7 +112,7 @@ _LATE = {
     "memory": ("Forgetting", "Latch", "Loop", "ReturnPointMemory", "Scrambling"),
     "nodes": ("Node", "Transition", "TransitionKind"),
     "reading": ("MemoryReading", "read_memory"),
-    "responses": ("Realisation", "Reply", "Span", "realisations"),
+    "responses": ("Exchange", "Realisation", "Reply", "Span", "exchange", "realisations"),
     "transition_graph": ("TransitionGraph", "graph"),
 }
 

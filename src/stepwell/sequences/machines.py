@@ -192,8 +192,9 @@ class Machine(ByValue):
         """The shortest word that does not act twice as it acts once; None if every word does.
 
         Under a prescribed force, without friction, every word acts twice as once (theory page,
-        "State machines"). So a machine with such a word needs a prescribed stroke. A period above
-        1, as of a parity, also needs two branches of a chain that one program exchanges.
+        "State machines"). So a machine with such a word needs a prescribed stroke or a spring. A
+        word of an even period, as of a parity, is preferred: it needs two states of a chain that
+        one program exchanges (`exchange`).
         """
         machine, size = self.smallest, len(self.smallest.states)
         letters = [tuple(row[k] for row in machine.moves) for k in range(len(machine.inputs))]

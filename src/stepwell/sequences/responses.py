@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import product
+from itertools import combinations, product
 from typing import NamedTuple
 
 import numpy as np
@@ -65,9 +65,10 @@ class Realisation(ByValue):
         chain, machine: the chain, and the machine it realises.
         base: the resting drive.
         inputs: turning points of each input, in the order of the machine's inputs.
-        reset: turning points from all cells in their first phase to the base, both included.
-        start: the state of the chain at the beginning.
-        by_hand: whether that state can only be set by hand.
+        reset: turning points from all cells in their first phase to the base, both included; from
+            a state that is set by hand, its drive and the base.
+        start: the state of the chain at the base, or the one that is set by hand.
+        by_hand: whether it can only be set by hand.
         replies: all states that the inputs reach, the first one first, with the effect of each
             input: exact, from the transition graph.
     """
@@ -218,6 +219,14 @@ class _Response:
         self.atlas: BranchAtlas = atlas(graph(chain))
         self.branches = self.atlas.mesostates
         self.routes = Routes(self.branches, self.atlas.bottom)
+
+    def vertex_on(self, branch: int) -> tuple[str, float] | None:
+        """A state with every cell in a phase on a branch, which a hand can set, and its drive."""
+        nodes = self.atlas.graph.nodes
+        for node in self.atlas.nodes_of(branch).tolist():
+            if "-" not in nodes.label(node):
+                return nodes.label(node).partition("#")[0], float(nodes.low[node])
+        return None
 
 
 class _Inputs(NamedTuple):
@@ -379,14 +388,17 @@ def _realised(
         for branch, state in known.items()
     )
     hand = not response.routes.reached[start]
-    reset = (middle,) if hand else response.routes.turns(start, middle)
+    label = response.vertex_on(start) if hand else (labels[start], middle)
+    if label is None:
+        return None
+    reset = (label[1], middle) if hand else response.routes.turns(start, middle)
     return Realisation(
         response.chain,
         machine,
         Span(middle, float(gaps[base, 0]), float(gaps[base, 1])),
         tuple(tuple(Span(*map(float, span)) for span in one) for one in spans),
         reset,
-        labels[start],
+        label[0],
         hand,
         replies,
     )
@@ -423,3 +435,63 @@ def _touch(gaps: Floats, span: tuple[int, int]) -> bool:
     """Whether gaps follow each other with less than a tenth of a micrometre between them."""
     a, b = span
     return bool(np.all(gaps[a + 1 : b + 1, 0] - gaps[a:b, 1] < 1e-7))
+
+
+class Exchange(NamedTuple):
+    """Two states of a chain at one drive that a program brings into each other.
+
+    Attributes:
+        drive: the drive at its beginning and end [m, or N].
+        first, second: their labels.
+    """
+
+    drive: float
+    first: str
+    second: str
+
+
+def exchange(chain: Chain, *, by_hand: bool = False) -> Exchange | None:
+    """Two states that one program, of any turning points, brings into each other; None for none.
+
+    A chain without such a pair realises no machine in which a word comes back to its state after
+    an even number of repetitions and not before, such as a parity: half of these repetitions would
+    exchange two states. All programs are followed, from both states at once.
+
+    Args:
+        chain: a chain without friction, with up to 80 gaps between ends of branches.
+        by_hand: whether a hand may set any state.
+    """
+    response = _Response(chain)
+    among = (
+        np.arange(len(response.branches)) if by_hand else np.flatnonzero(response.routes.reached)
+    )
+    gaps = _gaps(response, among)
+    middles = gaps.mean(axis=1)
+    every = np.broadcast_to(np.arange(len(response.branches)), (len(gaps), len(response.branches)))
+    falls = response.branches.toward(-1).risen(every, -middles[:, None]).tolist()
+    rises = response.branches.risen(every, middles[:, None]).tolist()
+    low, high = response.branches.low, response.branches.high
+    for gap, middle in enumerate(middles.tolist()):
+        stands = [int(b) for b in among if low[b] <= middle <= high[b]]
+        for pair in combinations(stands, 2):
+            if _exchanged((rises, falls), gap, pair):
+                labels = (response.atlas.label_at(one, middle) for one in pair)
+                return Exchange(middle, *labels)
+    return None
+
+
+def _exchanged(
+    moves: tuple[list[list[int]], list[list[int]]], gap: int, pair: tuple[int, int]
+) -> bool:
+    """Whether some drives lead from a pair of branches at a gap to the pair in the other order."""
+    seen, waiting = {(gap, *pair)}, [(gap, *pair)]
+    for at, a, b in waiting:
+        for step, table in ((1, moves[0]), (-1, moves[1])):
+            if not 0 <= at + step < len(table):
+                continue
+            row = table[at + step]
+            after = at + step, row[a], row[b]
+            if after[1] != after[2] and after not in seen:
+                seen.add(after)
+                waiting.append(after)
+    return (gap, *pair[::-1]) in seen
