@@ -3,7 +3,7 @@
 import re
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -153,7 +153,8 @@ class Machine(ByValue):
                 )
         outputs = tuple("yes" if _empty(one) else "no" for one in known)
         states = tuple(f"s{k}" for k in range(len(known)))
-        return cls(inputs, states, tuple(moves), outputs, title or language).smallest
+        made = cls(inputs, states, tuple(moves), outputs, title or language).smallest
+        return replace(made, states=states[: len(made.states)])
 
     @cached_property
     def smallest(self) -> "Machine":
