@@ -86,29 +86,50 @@ def touch(robot: Robot) -> float:
     return max(robot.foot.contact_travel, HANDOVER)
 
 
+class Leaning(NamedTuple):
+    """Ground reaction force of each foot (legs,) [N] at rest, and how far the body can lean."""
+
+    even: Floats  # equal feet share the weight equally
+    least: Floats  # the foot alone lifts
+    most: Floats  # every other foot lifts
+    lever: float  # opening force on the last cell over ground reaction force, at travel 0 [1]
+
+    @classmethod
+    def of(cls, robot: Robot) -> "Leaning":
+        """That of a robot with every cell at 0; it does not depend on the bands."""
+        legs = range(len(robot.legs))
+
+        def carried(lifted: Sequence[int]) -> Floats:
+            rest = [np.zeros(len(leg.chain)) for leg in robot.legs]
+            for k in lifted:
+                rest[k][-1] = HAIR
+            return feet_load(robot, rest)
+
+        even = carried(())
+        least = np.minimum([carried([i])[i] for i in legs], even)
+        most = np.maximum([carried([k for k in legs if k != i])[i] for i in legs], even)
+        return cls(even, least, most, float(robot.foot.lever(0.0)))
+
+    def force(self, lacks: Floats) -> Floats:
+        """Ground reaction force of each foot (..., legs) [N] as the actuator sets out.
+
+        `lacks` (..., legs) are the forces missing to open the last cell of each leg: its critical
+        force at 0 less the smallest of the others [N]. If one leg would lift its foot and another
+        would step, the body leans from the first towards the second until both lift or neither
+        does. Moving weight makes the missing forces equal, as far as the body can lean.
+        """
+        leant = self.even + (lacks - lacks.mean(axis=-1, keepdims=True)) / self.lever
+        return np.clip(leant, self.least, self.most)
+
+
 def leaning(robot: Robot) -> Floats:
     """Ground reaction force of each foot (legs,) [N] as the actuator sets out from all cells at 0.
 
-    Equal feet share the weight equally. If one leg would lift its foot and another would step, the
-    body leans from the first towards the second until both lift or neither does. Moving weight
-    makes the forces missing to open the last cells equal, as far as the body can lean.
+    See `Leaning.force`.
     """
-    legs = range(len(robot.legs))
-
-    def carried(lifted: Sequence[int]) -> Floats:
-        rest = [np.zeros(len(leg.chain)) for leg in robot.legs]
-        for k in lifted:
-            rest[k][-1] = HAIR
-        return feet_load(robot, rest)
-
-    even = carried(())
-    least = np.array([carried([i])[i] for i in legs])
-    most = np.array([carried([k for k in legs if k != i])[i] for i in legs])
     chains = [leg.chain.levers for leg in robot.legs]
-    # Critical force of each last cell at 0, less the smallest of the others [N].
     lacks = np.array([c[-1].force_0 - min(cell.force_0 for cell in c[:-1]) for c in chains])
-    leant = even + (lacks - lacks.mean()) / float(robot.foot.lever(0.0))
-    return np.clip(leant, np.minimum(least, even), np.maximum(most, even))
+    return Leaning.of(robot).force(lacks)
 
 
 def stance(
