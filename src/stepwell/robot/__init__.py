@@ -1,6 +1,18 @@
 """Robots and hoppers as values: legs, body, antennas, arena; the predicted gait and jump."""
 
 from stepwell.robot.arena import Arena, Cylinder, Floor, Goal, Wall, other_layout, other_start
+from stepwell.robot.behaviour import BOTH, FREE, Action, Behaviour, Choice, LegGait, Row
+from stepwell.robot.behaviour_search import Displaced, Places
+from stepwell.robot.compiling import (
+    MOST_DESIGNS,
+    SAMPLES,
+    Compiled,
+    CompiledDesign,
+    RowMargin,
+    compile_behaviour,
+    robot_of,
+    rows_of,
+)
 from stepwell.robot.fit import of_arena, of_robot
 from stepwell.robot.hopper import Actuator, Hopper, Springs, Task
 from stepwell.robot.hopper_fit import landing_length, longest_stretch, snap_of
@@ -20,6 +32,8 @@ from stepwell.robot.jump import (
 from stepwell.robot.leg_cycles import TOLERANCE, TRIAL, gait, states
 from stepwell.robot.parts import Antenna, Blocks, Body, Drive, Foot, Leg, Profile
 from stepwell.robot.prediction import (
+    TURNS,
+    WALKS,
     DriveNeeds,
     Flip,
     LegPrediction,
@@ -66,12 +80,18 @@ __all__ = [
     "snap_of",
     "Inertial",
     "joined_solids",
+    "Action",
     "Antenna",
     "Arena",
+    "Behaviour",
     "Blocks",
     "Body",
     "BodyMass",
+    "Choice",
+    "Compiled",
+    "CompiledDesign",
     "Cylinder",
+    "Displaced",
     "Drive",
     "DriveNeeds",
     "Flip",
@@ -88,9 +108,12 @@ __all__ = [
     "Push",
     "Robot",
     "RobotParts",
+    "Row",
+    "RowMargin",
     "Shape",
     "Wall",
     "body_names",
+    "compile_behaviour",
     "other_layout",
     "other_start",
     "predict",

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from stepwell.base import late
+from stepwell.simulation.behaviours import RowTrial, behaviour_trials
 from stepwell.simulation.comparison import (
     Convergence,
     GaitComparison,

@@ -38,9 +38,9 @@ class BandType(ByValue):
         """The type of an existing band, measured or of another design, without its anchors."""
         return cls(band.stiffness, band.rest_length, spread, name, band.law)
 
-    def between(self, p: Vec2, q: Vec2) -> Band:
-        """A band of this type between two anchors [m]."""
-        return Band(p, q, self.stiffness, self.rest_length, self.law)
+    def between(self, p: Vec2, q: Vec2, count: int = 1) -> Band:
+        """`count` equal bands of this type between two anchors [m], as one."""
+        return Band(p, q, count * self.stiffness, self.rest_length, self.law)
 
     def __post_init__(self):
         if not 0 < self.stiffness < math.inf:

@@ -1,0 +1,363 @@
+"""Robots with a given behaviour: found designs with margins and yield, or conflicting rows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from itertools import combinations, product
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stepwell.base import ByValue, Drawn, Floats, Progress, check
+from stepwell.design import DEFAULT_TOLERANCES, Draws, Fraction, Tolerances, fraction_of
+from stepwell.mechanism import Chain
+from stepwell.robot.behaviour import STEPS, Action, Behaviour, LegGait, Row
+from stepwell.robot.behaviour_search import (
+    Displaced,
+    Places,
+    Search,
+    Wiring,
+    band_types,
+    pressed,
+    row_margins,
+    wirings,
+)
+from stepwell.robot.gait_rules import Bands, GaitRules
+from stepwell.robot.robot import Robot
+
+MOST_DESIGNS = 20_000_000
+SAMPLES = 500
+STEPS_ON = 0.5  # part of a forward step that a design should have
+SHOWN = 5  # designs in a result
+# Yields in one interval of this width count as equal, so that the margin decides.
+SAME_YIELD = 0.005
+NUDGE = 1e-6  # displacement of an anchor for slopes of the margins [m]
+_LOOKS = 9  # angles at which the pull on an antenna is computed
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RowMargin(ByValue):
+    """The distance of a design to the loss of a row of its table.
+
+    Attributes:
+        row: of the table.
+        gaits: of the left and of the right leg.
+        force: smallest force on a cell that changes one of them [N]; negative if one is wrong.
+        anchor: smallest displacement of one anchor that changes one of them, from slopes [m].
+    """
+
+    row: Row
+    gaits: tuple[LegGait, LegGait]
+    force: float
+    anchor: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CompiledDesign(ByValue):
+    """A design that has a behaviour in closed form.
+
+    Attributes:
+        robot: the whole robot.
+        places: the numbers that were chosen.
+        rows: margins of all rows of the table.
+        built: fraction of random samples within tolerances that have all rows.
+        step: part of a forward step in which the foot grips [1]; NaN if no row steps forward.
+        tip_force: largest contact force at an antenna's tip that the band resists with [N].
+    """
+
+    robot: Robot = field(repr=False)
+    places: Places
+    rows: tuple[RowMargin, ...]
+    built: Fraction
+    step: float
+    tip_force: float
+
+    @property
+    def margin(self) -> float:
+        """The smallest margin of all rows [N]."""
+        return min(row.force for row in self.rows)
+
+    @property
+    def anchor(self) -> float:
+        """The smallest displacement of one anchor that changes a row [m]."""
+        return min(row.anchor for row in self.rows)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Compiled(ByValue, Drawn):
+    """Designs that have a behaviour, or the rows that exclude each other.
+
+    Attributes:
+        behaviour: the table.
+        designs: the best designs, by yield and then by margin; empty if none was found.
+        searched: number of designs evaluated.
+        met: number of evaluated designs with all rows.
+        conflict: contacts of the smallest set of rows that no design has together; empty if a
+            design was found, or if the search ended early.
+        proved: whether the conflict holds for all anchors, bands and depths.
+        displaced: best margins by displacement and number of inner bands.
+        tolerances, samples, seed: of the yields.
+    """
+
+    behaviour: Behaviour
+    designs: tuple[CompiledDesign, ...]
+    searched: int
+    met: int
+    conflict: tuple[str, ...]
+    proved: bool
+    displaced: tuple[Displaced, ...]
+    tolerances: Tolerances
+    samples: int
+    seed: int
+
+    @property
+    def total(self) -> int:
+        """Number of all designs of the choice."""
+        return self.behaviour.choice.designs
+
+    @property
+    def force(self) -> float:
+        """k r of one band [N], to compare margins with."""
+        lever = self.behaviour.robot.legs[0].chain.levers[0].lever
+        return band_types(self.behaviour)[0].stiffness * lever
+
+    @property
+    def decided(self) -> bool:
+        """Whether a design was found, or the rows exclude each other."""
+        return bool(self.designs or self.conflict)
+
+    @property
+    def robot(self) -> Robot:
+        """The best design; without one the given robot."""
+        return self.designs[0].robot if self.designs else self.behaviour.robot
+
+    def __repr__(self):
+        found = f"{self.met} designs" if self.designs else "no design"
+        conflict = f", conflict of {', '.join(self.conflict)}" if self.conflict else ""
+        return f"Compiled({found} among {self.searched} of {self.total}{conflict})"
+
+
+def compile_behaviour(
+    behaviour: Behaviour,
+    *,
+    tolerances: Tolerances = DEFAULT_TOLERANCES,
+    samples: int = SAMPLES,
+    seed: int = 0,
+    most: int = MOST_DESIGNS,
+    progress: Progress | None = None,
+) -> Compiled:
+    """Search designs with two equal legs that have a behaviour, in closed form.
+
+    All designs of the choice are evaluated by `GaitRules`. Those of the largest margins are
+    sampled within tolerances and ordered by yield. Nothing is simulated here:
+    `stepwell.simulation.behaviour_trials` walks a design through all rows.
+
+    Args:
+        behaviour: the table, the robot, and the numbers to choose from.
+        tolerances: of the samples; equal bands on one cell deviate together.
+        samples, seed: number of samples of each design, > 0, and random seed.
+        most: largest number of designs evaluated, > 0. If it is less than all, and none of
+            these has the behaviour, the result is not decided.
+        progress: called with (done, total) designs.
+
+    Raises:
+        ValueError: no samples, or no designs to evaluate.
+    """
+    check.whole("samples", samples, 1)
+    check.whole("most", most, 1)
+    conflict, search = contradiction(behaviour), Search(behaviour)
+    proved = bool(conflict)
+    searched = 0 if proved else search.run(most, progress)
+    designs = [_designed(behaviour, one, tolerances, samples, seed) for one in search.best()]
+    designs.sort(key=_rank)
+    if not proved and not designs and searched == behaviour.choice.designs:
+        conflict = search.conflict()
+    return Compiled(
+        behaviour,
+        tuple(designs[:SHOWN]),
+        searched,
+        search.met,
+        conflict,
+        proved,
+        search.displaced(),
+        tolerances,
+        samples,
+        seed,
+    )
+
+
+def _rank(design: CompiledDesign) -> tuple[bool, int, float]:
+    """Designs that hardly step come last; then by yield, then by margin."""
+    return design.step < STEPS_ON, -round(design.built.estimate / SAME_YIELD), -design.margin
+
+
+def contradiction(behaviour: Behaviour) -> tuple[str, ...]:
+    """Contacts of the fewest rows that exclude each other for all designs with equal legs.
+
+    Which cell of a leg moves first while unloading depends on this leg and its own antenna alone:
+    then its foot is in the air, so no weight of the body is on it. Rows that need both orders
+    exclude each other.
+    """
+    rows = behaviour.rows
+    for size in range(1, len(rows) + 1):
+        for some in combinations(rows, size):
+            if not any(_consistent(behaviour, wiring, some) for wiring in wirings(behaviour)):
+                return tuple(row.contact for row in some)
+    return ()
+
+
+def _consistent(behaviour: Behaviour, wiring: Wiring, rows: Sequence[Row]) -> bool:
+    """Whether the unloading orders of some rows agree, for equal legs."""
+    moved = [pressed(behaviour, wiring, row.contact) for row in rows]
+    for gaits in product(*(row.motion.gaits for row in rows)):
+        order: dict[bool, bool] = {}
+        orders = [
+            (at, gait.unloading)
+            for pair, legs in zip(gaits, moved, strict=True)
+            for gait, at in zip(pair, legs, strict=True)
+        ]
+        if all(order.setdefault(at, unloading) == unloading for at, unloading in orders):
+            return True
+    return False
+
+
+class _Numbers(NamedTuple):
+    """Bands of the cells of m robots: left inner and outer, then right inner and outer."""
+
+    d: Floats  # (m, 4, 2) q - p [m]
+    stiffness: Floats  # (m, 4) [N/m]
+    rest: Floats  # (m, 4) [m]
+
+
+def margins_of(
+    behaviour: Behaviour, robot: Robot, wiring: Wiring, numbers: _Numbers
+) -> tuple[Floats, list[Any]]:
+    """Margins of rows (R, m) [N] of m variants of a robot, and numbers of their gaits (R, m)."""
+    law, moves = robot.legs[0].chain.levers[0].bands[0].law, robot.antennas[0].moves
+    d, k, rest = numbers
+    cells = [Bands(*d[:, i].T, k[:, i], rest[:, i], law) for i in range(4)]
+    rules = GaitRules(robot)
+    left, right = (
+        (rules.forces(inner, outer), rules.forces(inner.displaced(*moves), outer))
+        for inner, outer in (cells[:2], cells[2:])
+    )
+    rows = [(row.motion, pressed(behaviour, wiring, row.contact)) for row in behaviour.rows]
+    return row_margins(rules, rows, (left, right))
+
+
+def rows_of(behaviour: Behaviour, robot: Robot, wiring: Wiring) -> tuple[RowMargin, ...]:
+    """Margins of all rows of a table for a robot of two equal legs, with antennas wired so."""
+    numbers = _numbers(_cells(robot))
+    # The nominal robot, then each coordinate of each cell's q - p a little further.
+    nudged = np.repeat(numbers.d, 9, axis=0)
+    for i, (cell, axis) in enumerate(product(range(4), range(2)), 1):
+        nudged[i, cell, axis] += NUDGE
+    variants = _Numbers(nudged, *(np.repeat(one, 9, axis=0) for one in numbers[1:]))
+    force, which = margins_of(behaviour, robot, wiring, variants)
+    slopes = (force[:, 1:] - force[:, :1]).reshape(-1, 4, 2) / NUDGE
+    steepest = np.hypot(slopes[..., 0], slopes[..., 1]).max(axis=1)
+    return tuple(
+        RowMargin(
+            row,
+            row.motion.gaits[int(best[0])],
+            float(now),
+            float(now / slope) if slope > 0.0 else math.inf,
+        )
+        for row, best, now, slope in zip(behaviour.rows, which, force[:, 0], steepest, strict=True)
+    )
+
+
+def _cells(robot: Robot) -> list[Any]:
+    """Cells of a robot: left inner and outer, then right inner and outer."""
+    sides = sorted(robot.legs, key=lambda leg: -leg.side)
+    return [cell for leg in sides for cell in leg.chain.levers]
+
+
+def _numbers(cells: Sequence[Any]) -> _Numbers:
+    bands = [cell.bands[0] for cell in cells]
+    stiffness = [[band.stiffness for band in bands]]
+    rest = [[band.rest_length for band in bands]]
+    return _Numbers(*(np.array(one) for one in ([[b.d for b in bands]], stiffness, rest)))
+
+
+def _designed(
+    behaviour: Behaviour, places: Places, tolerances: Tolerances, samples: int, seed: int
+) -> CompiledDesign:
+    """A found design with its margins row by row and its yield."""
+    robot = robot_of(behaviour, places)
+    drawing = Draws(Chain(_cells(robot)), tolerances, seed)
+    right = 0
+    for drawn in drawing.chunks(samples):
+        sampled = drawing.designs(drawn)
+        assert sampled is not None, "a chain of four cells with bands"
+        bands = sampled.bands
+        numbers = _Numbers(bands[..., :2], bands[..., 2], bands[..., 3])
+        margins, _ = margins_of(behaviour, robot, places.wiring, numbers)
+        right += int((margins > 0.0).all(axis=0).sum())
+    rows = rows_of(behaviour, robot, places.wiring)
+    inner, outer, moved = _bands_of(robot)
+    rules = GaitRules(robot)
+    # The step of the legs that step forward: at rest, or only with their anchors displaced.
+    at = [
+        moved if displaced else inner
+        for row in rows
+        for gait, displaced in zip(
+            row.gaits, pressed(behaviour, places.wiring, row.row.contact), strict=True
+        )
+        if gait == STEPS and row.row.motion is not Action.ANY
+    ]
+    step = min((rules.step(one, outer) for one in at), default=math.nan)
+    built = fraction_of(right, samples)
+    return CompiledDesign(robot, places, rows, built, step, _tip_force(robot, rules))
+
+
+def _bands_of(robot: Robot) -> tuple[Bands, Bands, Bands]:
+    """Bands of the inner and of the outer cell of a leg, and of the inner one displaced."""
+    cells = _cells(robot)[:2]
+    (d,), (k,), (rest,) = _numbers(cells)
+    law = cells[0].bands[0].law
+    inner, outer = (Bands(*d[i], k[i], rest[i], law) for i in range(2))
+    return inner, outer, inner.displaced(*robot.antennas[0].moves)
+
+
+def _tip_force(robot: Robot, rules: GaitRules) -> float:
+    """Largest force at the tip of an antenna that its band resists with [N]."""
+    antenna, bands = robot.antennas[0], _bands_of(robot)[2]
+    angles = np.linspace(-rules.limit, rules.limit, _LOOKS)
+    moves = np.array(antenna.moves)
+    pull = max(float(bands.pull(angle, rules.lever, moves)) for angle in angles)
+    return pull * antenna.gear / antenna.length
+
+
+def robot_of(behaviour: Behaviour, places: Places) -> Robot:
+    """The robot of a behaviour with chosen numbers; its antennas keep their gearing."""
+    base, band = behaviour.robot, places.band
+    anchors = (places.inner, places.outer)
+    counts = (places.inner_bands, places.outer_bands)
+    legs = []
+    for leg in base.legs:
+        cells = [
+            replace(cell, band=band.between(cell.bands[0].p, q, count))
+            for cell, q, count in zip(leg.chain.levers, anchors, counts, strict=True)
+        ]
+        legs.append(replace(leg, chain=replace(leg.chain, cells=tuple(cells))))
+    sides = {int(leg.side < 0): leg.name for leg in base.legs}
+    joined = dict(zip(behaviour.antennas, places.wiring, strict=True))
+    swing = math.hypot(*places.moves)
+    antennas = [
+        replace(one, leg=sides[joined[one]], cell=0, moves=places.moves, swing=swing / one.gear)
+        for one in base.antennas
+    ]
+    # The chosen numbers are no longer those of the sources.
+    chosen = ("chain", "leg", "antenna", "foot")
+    sources = {path: label for path, label in base.sources.items() if not path.startswith(chosen)}
+    return replace(
+        base,
+        legs=legs,
+        antennas=antennas,
+        foot=replace(base.foot, below=places.below),
+        sources=sources,
+        title=behaviour.title or "Robot with a compiled behaviour",
+    )
