@@ -42,6 +42,7 @@ if TYPE_CHECKING:
         loads_arena_tables,
     )
     from stepwell.files.hoppers import hopper_parameters
+    from stepwell.files.behaviours import load_behaviour, loads_behaviour
     from stepwell.files.known import columns_of, known_keys, new_cells
     from stepwell.files.robot_parameters import (
         RobotParameter,
@@ -73,10 +74,12 @@ __all__ = [
     "key_unit",
     "load",
     "load_arena",
+    "load_behaviour",
     "load_element",
     "loads",
     "loads_arena",
     "loads_arena_tables",
+    "loads_behaviour",
     "loads_rig",
     "loads_tables",
     "manifest",
@@ -108,6 +111,7 @@ _LATE = {
         "loads_arena_tables",
     ),
     "hoppers": ("hopper_parameters",),
+    "behaviours": ("load_behaviour", "loads_behaviour"),
     "known": ("columns_of", "known_keys", "new_cells"),
     "robot_parameters": ("RobotParameter", "key_unit", "parameters", "provenance", "vary"),
     "write": ("dumps", "loads_rig", "rig_toml", "save", "with_program"),

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from stepwell.base import late
-from stepwell.simulation.behaviours import RowTrial, behaviour_trials
+from stepwell.simulation.behaviours import CompiledRobot, RowTrial, behaviour_trials, verified
 from stepwell.simulation.comparison import (
     Convergence,
     GaitComparison,
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "GaitChange",
+    "CompiledRobot",
     "Contact",
     "Episode",
     "GaitComparison",
@@ -46,11 +47,13 @@ __all__ = [
     "Resolution",
     "Reward",
     "RobotEnv",
+    "RowTrial",
     "Settings",
     "Sweep",
     "Trial",
     "VideoError",
     "Walk",
+    "behaviour_trials",
     "compare_gaits",
     "convergence",
     "device",
@@ -67,6 +70,7 @@ __all__ = [
     "sdf",
     "spec",
     "sweep",
+    "verified",
     "video",
     "view_angles",
     "walk",

@@ -1,13 +1,26 @@
-"""Trials of a behaviour: walks of a robot with its antennas pressed, row by row of the table."""
+"""Robots with a compiled behaviour, simulated: walks row by row of the table, and arenas."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from stepwell.base import ByValue
-from stepwell.robot import TURNS, WALKS, Action, Behaviour, Robot, Row
+from stepwell.base import ByValue, Drawn, Progress, notify
+from stepwell.robot import (
+    TURNS,
+    WALKS,
+    Action,
+    Arena,
+    Behaviour,
+    Compiled,
+    CompiledDesign,
+    Robot,
+    Row,
+    RowMargin,
+    rows_of,
+)
+from stepwell.simulation.mazes import Maze, mazes
 from stepwell.simulation.simulator import Settings
 from stepwell.simulation.sweeps import Trial, sweep
 
@@ -82,3 +95,89 @@ def behaviour_trials(
         tuple(map(RowTrial, behaviour.rows, trials[first : first + count]))
         for first in range(0, len(trials), count)
     )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CompiledRobot(ByValue, Drawn):
+    """The result of a compiler: designs in closed form, and their simulated walks.
+
+    Attributes:
+        compiled: the designs, or the rows that exclude each other.
+        trials: rows of each design that was simulated, in the order of `compiled.designs`; the
+            last one has all rows, if any has.
+        arenas: runs of the chosen design through arenas.
+        made: the chosen robot with the masses of its parts; None if they were not given.
+        made_rows: margins of its rows.
+        made_trials: its walks.
+    """
+
+    compiled: Compiled
+    trials: tuple[tuple[RowTrial, ...], ...]
+    arenas: tuple[Maze, ...] = ()
+    made: Robot | None = None
+    made_rows: tuple[RowMargin, ...] = ()
+    made_trials: tuple[RowTrial, ...] = ()
+
+    @property
+    def verified(self) -> bool:
+        """Whether a design has all rows in the simulation too."""
+        return bool(self.trials) and all(row.right for row in self.trials[-1])
+
+    @property
+    def design(self) -> CompiledDesign | None:
+        """The first design with all rows in the simulation; else the first one, if any."""
+        designs = self.compiled.designs
+        return designs[len(self.trials) - 1 if self.verified else 0] if designs else None
+
+    @property
+    def walked(self) -> tuple[RowTrial, ...]:
+        """The walks of `design`; empty if it was not simulated."""
+        return self.trials[-1 if self.verified else 0] if self.trials else ()
+
+    @property
+    def robot(self) -> Robot:
+        """The robot of `design`; without one the given robot."""
+        return self.compiled.behaviour.robot if self.design is None else self.design.robot
+
+    def in_arenas(
+        self, arenas: Sequence[Arena], *, limit: float = 600.0, progress: Progress | None = None
+    ) -> CompiledRobot:
+        """The same result with runs of its robot through arenas, each up to `limit` [s]."""
+        entries = [(self.robot, arena) for arena in arenas]
+        return replace(self, arenas=mazes(entries, limit=limit, progress=progress))
+
+    def with_parts(self, made: Robot) -> CompiledRobot:
+        """The same result with margins and walks of its robot as made, from a build of it."""
+        behaviour, design = self.compiled.behaviour, self.design
+        if design is None:
+            return self
+        rows = rows_of(behaviour, made, design.places.wiring)
+        (trials,) = behaviour_trials(behaviour, [made])
+        return replace(self, made=made, made_rows=rows, made_trials=trials)
+
+    def __repr__(self):
+        verdict = "verified" if self.verified else "not verified"
+        return f"CompiledRobot({self.compiled!r}, {verdict} by {len(self.trials)} simulated)"
+
+
+def verified(
+    compiled: Compiled, *, most: int = 5, progress: Progress | None = None
+) -> CompiledRobot:
+    """Simulate the designs of a compiler one by one, until one of them has all rows.
+
+    Args:
+        compiled: the result in closed form.
+        most: largest number of simulated designs; 0 simulates none.
+        progress: called with (done, total) designs.
+
+    Raises:
+        ModuleNotFoundError: MuJoCo is not installed.
+    """
+    trials: list[tuple[RowTrial, ...]] = []
+    designs = compiled.designs[:most]
+    for design in designs:
+        trials += behaviour_trials(compiled.behaviour, [design.robot])
+        notify(progress, len(trials), len(designs))
+        if all(row.right for row in trials[-1]):
+            break
+    return CompiledRobot(compiled, tuple(trials))
