@@ -16,6 +16,7 @@ from stepwell.base import InputError, of_kind
 # the class, and the kinds of records, with the version of their names.
 FILES = {
     "atlas": ("Atlas", "atlas/2"),
+    "behaviour": ("CompiledRobot", "compile/1"),
     "builds.chain": ("Build", "build/1"),
     "builds.robot": ("RobotBuild", "robot_build/1"),
     "chain": ("Cell Chain Element", ""),

@@ -10,7 +10,19 @@ from typing import Annotated, Any
 import typer
 
 from stepwell.base import __version__, described
-from stepwell.cli import about, atlas, build, checks, design, lab, motion, robots, show, sweep
+from stepwell.cli import (
+    about,
+    atlas,
+    behaviour,
+    build,
+    checks,
+    design,
+    lab,
+    motion,
+    robots,
+    show,
+    sweep,
+)
 from stepwell.cli.options import grouped
 from stepwell.cli.screen import EXIT_CODES, PIPE_CLOSED, Commands, styled
 from stepwell.crash import leave
@@ -21,7 +33,7 @@ _GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
     "Design": (about.new, about.presets, design.design, design.reprogram, build.build),
     "Tolerances and measurements": (checks.check, checks.yield_, lab.commands),
     "Robots": (
-        *(robots.commands, robots.walk, robots.maze, robots.jump),
+        *(robots.commands, robots.walk, robots.maze, robots.jump, behaviour.compile_),
         *(robots.export, robots.view),
     ),
     "Parameter studies": (sweep.commands, atlas.commands),

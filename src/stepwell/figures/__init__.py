@@ -37,6 +37,7 @@ from stepwell.figures.motion.overview import landscape, overview, standard, stan
 from stepwell.figures.motion.stroke_program import stroke_program
 from stepwell.figures.motion.strokes import force_stroke, snap_motion, travel_stroke
 from stepwell.figures.robots.build import robot_parts
+from stepwell.figures.robots.gait_plane import gait_plane
 from stepwell.figures.robots.gaits import prediction, sweep
 from stepwell.figures.robots.jumps import energy_flow, flight
 from stepwell.figures.robots.mazes import maze, maze_timeline
@@ -62,6 +63,7 @@ __all__ = [
     "force_plane",
     "force_stroke",
     "gait",
+    "gait_plane",
     "holes",
     "influences",
     "labelled_cell",

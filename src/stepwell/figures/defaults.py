@@ -17,6 +17,7 @@ from stepwell.figures.motion.overview import overview
 from stepwell.figures.motion.stroke_program import stroke_program
 from stepwell.figures.motion.strokes import force_stroke
 from stepwell.figures.robots.build import robot_parts
+from stepwell.figures.robots.gait_plane import gait_plane
 from stepwell.figures.robots.gaits import prediction, sweep
 from stepwell.figures.robots.jumps import energy_flow
 from stepwell.figures.robots.mazes import maze
@@ -42,6 +43,7 @@ def plot(value: Any, **options: Any) -> Figure:
     | a build | `layers` |
     | a build of a robot | `robot_parts` |
     | a robot, a prediction | `robot_drawing`, `prediction` |
+    | a compiled robot | `gait_plane` |
     | a walk, a path through an arena, a sweep | `trajectory`, `maze`, `sweep` |
     | a jump | `energy_flow` |
     | a recording, a test of bands | `recording`, `band_laws` |
@@ -115,6 +117,7 @@ _USUAL: dict[str, Callable[..., Figure]] = {
         if comparison.cells
         else measured.measured_pairs(comparison.pairs or comparison.chains)
     ),
+    "CompiledRobot": gait_plane,
     "Cycle": overview,
     "Design": _designed,
     "Element": element_curve,

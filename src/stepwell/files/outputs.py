@@ -39,6 +39,7 @@ _OF_COMMANDS = {
     "robot sweep": ("sweep.csv sweep.nc sweep.json", "sweep"),
     "sweep report": ("study.csv study.json", "outcomes influences"),
     "atlas show": ("atlas.json", "graph_classes"),
+    "compile": ("behaviour.toml robot.toml compile.json", "gait-plane robot"),
     "walk": (
         "robot.toml walk.json walk.nc walk.mp4 walk.gif still.png",
         "gait trajectory contacts",

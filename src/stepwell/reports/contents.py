@@ -297,6 +297,22 @@ def _film_jump(
             return
 
 
+def _compiled(
+    result: sw.simulation.CompiledRobot,
+    account: Account,
+    parts: Mapping[str, str | bytes] | None = None,
+) -> Contents:
+    """Contents of a compiled behaviour: the table as given, the robot, and its `parts` if built."""
+    files: dict[str, Content] = {"behaviour.toml": str(account.about.design or ""), **(parts or {})}
+    draws: dict[str, Draw] = {}
+    if result.design is not None:
+        files["robot.toml"] = dumps(result.robot)
+        draws["gait-plane"] = partial(figures.gait_plane, result)
+        draws["robot"] = partial(figures.robot_drawing, result.robot)
+    names = {*OUTPUTS["compile"], *files}
+    return Contents("compile", "compile.json", files, draws, names=names)
+
+
 def _sweep(sweep: sw.simulation.Sweep, _: Account) -> Contents:
     files: dict[str, Content] = {"sweep.csv": sweep.to_csv, "sweep.nc": _netcdf(sweep)}
     return Contents("robot sweep", "sweep.json", files, {"sweep": partial(figures.sweep, sweep)})
@@ -370,6 +386,7 @@ CONTENTS: dict[str, Callable[..., Contents]] = {
     "Calibration": _calibration,
     "Check": _check,
     "Comparison": _comparison,
+    "CompiledRobot": _compiled,
     "Design": _design,
     "Jump": _jump,
     "MapView": _map,

@@ -105,7 +105,7 @@ def _written(
     names, record = contents.names, account.record
     with staged_folder(folder, contents.command, record, names=names, force=force) as draft:
         for done, (name, content) in enumerate(files.items(), 1):
-            (draft / name).parent.mkdir(exist_ok=True)
+            (draft / name).parent.mkdir(parents=True, exist_ok=True)
             if isinstance(content, str):
                 base.write_atomic(draft / name, content)
             elif isinstance(content, bytes):

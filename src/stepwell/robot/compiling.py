@@ -16,7 +16,9 @@ from stepwell.mechanism import Chain
 from stepwell.robot.behaviour import STEPS, Action, Behaviour, LegGait, Row
 from stepwell.robot.behaviour_search import (
     Displaced,
+    Leg,
     Places,
+    Pressed,
     Search,
     Wiring,
     band_types,
@@ -37,6 +39,20 @@ NUDGE = 1e-6  # displacement of an anchor for slopes of the margins [m]
 _LOOKS = 9  # angles at which the pull on an antenna is computed
 
 
+class Order(NamedTuple):
+    """Forces that decide which cell of a leg moves first [N].
+
+    Attributes:
+        inner_0, opens: F0 of the inner cell, and the force at which the outer cell opens.
+        inner_1, closes: F1 of the inner cell, and the force at which the outer cell closes.
+    """
+
+    inner_0: float
+    opens: float
+    inner_1: float
+    closes: float
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class RowMargin(ByValue):
     """The distance of a design to the loss of a row of its table.
@@ -46,12 +62,14 @@ class RowMargin(ByValue):
         gaits: of the left and of the right leg.
         force: smallest force on a cell that changes one of them [N]; negative if one is wrong.
         anchor: smallest displacement of one anchor that changes one of them, from slopes [m].
+        orders: forces that decide the gait of the left and of the right leg.
     """
 
     row: Row
     gaits: tuple[LegGait, LegGait]
     force: float
     anchor: float
+    orders: tuple[Order, Order]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -231,20 +249,23 @@ class _Numbers(NamedTuple):
     rest: Floats  # (m, 4) [m]
 
 
-def margins_of(
-    behaviour: Behaviour, robot: Robot, wiring: Wiring, numbers: _Numbers
-) -> tuple[Floats, list[Any]]:
-    """Margins of rows (R, m) [N] of m variants of a robot, and numbers of their gaits (R, m)."""
+def _legs(robot: Robot, rules: GaitRules, numbers: _Numbers) -> tuple[Leg, Leg]:
+    """Forces of m variants of both legs, at rest and with their anchors displaced."""
     law, moves = robot.legs[0].chain.levers[0].bands[0].law, robot.antennas[0].moves
     d, k, rest = numbers
     cells = [Bands(*d[:, i].T, k[:, i], rest[:, i], law) for i in range(4)]
-    rules = GaitRules(robot)
     left, right = (
         (rules.forces(inner, outer), rules.forces(inner.displaced(*moves), outer))
         for inner, outer in (cells[:2], cells[2:])
     )
+    return left, right
+
+
+def _margins(
+    behaviour: Behaviour, wiring: Wiring, rules: GaitRules, legs: tuple[Leg, Leg]
+) -> tuple[Floats, list[Any]]:
     rows = [(row.motion, pressed(behaviour, wiring, row.contact)) for row in behaviour.rows]
-    return row_margins(rules, rows, (left, right))
+    return row_margins(rules, rows, legs)
 
 
 def rows_of(behaviour: Behaviour, robot: Robot, wiring: Wiring) -> tuple[RowMargin, ...]:
@@ -255,7 +276,9 @@ def rows_of(behaviour: Behaviour, robot: Robot, wiring: Wiring) -> tuple[RowMarg
     for i, (cell, axis) in enumerate(product(range(4), range(2)), 1):
         nudged[i, cell, axis] += NUDGE
     variants = _Numbers(nudged, *(np.repeat(one, 9, axis=0) for one in numbers[1:]))
-    force, which = margins_of(behaviour, robot, wiring, variants)
+    rules = GaitRules(robot)
+    legs = _legs(robot, rules, variants)
+    force, which = _margins(behaviour, wiring, rules, legs)
     slopes = (force[:, 1:] - force[:, :1]).reshape(-1, 4, 2) / NUDGE
     steepest = np.hypot(slopes[..., 0], slopes[..., 1]).max(axis=1)
     return tuple(
@@ -264,9 +287,24 @@ def rows_of(behaviour: Behaviour, robot: Robot, wiring: Wiring) -> tuple[RowMarg
             row.motion.gaits[int(best[0])],
             float(now),
             float(now / slope) if slope > 0.0 else math.inf,
+            _orders(rules, legs, pressed(behaviour, wiring, row.contact)),
         )
         for row, best, now, slope in zip(behaviour.rows, which, force[:, 0], steepest, strict=True)
     )
+
+
+def _orders(rules: GaitRules, legs: tuple[Leg, Leg], at: Pressed) -> tuple[Order, Order]:
+    """Forces that decide the gaits of the nominal robot, the first variant."""
+    left, right = (leg[moved] for leg, moved in zip(legs, at, strict=True))
+    gaps = rules.gaps((left, right))
+    first, second = (
+        Order(
+            *(float(one.inner_0[0]), float(one.inner_0[0] + rules.rail + loading[0])),
+            *(float(one.inner_1[0]), float(one.inner_1[0] - rules.rail - unloading[0])),
+        )
+        for one, (loading, unloading) in zip((left, right), gaps, strict=True)
+    )
+    return first, second
 
 
 def _cells(robot: Robot) -> list[Any]:
@@ -287,18 +325,17 @@ def _designed(
 ) -> CompiledDesign:
     """A found design with its margins row by row and its yield."""
     robot = robot_of(behaviour, places)
-    drawing = Draws(Chain(_cells(robot)), tolerances, seed)
+    drawing, rules = Draws(Chain(_cells(robot)), tolerances, seed), GaitRules(robot)
     right = 0
     for drawn in drawing.chunks(samples):
         sampled = drawing.designs(drawn)
         assert sampled is not None, "a chain of four cells with bands"
         bands = sampled.bands
         numbers = _Numbers(bands[..., :2], bands[..., 2], bands[..., 3])
-        margins, _ = margins_of(behaviour, robot, places.wiring, numbers)
+        margins, _ = _margins(behaviour, places.wiring, rules, _legs(robot, rules, numbers))
         right += int((margins > 0.0).all(axis=0).sum())
     rows = rows_of(behaviour, robot, places.wiring)
     inner, outer, moved = _bands_of(robot)
-    rules = GaitRules(robot)
     # The step of the legs that step forward: at rest, or only with their anchors displaced.
     at = [
         moved if displaced else inner
