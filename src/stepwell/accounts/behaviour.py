@@ -2,32 +2,38 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 from stepwell import base
 from stepwell.accounts import parts
 from stepwell.accounts.head import About, DesignShape, Row, keys, recorded
-from stepwell.accounts.parts import CARD, FULL, TERMINAL, Account, Fact, Picture, RecordTable
+from stepwell.accounts.parts import CARD, FULL, Account, Fact, Picture, RecordTable
 from stepwell.accounts.robot import assumed_fact, parameter_section
 from stepwell.accounts.yields import tolerance_schema, tolerance_words
 from stepwell.base import Quantity, Schema, amount, counted, number, percent, to_unit
-from stepwell.robot import CompiledDesign, Places, RowMargin
+from stepwell.robot import BACKS, STEPS, CompiledDesign, Places, RowMargin
 from stepwell.simulation import CompiledRobot, RowTrial
 
 _ADVANCE = Quantity("advance", "over_u_max", "d/u_max", "trial.advance", ".2f", holds=float)
 _TURN = Quantity("turn", "deg", "turn", "trial.turn", "z.1f", holds=float)
 _ORDER: Schema = keys(inner_0="N", opens="N", inner_1="N", closes="N")
+# The gait of a leg in one word, in tables.
+_WORDS = {STEPS.states: "forward", BACKS.states: "backward"}
 _ROW: Schema = (
     Quantity("contact", head="contact", read=lambda row: row["margin"].row.contact),
     Quantity("motion", head="motion", read=lambda row: row["margin"].row.motion),
     *(
         Quantity(
-            f"{side}_gait", head=f"{side} leg", read=lambda row, k=k: row["margin"].gaits[k].states
+            f"{side}_gait",
+            head=f"{side} leg",
+            read=lambda row, k=k: row["margin"].gaits[k].states,
+            form=lambda states: _WORDS.get(states, "idle"),
         )
         for k, side in enumerate(("left", "right"))
     ),
-    Quantity("force", "mN", "margin", lambda row: row["margin"].force, 3),
-    Quantity("anchor", "mm", "margin", lambda row: row["margin"].anchor, ".2f"),
+    Quantity("force", "mN", "force", lambda row: row["margin"].force, 3),
+    Quantity("anchor", "mm", "anchor", lambda row: row["margin"].anchor, ".2f"),
     *keys(orders=([_ORDER], lambda row: row["margin"].orders)),
     Quantity(
         "simulated",
@@ -129,7 +135,7 @@ def compiled_robot_account(result: CompiledRobot, about: About) -> Account:
     searched = f"{compiled.searched:,} of {compiled.total:,}"
     facts = [
         Fact("Designs evaluated", searched),
-        Fact("Designs with all rows", f"{compiled.met:,}", TERMINAL),
+        Fact("Designs with all rows", f"{compiled.met:,}", FULL),
     ]
     sections: dict[str, Any] = {}
     warned: list[parts.Warned] = []
@@ -194,23 +200,18 @@ def _design_facts(result: CompiledRobot, design: CompiledDesign) -> list[Fact]:
     relative = percent(design.margin / compiled.force)
     low, high = map(percent, design.built[2:])
     antenna, robot = result.robot.antennas[0], result.robot
-    chain = robot.legs[0].chain
-    within = tolerance_words(compiled.tolerances, chain)
+    within = tolerance_words(compiled.tolerances, robot.legs[0].chain)
+    margin = f"{amount(design.margin, 'N')}, {relative} of k r, or {amount(design.anchor, 'm')}"
+    wired = ", ".join(f"{one} moves {leg}" for one, leg in _wiring(result))
     return [
-        Fact(
-            "Margin", f"{amount(design.margin, 'N')}, {relative} of k r; {_anchor(design.anchor)}"
-        ),
+        Fact("Margin", f"{margin} of one anchor"),
         Fact("Yield", f"{percent(design.built.estimate)} ({low} to {high}) within {within}"),
         Fact("Bands", _bands(places)),
-        Fact("Foot depth", amount(places.below, "m")),
-        Fact("Gearing", _gearing(antenna.gear, antenna.swing, design.tip_force), TERMINAL),
-        Fact("Antennas", ", ".join(f"{one} moves {leg}" for one, leg in _wiring(result)), TERMINAL),
-        assumed_fact(robot),
+        Fact("Foot depth", amount(places.below, "m"), FULL),
+        Fact("Gearing", _gearing(antenna.gear, antenna.swing, design.tip_force), FULL),
+        Fact("Antennas", wired, FULL),
+        replace(assumed_fact(robot), level=FULL),
     ]
-
-
-def _anchor(distance: float) -> str:
-    return f"one anchor off by {amount(distance, 'm')} loses a row"
 
 
 def _bands(places: Places) -> str:
@@ -229,7 +230,7 @@ def _table(margins: Sequence[RowMargin], trials: Sequence[RowTrial], about: str)
         *_ROW[:6],
         base.Column("d/u_max", lambda row: _walk(row, _ADVANCE), True),
         base.Column("turn [°]", lambda row: _walk(row, _TURN), True),
-        base.Column("simulated", lambda row: _verdict(row["simulated"])),
+        base.Column("met", lambda row: _verdict(row["simulated"])),
     )
     return RecordTable(flat, recorded(_ROW, _rows(margins, trials)), about, level=CARD)
 
@@ -246,8 +247,8 @@ def _design_sections(result: CompiledRobot) -> dict[str, Any]:
     compiled, design = result.compiled, result.design
     assert design is not None
     about = (
-        "Margin: smallest force on a cell, and smallest displacement of one anchor, that changes "
-        "a gait. Simulated: mean motion per cycle with these antennas pressed all the time."
+        "Force and anchor: smallest force on a cell, and smallest displacement of one anchor, that "
+        "change a gait. d/u_max, turn and met: mean motion per cycle with these antennas pressed all the time."
     )
     sections: dict[str, Any] = {
         "Table": (

@@ -1,16 +1,16 @@
 """Robots and hoppers as values: legs, body, antennas, arena; the predicted gait and jump."""
 
 from stepwell.robot.arena import Arena, Cylinder, Floor, Goal, Wall, other_layout, other_start
-from stepwell.robot.behaviour import BOTH, FREE, Action, Behaviour, Choice, LegGait, Row
+from stepwell.robot.behaviour import BACKS, STEPS, Action, Behaviour, Choice, LegGait, Row
 from stepwell.robot.behaviour_search import Displaced, Places
 from stepwell.robot.compiling import (
     MOST_DESIGNS,
     SAMPLES,
     Compiled,
     CompiledDesign,
+    Order,
     RowMargin,
     compile_behaviour,
-    robot_of,
     rows_of,
 )
 from stepwell.robot.fit import of_arena, of_robot
@@ -103,6 +103,7 @@ __all__ = [
     "PartRole",
     "PushEnd",
     "Motion",
+    "Order",
     "Prediction",
     "Profile",
     "Push",

@@ -115,7 +115,7 @@ class Choice(ByValue):
     inner_bands: Sequence[int] = (1, 2)
     outer_bands: Sequence[int] = (1, 2)
     below: Sequence[float] = (0.0007, 0.0008, 0.0009, 0.0010)
-    moves: Sequence[float] = (0.002, 0.004, 0.006)
+    moves: Sequence[float] = (0.002, 0.003, 0.004)
     directions: int = 8
 
     def __post_init__(self):

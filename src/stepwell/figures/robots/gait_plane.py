@@ -55,12 +55,11 @@ def gait_plane(result: CompiledRobot, *, ax: Axes | None = None) -> Figure:
         a, b = ((one.inner_0, one.inner_1) for one in ends[:2])
         ax.annotate("", b, a, arrowprops=arrow | {"shrinkA": 4, "shrinkB": 4})
     ax.plot(*points.T, "o", color=style.INK, markersize=5.0, zorder=3, gid="legs")
-    labels = {"at rest": ends[0], "displaced": ends[-1]}
-    for text, one in labels.items():
+    for text, one, up in (("at rest", ends[0], 6), ("displaced", ends[-1], -12)):
         ax.annotate(
             text,
             (one.inner_0, one.inner_1),
-            xytext=(0, 6),
+            xytext=(0, up),
             textcoords="offset points",
             ha="center",
             fontsize=7,
