@@ -248,7 +248,8 @@ def _design_sections(result: CompiledRobot) -> dict[str, Any]:
     assert design is not None
     about = (
         "Force and anchor: smallest force on a cell, and smallest displacement of one anchor, that "
-        "change a gait. d/u_max, turn and met: mean motion per cycle with these antennas pressed all the time."
+        "change a gait. d/u_max, turn and met: mean motion per cycle in the simulation, with these "
+        "antennas pressed all the time."
     )
     sections: dict[str, Any] = {
         "Table": (

@@ -51,7 +51,11 @@ class Trials(Group):
 
 
 def compile_(
-    behaviour: str = argument("Behaviour file (TOML): contacts and motions.", "BEHAVIOUR"),
+    behaviour: str = argument(
+        "Behaviour file (TOML), or its name: turn-away.",
+        "BEHAVIOUR",
+        autocompletion=options.behaviours,
+    ),
     *,
     effort: Effort,
     trials: Trials,
@@ -65,9 +69,9 @@ def compile_(
     yield; or the smallest set of rows that no design has together, with exit code 3. With --out,
     the robot as a design file, figures and the result as JSON are written into a folder.
 
-    Example: stepwell compile behaviour.toml --out robot
+    Example: stepwell compile turn-away --out robot
     """
-    text = sw.files.text_of(behaviour)
+    text = sw.files.behaviour_text(behaviour)
     table = sw.files.loads_behaviour(text, behaviour, str(Path(behaviour).parent))
     places = [sw.files.load_arena(one) for one in trials.arena or ()]
     output.check_output_folder("compile", behaviour=text)

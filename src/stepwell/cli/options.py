@@ -40,6 +40,11 @@ def arenas(incomplete: str) -> list[str]:
     return [*_begun(sw.files.arenas(), incomplete), *_files(incomplete, ".toml", ".txt")]
 
 
+def behaviours(incomplete: str) -> list[str]:
+    """Behaviours with this beginning, and files."""
+    return [*_begun(sw.files.behaviours(), incomplete), *_files(incomplete, ".toml")]
+
+
 def results(incomplete: str) -> list[str]:
     """Kinds of results with a JSON Schema."""
     return _begun(sw.accounts.schema_kinds(), incomplete)

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     )
     from stepwell.files.hoppers import hopper_parameters
     from stepwell.files.behaviours import load_behaviour, loads_behaviour
+    from stepwell.files.behaviour import behaviour_text, behaviours, load_behaviour, loads_behaviour
     from stepwell.files.known import columns_of, known_keys, new_cells
     from stepwell.files.robot_parameters import (
         RobotParameter,
@@ -66,6 +67,8 @@ __all__ = [
     "arena_tables",
     "arena_text",
     "arenas",
+    "behaviour_text",
+    "behaviours",
     "check_folder",
     "digest",
     "dumps",
@@ -112,6 +115,7 @@ _LATE = {
     ),
     "hoppers": ("hopper_parameters",),
     "behaviours": ("load_behaviour", "loads_behaviour"),
+    "behaviour": ("behaviour_text", "behaviours", "load_behaviour", "loads_behaviour"),
     "known": ("columns_of", "known_keys", "new_cells"),
     "robot_parameters": ("RobotParameter", "key_unit", "parameters", "provenance", "vary"),
     "write": ("dumps", "loads_rig", "rig_toml", "save", "with_program"),

@@ -2,6 +2,8 @@
 
 import os
 from decimal import Decimal
+from functools import cache
+from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -72,7 +74,7 @@ class ChoiceKeys(keys.Keys):
     pitch_mm: robot_keys.Size | None = None
     x_mm: keys.Point | None = None
     y_mm: keys.Point | None = None
-    band: tuple[PackKeys, ...] = ()
+    band: Annotated[tuple[PackKeys, ...], keys.at_most("bands")] = ()
     inner_bands: Counts | None = None
     outer_bands: Counts | None = None
     below_mm: Lengths | None = None
@@ -89,18 +91,36 @@ class BehaviourKeys(keys.Keys):
     choice: ChoiceKeys = ChoiceKeys()
 
 
+def behaviours() -> dict[str, str]:
+    """Titles of the behaviours in the package, by name."""
+    return {name: loads_behaviour(text, name).title for name, text in _texts().items()}
+
+
+def behaviour_text(behaviour: str | os.PathLike[str]) -> str:
+    """Text of the file of a behaviour, unchecked; all else as for `load_behaviour`."""
+    name = os.fspath(behaviour)
+    if name in _texts():
+        return _texts()[name]
+    if not name.endswith(".toml"):
+        advice = did_you_mean(name, _texts())
+        problem = f"no such behaviour, and no file that ends in .toml. {advice}"
+        raise DesignError(f"behaviour {name}", [problem])
+    return design.text_of(behaviour)
+
+
 def load_behaviour(behaviour: str | os.PathLike[str]) -> Behaviour:
-    """The behaviour in a file, with its robot, in SI.
+    """The behaviour of that name or in a file, with its robot, in SI.
 
     Args:
-        behaviour: a TOML file with the keys of docs/how-to/compile.md. Its robot is the name of a
-            preset, or a file, relative to the folder of the behaviour.
+        behaviour: a name that `behaviours` lists, such as "turn-away"; or a TOML file with the
+            keys of docs/how-to/compile.md. Its robot is the name of a preset, or a file, relative
+            to the folder of the behaviour.
 
     Raises:
         DesignError: the file is missing or invalid; a line for every problem.
     """
     folder = os.fspath(Path(behaviour).parent)
-    return loads_behaviour(design.text_of(behaviour), os.fspath(behaviour), folder)
+    return loads_behaviour(behaviour_text(behaviour), os.fspath(behaviour), folder)
 
 
 def loads_behaviour(text: str, name: str = "behaviour", folder: str = ".") -> Behaviour:
@@ -129,3 +149,9 @@ def _choice(table: ChoiceKeys) -> Choice:
             values |= dict(zip(names, keys.si(key, ends), strict=True))
     bands = [BandType(**keys.fields(one)) for one in table.band]
     return Choice(**values, bands=bands)
+
+
+@cache
+def _texts() -> dict[str, str]:
+    folder = files("stepwell.files") / "behaviours"
+    return {file.name.removesuffix(".toml"): file.read_text("utf-8") for file in folder.iterdir()}
