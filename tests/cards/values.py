@@ -1,5 +1,6 @@
 """One of every result that a user can hold, small, by the name of its class."""
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -56,6 +57,14 @@ def _study(chain: sw.Chain) -> Status:
         found = sweep(chain, "graph", Space(_AXES), Path(folder) / "few.zarr", workers=0)
         account(found).record  # noqa: B018  reads the store, which is gone after this
     return found
+
+
+def _compiled() -> simulation.CompiledRobot:
+    """Of a small choice, without walks."""
+    table = sw.files.load_behaviour("turn-away")
+    few = replace(table.choice, inner_bands=(2,), below=(0.0008,), moves=(0.004,))
+    found = sw.robot.compile_behaviour(replace(table, choice=few), samples=20)
+    return simulation.verified(found, most=0)
 
 
 @cache
@@ -115,6 +124,7 @@ def of_robots() -> dict[str, Any]:
         walk,
         robot.maze(arena, limit=4),
         sweep,
+        _compiled(),
         simulation.convergence(robot, [0.001, 0.0005], cycles=2),
         AssumedRanges(
             robot, ("00>10>11>01>00",) * 2, (AssumedRange("a", ("b",), 1.0, 1.0, 1.0, "", ""),)

@@ -32,7 +32,9 @@ def test_the_help_of_robot_ends_with_the_exit_codes(stepwell, arguments):
     assert " ".join(text.split()).endswith(EXIT_CODES)
 
 
-@pytest.mark.parametrize("kind", ["robot", "walk", "maze", "sweep", "convergence", "ranges"])
+@pytest.mark.parametrize(
+    "kind", ["robot", "walk", "maze", "sweep", "convergence", "ranges", "compile"]
+)
 def test_every_name_of_the_robots_json_is_documented(kind):
     names = names_of(schema_of(kind))
     assert {"stepwell", "files"} < names

@@ -89,6 +89,20 @@ _KINDS = {
 # What is written hangs on whether there is one cell, on the drive and on the program.
 _WRITTEN = {"paper-cell-0-m15", "three-wave", "force-control"}
 
+# Few choices, one of which is the best of the preset.
+_TABLE = """
+row = [
+    { contact = "free", motion = "forward" },
+    { contact = "left", motion = "turn right" },
+    { contact = "right", motion = "turn left" },
+    { contact = "both", motion = "backward" },
+]
+[choice]
+inner_bands = [2]
+below_mm = [0.8]
+moves_mm = [4]
+"""
+
 RUNS = [
     *(
         (_folder if name in _WRITTEN else _one)(
@@ -571,6 +585,31 @@ ROBOTS = [
             "maze robot-forward yard.txt --limit 4 --json",
         ),
         given={"yard.txt": "#####\n#S.G#\n#####\n"},
+        within=SIMULATED,
+        slow=True,
+    ),
+    Case(
+        "compile/turn-away",
+        ("compile table.toml --walks 1 --arena wall --limit 2 --out out",),
+        given={"table.toml": _TABLE},
+        within=SIMULATED,
+        shown=True,
+        slow=True,
+    ),
+    Case(
+        "compile/none",
+        (
+            "compile stop.toml --json",
+            "compile stop.toml --most 9 --json",
+            "compile twice.toml",
+            "compile table.toml --samples 20 --seed 3 --anchor 0.5 --stiffness-tolerance 3 "
+            "--rest-length-tolerance 1 --walks 0 --build acrylic-3mm --json",
+        ),
+        given={
+            "table.toml": _TABLE,
+            "stop.toml": _TABLE.replace('"backward"', '"stop"'),
+            "twice.toml": _TABLE.replace('"both"', '"free"'),
+        },
         within=SIMULATED,
         slow=True,
     ),

@@ -41,8 +41,8 @@ def test_the_best_design_with_the_paper_s_displacement_has_all_rows_in_the_simul
 def test_the_arenas_and_the_parts_of_a_result_are_of_its_robot():
     found = result().in_arenas([sw.load_arena("wall")], limit=3)
     assert found.arenas[0].walk.robot == found.robot
-    # The parts are heavier: here the same robot with a heavier body.
-    heavy = replace(found.robot, body=replace(found.robot.body, mass=0.300))
+    # The parts have other masses: here the feet are heavier.
+    heavy = replace(found.robot, foot=replace(found.robot.foot, mass=0.012))
     made = found.with_parts(heavy)
     assert made.made == heavy and len(made.made_trials) == len(made.made_rows) == 4
     assert made.made_rows[0].orders != found.design.rows[0].orders

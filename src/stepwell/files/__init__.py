@@ -42,7 +42,6 @@ if TYPE_CHECKING:
         loads_arena_tables,
     )
     from stepwell.files.hoppers import hopper_parameters
-    from stepwell.files.behaviours import load_behaviour, loads_behaviour
     from stepwell.files.behaviour import behaviour_text, behaviours, load_behaviour, loads_behaviour
     from stepwell.files.known import columns_of, known_keys, new_cells
     from stepwell.files.robot_parameters import (
@@ -114,7 +113,6 @@ _LATE = {
         "loads_arena_tables",
     ),
     "hoppers": ("hopper_parameters",),
-    "behaviours": ("load_behaviour", "loads_behaviour"),
     "behaviour": ("behaviour_text", "behaviours", "load_behaviour", "loads_behaviour"),
     "known": ("columns_of", "known_keys", "new_cells"),
     "robot_parameters": ("RobotParameter", "key_unit", "parameters", "provenance", "vary"),
