@@ -22,11 +22,8 @@ EVERY = {
     "robot sweep": ("robot-forward", "foot.below_mm=0.3:0.6:2"),
     "walk": ("robot-forward",),
     "maze": ("robot-explorer", "cylinder"),
-<<<<<<< HEAD
     "jump": ("hopper",),
-=======
     "compile": ("turn-away",),
->>>>>>> cdce0392 (Documentation of stepwell compile; its tests over all commands, cards and figures)
     "export": ("robot-forward",),
     "paper": (),
     "lab read": (".",),

@@ -38,11 +38,8 @@ QUICK = {
 ROBOTS = {
     "walk robot-forward --cycles 2": "mm in 2 cycles",
     "maze robot-explorer three-walls --limit 4": "4 s",
-<<<<<<< HEAD
     "jump hopper": "mm high",
-=======
     "compile turn-away --walks 1 --samples 50": "all rows",
->>>>>>> cdce0392 (Documentation of stepwell compile; its tests over all commands, cards and figures)
     "robot show robot-forward": "forward",
     "robot show robot-explorer": "forward",
     "robot sweep robot-forward foot.below_mm=0.6:1:3 --cycles 1 --out feet": "3 of 3",

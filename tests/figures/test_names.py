@@ -14,6 +14,7 @@ from matplotlib.text import Text
 
 import stepwell as sw
 from hoppers import jumped
+from cards.values import of_robots as held_of_robots
 from lab.machine import pair, unit
 from sizes import cases
 from stepwell import figures, files, lab, simulation
@@ -108,14 +109,11 @@ def of_robots(name: str) -> Iterator[partial[object]]:
     for draw in (figures.gait, figures.trajectory, figures.contacts):
         yield partial(draw, maze.walk)
     yield partial(figures.trajectories, {name: maze.walk})
-<<<<<<< HEAD
     jump = jumped()
     hopper = replace(jump.hopper, title=name, chain=named(jump.hopper.chain, name))
     for draw in (figures.energy_flow, figures.flight):
         yield partial(draw, replace(jump, hopper=hopper))
-=======
-    yield partial(figures.gait_plane, of_robots_of_cards()["CompiledRobot"])
->>>>>>> cdce0392 (Documentation of stepwell compile; its tests over all commands, cards and figures)
+    yield partial(figures.gait_plane, held_of_robots()["CompiledRobot"])
     trial = simulation.Trial(0.1, 0.0, 0.1, (name, name), 0.0, "")
     for n in (1, 2, 3):
         values = {f"leg.{name}.{i}": [0.3, 0.5] for i in range(n)}

@@ -5,7 +5,7 @@ import pytest
 import stepwell as sw
 from facts import refuses
 from stepwell.files import DesignError, behaviour_text, behaviours, load_behaviour, loads_behaviour
-from stepwell.robot import Choice
+from stepwell.robot import RobotChoice
 
 ROWS = """
 row = [
@@ -21,7 +21,7 @@ def test_every_behaviour_of_the_package_is_read():
     assert "turn-away" in behaviours()
     for name, title in behaviours().items():
         assert load_behaviour(name).title == title
-    assert loads_behaviour(behaviour_text("turn-away")).choice == Choice()
+    assert loads_behaviour(behaviour_text("turn-away")).choice == RobotChoice()
 
 
 def test_lengths_are_in_mm_and_bands_in_a_pack(tmp_path):

@@ -8,21 +8,31 @@ import pytest
 
 import stepwell as sw
 from facts import refuses
-from stepwell.robot import Behaviour, Choice, Row, compile_behaviour, predicted_gaits, rows_of
+from stepwell.robot import (
+    BehaviourRow,
+    RobotBehaviour,
+    RobotChoice,
+    compile_behaviour,
+    predicted_gaits,
+    rows_of,
+)
 from stepwell.robot.behaviour import Action, LegGait
-from stepwell.robot.behaviour_search import Search, pressed
+from stepwell.robot.behaviour_search import DesignSearch, pressed
 from stepwell.robot.compiling import contradiction
 from stepwell.robot.gait_rules import Bands, GaitRules
 from stepwell.robot.stance import Leaning, leaning
 
-FEW = Choice(inner_bands=(2,), below=(0.0009,), moves=(0.004,))
+FEW = RobotChoice(inner_bands=(2,), below=(0.0009,), moves=(0.004,))
 TURN_AWAY = ("forward", "turn right", "turn left", "backward")
 
 
-def behaviour(motions=TURN_AWAY, choice=FEW) -> Behaviour:
+def behaviour(motions=TURN_AWAY, choice=FEW) -> RobotBehaviour:
     contacts = ("free", "left", "right", "both")
-    rows = [Row(contact, Action(motion)) for contact, motion in zip(contacts, motions, strict=True)]
-    return Behaviour(rows, sw.preset("robot-antennas"), choice)
+    rows = [
+        BehaviourRow(contact, Action(motion))
+        for contact, motion in zip(contacts, motions, strict=True)
+    ]
+    return RobotBehaviour(rows, sw.preset("robot-antennas"), choice)
 
 
 @cache
@@ -67,7 +77,7 @@ def test_forces_of_many_bands_are_those_of_their_cells():
 
 
 def test_the_paper_s_displacement_is_enough_and_the_best_design_has_two_inner_bands():
-    choice = Choice(below=(0.0009,), moves=(0.004,))
+    choice = RobotChoice(below=(0.0009,), moves=(0.004,))
     found = compile_behaviour(behaviour(choice=choice), samples=50)
     one, two = found.displaced
     assert (one.inner_bands, two.inner_bands) == (1, 2)
@@ -116,7 +126,7 @@ def test_a_conflict_is_the_smallest_set_of_rows():
     for left_out in found.conflict:
         motions = {row.contact: row.motion for row in table.rows if row.contact in found.conflict}
         motions = open_rows | motions | {left_out: "any"}
-        search = Search(behaviour(tuple(motions.values())))
+        search = DesignSearch(behaviour(tuple(motions.values())))
         assert search.run(found.total, None) == found.total
         assert search.met > 0, left_out
 
@@ -171,17 +181,17 @@ def test_both_wirings_of_the_antennas_are_possible():
 )
 def test_a_table_with_a_row_missing_or_twice_or_without_an_antenna_is_refused(rows, facts):
     with refuses(sw.InputError, facts[0]) as error:
-        Behaviour([Row(*row) for row in rows], sw.preset("robot-antennas"))
+        RobotBehaviour([BehaviourRow(*row) for row in rows], sw.preset("robot-antennas"))
     for fact in facts:
         assert fact in str(error.value)
 
 
 def test_a_robot_without_antennas_and_numbers_out_of_range_are_refused():
     with refuses(sw.InputError, "0 antennas"):
-        Behaviour([Row("free", Action("forward"))], sw.preset("robot-forward"))
+        RobotBehaviour([BehaviourRow("free", Action("forward"))], sw.preset("robot-forward"))
     for wrong in ({"moves": (0.0,)}, {"moves": ()}, {"directions": 0}, {"left": 1.0}):
         with pytest.raises(sw.InputError):
-            Choice(**wrong)
+            RobotChoice(**wrong)
 
 
 def test_rules_hold_the_rail_friction_against_the_inner_cell():

@@ -9,7 +9,7 @@ import stepwell as sw
 from accounts.schemas import violations
 from facts import says
 from stepwell.accounts import account, page, terminal
-from stepwell.robot import Action, Compiled, Row
+from stepwell.robot import Action, BehaviourRow, Compiled
 from stepwell.simulation import CompiledRobot, RowTrial, Trial, behaviour_trials, verified
 
 pytest.importorskip("mujoco")
@@ -50,7 +50,7 @@ def test_the_arenas_and_the_parts_of_a_result_are_of_its_robot():
 
 def test_without_walks_a_result_is_not_verified_and_without_a_design_nothing_walks():
     assert not verified(compiled(), most=0).verified
-    rows = [Row(row.contact, Action.STOP) for row in compiled().behaviour.rows]
+    rows = [BehaviourRow(row.contact, Action.STOP) for row in compiled().behaviour.rows]
     table = replace(compiled().behaviour, rows=rows)
     found = verified(replace(nothing(), behaviour=table))
     assert (found.design, found.walked, found.robot) == (None, (), table.robot)
@@ -73,7 +73,7 @@ def test_without_walks_a_result_is_not_verified_and_without_a_design_nothing_wal
     ],
 )
 def test_a_row_is_right_if_the_robot_moves_as_it_says(motion, advance, turn, right):
-    row, trial = Row("free", Action(motion)), Trial(advance, 0.0, turn, ("", ""), 0.0, "")
+    row, trial = BehaviourRow("free", Action(motion)), Trial(advance, 0.0, turn, ("", ""), 0.0, "")
     assert RowTrial(row, trial).right is right
     assert not RowTrial(row, replace(trial, stopped="fell")).right
 

@@ -12,7 +12,7 @@ from stepwell.accounts.parts import CARD, FULL, Account, Fact, Picture, RecordTa
 from stepwell.accounts.robot import assumed_fact, parameter_section
 from stepwell.accounts.yields import tolerance_schema, tolerance_words
 from stepwell.base import Quantity, Schema, amount, counted, number, percent, to_unit
-from stepwell.robot import BACKS, STEPS, CompiledDesign, Places, RowMargin
+from stepwell.robot import BACKS, STEPS, ChosenNumbers, CompiledDesign, RowMargin
 from stepwell.simulation import CompiledRobot, RowTrial
 
 _ADVANCE = Quantity("advance", "over_u_max", "d/u_max", "trial.advance", ".2f", holds=float)
@@ -214,7 +214,7 @@ def _design_facts(result: CompiledRobot, design: CompiledDesign) -> list[Fact]:
     ]
 
 
-def _bands(places: Places) -> str:
+def _bands(places: ChosenNumbers) -> str:
     band = places.band
     kind = f"{number(band.stiffness)} N/m, {amount(band.rest_length, 'm')}"
     return f"{places.inner_bands} inner, {places.outer_bands} outer, each {kind}"

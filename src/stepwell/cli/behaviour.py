@@ -1,5 +1,7 @@
 """`stepwell compile`: from a table of contacts and motions to a robot and its parts."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,16 +14,16 @@ from stepwell.cli.screen import answered, progress, usable, warn
 from stepwell.cli.tolerances import BUILD_FILE, SAMPLES, BandTolerances, Seed, materials
 
 
-class Effort(Group):
+class CompileEffort(Group):
     """Numbers of evaluated, sampled and simulated designs."""
 
-    most: int = option(
+    most: int | None = option(
         "Maximum number of designs evaluated in closed form.",
         "--most N",
-        default=sw.robot.MOST_DESIGNS,
         min=1,
+        show_default="20000000",
     )
-    samples: int = option(SAMPLES, "N", default=sw.robot.SAMPLES, min=1, max=100_000)
+    samples: int | None = option(SAMPLES, "N", min=1, max=100_000, show_default="500")
     seed: Seed = 0
     walks: int = option(
         "Maximum number of designs that walk through the table in the simulation; 0 for none.",
@@ -31,12 +33,18 @@ class Effort(Group):
         max=5,
     )
 
+    @property
+    def given(self) -> dict[str, int]:
+        """Numbers of designs and samples that differ from those of the function."""
+        numbers = {"most": self.most, "samples": self.samples}
+        return {name: number for name, number in numbers.items() if number is not None}
 
-class Trials(Group):
+
+class FurtherTrials(Group):
     """Arenas, and the robot as it is cut."""
 
     arena: list[str] | None = option(
-        "Arena for a run of the robot: a name of `stepwell maze --list`, or a file (.toml, .txt). "
+        "Arena, for a run of the robot: a name of `stepwell maze --list`, or a file (.toml, .txt). "
         "May be repeated.",
         "--arena ARENA",
         autocompletion=options.arenas,
@@ -57,8 +65,8 @@ def compile_(
         autocompletion=options.behaviours,
     ),
     *,
-    effort: Effort,
-    trials: Trials,
+    effort: CompileEffort,
+    trials: FurtherTrials,
     within: BandTolerances,
     output: options.Output,
 ) -> None:
@@ -78,12 +86,7 @@ def compile_(
     spread = within.tolerances()
     with usable(behaviour), progress("designs") as tell:
         compiled = sw.robot.compile_behaviour(
-            table,
-            tolerances=spread,
-            samples=effort.samples,
-            seed=effort.seed,
-            most=effort.most,
-            progress=tell,
+            table, tolerances=spread, seed=effort.seed, progress=tell, **effort.given
         )
     with usable(behaviour), progress("walking") as tell:
         result = sw.simulation.verified(compiled, most=effort.walks, progress=tell)

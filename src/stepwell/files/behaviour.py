@@ -14,7 +14,7 @@ from stepwell.files import design
 from stepwell.files.schema import keys, robot as robot_keys, wording
 from stepwell.files.schema.chain import Stiffness
 from stepwell.files.text import DesignError, did_you_mean, parsed
-from stepwell.robot import Action, Behaviour, Choice, Robot, Row
+from stepwell.robot import Action, BehaviourRow, Robot, RobotBehaviour, RobotChoice
 
 _EMPTY = 'is empty: a behaviour has rows, as in row = [{ contact = "free", motion = "forward" }].'
 
@@ -108,7 +108,7 @@ def behaviour_text(behaviour: str | os.PathLike[str]) -> str:
     return design.text_of(behaviour)
 
 
-def load_behaviour(behaviour: str | os.PathLike[str]) -> Behaviour:
+def load_behaviour(behaviour: str | os.PathLike[str]) -> RobotBehaviour:
     """The behaviour of that name or in a file, with its robot, in SI.
 
     Args:
@@ -123,13 +123,13 @@ def load_behaviour(behaviour: str | os.PathLike[str]) -> Behaviour:
     return loads_behaviour(behaviour_text(behaviour), os.fspath(behaviour), folder)
 
 
-def loads_behaviour(text: str, name: str = "behaviour", folder: str = ".") -> Behaviour:
+def loads_behaviour(text: str, name: str = "behaviour", folder: str = ".") -> RobotBehaviour:
     """The behaviour in a text; all else as for `load_behaviour`."""
     table = wording.checked(BehaviourKeys, parsed(text, name, _EMPTY), name)
-    rows = [Row(one.contact, Action(one.motion)) for one in table.row]
+    rows = [BehaviourRow(one.contact, Action(one.motion)) for one in table.row]
     try:
         choice = _choice(table.choice)
-        return Behaviour(rows, _robot(table.robot, folder), choice, table.title)
+        return RobotBehaviour(rows, _robot(table.robot, folder), choice, table.title)
     except DesignError:
         raise
     except ValueError as error:
@@ -142,13 +142,13 @@ def _robot(name: str, folder: str) -> Robot:
     return design.load(text if not name.startswith("preset:") else name).robot
 
 
-def _choice(table: ChoiceKeys) -> Choice:
+def _choice(table: ChoiceKeys) -> RobotChoice:
     values = keys.fields(table, left_out=["x_mm", "y_mm", "band"])
     for key, names in (("x_mm", ("left", "right")), ("y_mm", ("bottom", "top"))):
         if (ends := getattr(table, key)) is not None:
             values |= dict(zip(names, keys.si(key, ends), strict=True))
     bands = [BandType(**keys.fields(one)) for one in table.band]
-    return Choice(**values, bands=bands)
+    return RobotChoice(**values, bands=bands)
 
 
 @cache

@@ -1,14 +1,20 @@
 """Robots and hoppers as values: legs, body, antennas, arena; the predicted gait and jump."""
 
 from stepwell.robot.arena import Arena, Cylinder, Floor, Goal, Wall, other_layout, other_start
-from stepwell.robot.behaviour import BACKS, STEPS, Action, Behaviour, Choice, LegGait, Row
-from stepwell.robot.behaviour_search import Displaced, Places
+from stepwell.robot.behaviour import (
+    BACKS,
+    STEPS,
+    Action,
+    BehaviourRow,
+    LegGait,
+    RobotBehaviour,
+    RobotChoice,
+)
+from stepwell.robot.behaviour_search import ChosenNumbers, Displaced
 from stepwell.robot.compiling import (
-    MOST_DESIGNS,
-    SAMPLES,
     Compiled,
     CompiledDesign,
-    Order,
+    GaitForces,
     RowMargin,
     compile_behaviour,
     rows_of,
@@ -83,11 +89,11 @@ __all__ = [
     "Action",
     "Antenna",
     "Arena",
-    "Behaviour",
+    "RobotBehaviour",
     "Blocks",
     "Body",
     "BodyMass",
-    "Choice",
+    "RobotChoice",
     "Compiled",
     "CompiledDesign",
     "Cylinder",
@@ -99,17 +105,18 @@ __all__ = [
     "Foot",
     "Goal",
     "Leg",
+    "LegGait",
     "LegPrediction",
     "PartRole",
     "PushEnd",
     "Motion",
-    "Order",
+    "GaitForces",
     "Prediction",
     "Profile",
     "Push",
     "Robot",
     "RobotParts",
-    "Row",
+    "BehaviourRow",
     "RowMargin",
     "Shape",
     "Wall",

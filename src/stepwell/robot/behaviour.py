@@ -73,7 +73,7 @@ class Action(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Row(ByValue):
+class BehaviourRow(ByValue):
     """A row of the table: the contact, and the motion of the robot during it.
 
     Args:
@@ -88,11 +88,11 @@ class Row(ByValue):
         check.fields(self, check.one_of, motion=Action)
 
     def __repr__(self):
-        return f"Row({self.contact}: {self.motion})"
+        return f"BehaviourRow({self.contact}: {self.motion})"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Choice(ByValue):
+class RobotChoice(ByValue):
     """Numbers among which a compiler chooses; a `ValueError` refuses values out of range.
 
     Args:
@@ -163,7 +163,7 @@ class Choice(ByValue):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Behaviour(ByValue):
+class RobotBehaviour(ByValue):
     """A behaviour that a robot shall have, as a table of all contacts of its antennas.
 
     Args:
@@ -178,9 +178,9 @@ class Behaviour(ByValue):
             of robot; with a line for every problem.
     """
 
-    rows: Sequence[Row]
+    rows: Sequence[BehaviourRow]
     robot: Robot
-    choice: Choice = Choice()
+    choice: RobotChoice = RobotChoice()
     title: str = field(default="", compare=False)
 
     def __post_init__(self):
@@ -243,7 +243,7 @@ class Behaviour(ByValue):
 
     def __repr__(self):
         table = ", ".join(f"{row.contact}: {row.motion}" for row in self.rows)
-        return f"Behaviour({table})"
+        return f"RobotBehaviour({table})"
 
 
 def _unfit(robot: Robot) -> list[str]:

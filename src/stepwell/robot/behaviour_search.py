@@ -11,7 +11,7 @@ import numpy as np
 
 from stepwell.base import Floats, Progress, Vec2, notify
 from stepwell.design import BandType
-from stepwell.robot.behaviour import Action, Behaviour
+from stepwell.robot.behaviour import Action, RobotBehaviour
 from stepwell.robot.gait_rules import Bands, GaitRules, LegForces
 
 SHORTLIST = 200  # designs of the largest margins that are kept
@@ -22,7 +22,7 @@ AT_REST, DISPLACED = 0, 1
 Leg = tuple[LegForces, LegForces]  # its forces at rest, and with its anchor displaced
 
 
-class Places(NamedTuple):
+class ChosenNumbers(NamedTuple):
     """Chosen numbers of a design with two equal legs.
 
     Attributes:
@@ -63,13 +63,13 @@ class Displaced(NamedTuple):
     bound: float
 
 
-def band_types(behaviour: Behaviour) -> tuple[BandType, ...]:
+def band_types(behaviour: RobotBehaviour) -> tuple[BandType, ...]:
     """The types of band of a choice; by default the one on the robot's outer cell."""
     own = behaviour.robot.legs[0].chain.levers[-1].bands[0]
     return tuple(behaviour.choice.bands) or (BandType.of(own),)
 
 
-def wirings(behaviour: Behaviour) -> tuple[Wiring, ...]:
+def wirings(behaviour: RobotBehaviour) -> tuple[Wiring, ...]:
     """Every way in which the antennas can be joined to the legs, the robot's own first."""
     robot = behaviour.robot
     own = tuple(int(robot.leg(one.leg).side < 0) for one in behaviour.antennas)
@@ -77,7 +77,7 @@ def wirings(behaviour: Behaviour) -> tuple[Wiring, ...]:
     return tuple(sorted(every, key=lambda one: one != own))
 
 
-def pressed(behaviour: Behaviour, wiring: Wiring, contact: str) -> Pressed:
+def pressed(behaviour: RobotBehaviour, wiring: Wiring, contact: str) -> Pressed:
     """Whether a contact displaces the anchor of the left and of the right leg."""
     names = [one.name for one in behaviour.antennas]
     legs = {wiring[names.index(name)] for name in behaviour.touched(contact)}
@@ -108,17 +108,17 @@ def row_margins(
     return np.array(np.broadcast_arrays(*margins)), which
 
 
-class Search:
+class DesignSearch:
     """Evaluation of all designs of a choice with two equal legs.
 
     Attributes:
         met: number of evaluated designs with all rows.
     """
 
-    def __init__(self, behaviour: Behaviour):
+    def __init__(self, behaviour: RobotBehaviour):
         self.met = 0
         self._behaviour, self._choice = behaviour, behaviour.choice
-        self._found: list[tuple[float, Places]] = []
+        self._found: list[tuple[float, ChosenNumbers]] = []
         # How many designs have which rows, as bits of the index.
         self._patterns = np.zeros(2 ** len(behaviour.rows), np.int64)
         self._table: dict[tuple[float, int], list[float]] = {}
@@ -135,7 +135,7 @@ class Search:
             notify(progress, done, choice.designs)
         return done
 
-    def best(self) -> list[Places]:
+    def best(self) -> list[ChosenNumbers]:
         """Designs of the largest margins, one for each set of anchors."""
         ordered = sorted(self._found, key=lambda one: -one[0])
         first = {(one[:5], one.wiring): one for _, one in reversed(ordered)}
@@ -197,7 +197,7 @@ class Search:
             entry[1] = max(entry[1], float(of_length.max(initial=-np.inf)))
         for k in np.argsort(-values, kind="stable")[:SHORTLIST].tolist():
             i, j, o = found[k].tolist()
-            places = Places(choice.holes[i], choice.holes[o], choice.displacements[j], *rest)
+            places = ChosenNumbers(choice.holes[i], choice.holes[o], choice.displacements[j], *rest)
             self._found.append((float(values[k]), places))
 
     def _note_bounds(self, inner: int, usable: Any, leg: Leg) -> None:

@@ -13,13 +13,13 @@ import numpy as np
 from stepwell.base import ByValue, Drawn, Floats, Progress, check
 from stepwell.design import DEFAULT_TOLERANCES, Draws, Fraction, Tolerances, fraction_of
 from stepwell.mechanism import Chain
-from stepwell.robot.behaviour import STEPS, Action, Behaviour, LegGait, Row
+from stepwell.robot.behaviour import STEPS, Action, BehaviourRow, LegGait, RobotBehaviour
 from stepwell.robot.behaviour_search import (
+    ChosenNumbers,
+    DesignSearch,
     Displaced,
     Leg,
-    Places,
     Pressed,
-    Search,
     Wiring,
     band_types,
     pressed,
@@ -39,7 +39,7 @@ NUDGE = 1e-6  # displacement of an anchor for slopes of the margins [m]
 _LOOKS = 9  # angles at which the pull on an antenna is computed
 
 
-class Order(NamedTuple):
+class GaitForces(NamedTuple):
     """Forces that decide which cell of a leg moves first [N].
 
     Attributes:
@@ -65,11 +65,11 @@ class RowMargin(ByValue):
         orders: forces that decide the gait of the left and of the right leg.
     """
 
-    row: Row
+    row: BehaviourRow
     gaits: tuple[LegGait, LegGait]
     force: float
     anchor: float
-    orders: tuple[Order, Order]
+    orders: tuple[GaitForces, GaitForces]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,7 +86,7 @@ class CompiledDesign(ByValue):
     """
 
     robot: Robot = field(repr=False)
-    places: Places
+    places: ChosenNumbers
     rows: tuple[RowMargin, ...]
     built: Fraction
     step: float
@@ -119,7 +119,7 @@ class Compiled(ByValue, Drawn):
         tolerances, samples, seed: of the yields.
     """
 
-    behaviour: Behaviour
+    behaviour: RobotBehaviour
     designs: tuple[CompiledDesign, ...]
     searched: int
     met: int
@@ -158,7 +158,7 @@ class Compiled(ByValue, Drawn):
 
 
 def compile_behaviour(
-    behaviour: Behaviour,
+    behaviour: RobotBehaviour,
     *,
     tolerances: Tolerances = DEFAULT_TOLERANCES,
     samples: int = SAMPLES,
@@ -166,7 +166,7 @@ def compile_behaviour(
     most: int = MOST_DESIGNS,
     progress: Progress | None = None,
 ) -> Compiled:
-    """Search designs with two equal legs that have a behaviour, in closed form.
+    """DesignSearch designs with two equal legs that have a behaviour, in closed form.
 
     All designs of the choice are evaluated by `GaitRules`. Those of the largest margins are
     sampled within tolerances and ordered by yield. Nothing is simulated here:
@@ -185,7 +185,7 @@ def compile_behaviour(
     """
     check.whole("samples", samples, 1)
     check.whole("most", most, 1)
-    conflict, search = contradiction(behaviour), Search(behaviour)
+    conflict, search = contradiction(behaviour), DesignSearch(behaviour)
     proved = bool(conflict)
     searched = 0 if proved else search.run(most, progress)
     designs = [_designed(behaviour, one, tolerances, samples, seed) for one in search.best()]
@@ -211,7 +211,7 @@ def _rank(design: CompiledDesign) -> tuple[bool, int, float]:
     return design.step < STEPS_ON, -round(design.built.estimate / SAME_YIELD), -design.margin
 
 
-def contradiction(behaviour: Behaviour) -> tuple[str, ...]:
+def contradiction(behaviour: RobotBehaviour) -> tuple[str, ...]:
     """Contacts of the fewest rows that exclude each other for all designs with equal legs.
 
     Which cell of a leg moves first while unloading depends on this leg and its own antenna alone:
@@ -226,7 +226,7 @@ def contradiction(behaviour: Behaviour) -> tuple[str, ...]:
     return ()
 
 
-def _consistent(behaviour: Behaviour, wiring: Wiring, rows: Sequence[Row]) -> bool:
+def _consistent(behaviour: RobotBehaviour, wiring: Wiring, rows: Sequence[BehaviourRow]) -> bool:
     """Whether the unloading orders of some rows agree, for equal legs."""
     moved = [pressed(behaviour, wiring, row.contact) for row in rows]
     for gaits in product(*(row.motion.gaits for row in rows)):
@@ -262,13 +262,13 @@ def _legs(robot: Robot, rules: GaitRules, numbers: _Numbers) -> tuple[Leg, Leg]:
 
 
 def _margins(
-    behaviour: Behaviour, wiring: Wiring, rules: GaitRules, legs: tuple[Leg, Leg]
+    behaviour: RobotBehaviour, wiring: Wiring, rules: GaitRules, legs: tuple[Leg, Leg]
 ) -> tuple[Floats, list[Any]]:
     rows = [(row.motion, pressed(behaviour, wiring, row.contact)) for row in behaviour.rows]
     return row_margins(rules, rows, legs)
 
 
-def rows_of(behaviour: Behaviour, robot: Robot, wiring: Wiring) -> tuple[RowMargin, ...]:
+def rows_of(behaviour: RobotBehaviour, robot: Robot, wiring: Wiring) -> tuple[RowMargin, ...]:
     """Margins of all rows of a table for a robot of two equal legs, with antennas wired so."""
     numbers = _numbers(_cells(robot))
     # The nominal robot, then each coordinate of each cell's q - p a little further.
@@ -293,12 +293,12 @@ def rows_of(behaviour: Behaviour, robot: Robot, wiring: Wiring) -> tuple[RowMarg
     )
 
 
-def _orders(rules: GaitRules, legs: tuple[Leg, Leg], at: Pressed) -> tuple[Order, Order]:
+def _orders(rules: GaitRules, legs: tuple[Leg, Leg], at: Pressed) -> tuple[GaitForces, GaitForces]:
     """Forces that decide the gaits of the nominal robot, the first variant."""
     left, right = (leg[moved] for leg, moved in zip(legs, at, strict=True))
     gaps = rules.gaps((left, right))
     first, second = (
-        Order(
+        GaitForces(
             *(float(one.inner_0[0]), float(one.inner_0[0] + rules.rail + loading[0])),
             *(float(one.inner_1[0]), float(one.inner_1[0] - rules.rail - unloading[0])),
         )
@@ -321,11 +321,15 @@ def _numbers(cells: Sequence[Any]) -> _Numbers:
 
 
 def _designed(
-    behaviour: Behaviour, places: Places, tolerances: Tolerances, samples: int, seed: int
+    behaviour: RobotBehaviour,
+    places: ChosenNumbers,
+    tolerances: Tolerances,
+    samples: int,
+    seed: int,
 ) -> CompiledDesign:
     """A found design with its margins row by row and its yield."""
     robot = robot_of(behaviour, places)
-    drawing, rules = Draws(Chain(_cells(robot)), tolerances, seed), GaitRules(robot)
+    drawing, rules = Draws(Chain(_cells(robot)), spread, seed), GaitRules(robot)
     right = 0
     for drawn in drawing.chunks(samples):
         sampled = drawing.designs(drawn)
@@ -368,7 +372,7 @@ def _tip_force(robot: Robot, rules: GaitRules) -> float:
     return pull * antenna.gear / antenna.length
 
 
-def robot_of(behaviour: Behaviour, places: Places) -> Robot:
+def robot_of(behaviour: RobotBehaviour, places: ChosenNumbers) -> Robot:
     """The robot of a behaviour with chosen numbers; its antennas keep their gearing."""
     base, band = behaviour.robot, places.band
     anchors = (places.inner, places.outer)

@@ -12,11 +12,11 @@ from stepwell.robot import (
     WALKS,
     Action,
     Arena,
-    Behaviour,
+    BehaviourRow,
     Compiled,
     CompiledDesign,
     Robot,
-    Row,
+    RobotBehaviour,
     RowMargin,
     rows_of,
 )
@@ -31,7 +31,7 @@ CYCLES = 4
 class RowTrial(ByValue):
     """A walk with the antennas of one row pressed all the time: the row and the trial."""
 
-    row: Row
+    row: BehaviourRow
     trial: Trial
 
     @property
@@ -60,7 +60,7 @@ def moves_as(action: Action, trial: Trial) -> bool:
 
 
 def behaviour_trials(
-    behaviour: Behaviour,
+    behaviour: RobotBehaviour,
     robots: Sequence[Robot],
     *,
     cycles: int = CYCLES,
