@@ -329,7 +329,7 @@ def _designed(
 ) -> CompiledDesign:
     """A found design with its margins row by row and its yield."""
     robot = robot_of(behaviour, places)
-    drawing, rules = Draws(Chain(_cells(robot)), spread, seed), GaitRules(robot)
+    drawing, rules = Draws(Chain(_cells(robot)), tolerances, seed), GaitRules(robot)
     right = 0
     for drawn in drawing.chunks(samples):
         sampled = drawing.designs(drawn)
