@@ -34,6 +34,8 @@ PARTS = {
     ),
     *("Counting", "Critical", "Cubic", "Curve", "Cycles", "Cylinder", "Draws", "Drive"),
     *("DriveNeeds", "GaitComparison"),
+    *("BehaviourRow", "Compiled", "CompiledDesign", "RobotBehaviour", "RobotChoice"),
+    *("RowMargin", "RowTrial"),
     *("OtherLanding", "Estimate", "Fitted", "FittedParameter", "Flip", "Floor"),
     *("Foot", "ForceLaw", "Forgetting", "Goal", "HalfCycle", "History", "Hysteresis"),
     *("InertialLanding", "Latch", "Leg", "LegPrediction", "LibraryEntry", "Linear", "Load"),

@@ -5,11 +5,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from stepwell import base
+from stepwell import base, files
 from stepwell.accounts import parts
 from stepwell.accounts.head import About, DesignShape, Row, keys, recorded
 from stepwell.accounts.parts import CARD, FULL, Account, Fact, Picture, RecordTable
-from stepwell.accounts.robot import assumed_fact, parameter_section
+from stepwell.accounts.robot import PARAMETERS, assumed_fact, parameter_section
 from stepwell.accounts.yields import tolerance_schema, tolerance_words
 from stepwell.base import Quantity, Schema, amount, counted, number, percent, to_unit
 from stepwell.robot import BACKS, STEPS, ChosenNumbers, CompiledDesign, RowMargin
@@ -95,7 +95,13 @@ COMPILE: Schema = (
         "compiled",
     ),
     *keys(verified=bool, simulated=(int, lambda result: len(result.trials))),
-    *keys(relative=("N", "compiled.force")),
+    *keys(
+        relative=("N", "compiled.force"),
+        relative_margin=("percent", _of_design(lambda one: one.design.margin / one.compiled.force)),
+        swing=("deg", _of_design(lambda one: one.robot.antennas[0].swing)),
+        displacement_per_rad=("mm", _of_design(lambda one: one.robot.antennas[0].gear)),
+    ),
+    replace(PARAMETERS, read=lambda result: files.provenance(result.robot)),
     Quantity("design", holds=_DESIGN, missing=True),
     *keys(antennas_drive=({str: str}, lambda result: dict(_wiring(result)))),
     *keys(
@@ -151,6 +157,7 @@ def compiled_robot_account(result: CompiledRobot, about: About) -> Account:
         more="rows",
     )
     sections["Assumptions"] = parts.Notes(_ASSUMPTIONS, FULL)
+    hints = ["`--most N` evaluates up to N designs."] * (not compiled.decided)
     origin = "Found in closed form among two equal legs, then simulated."
     return Account(
         result,
@@ -161,6 +168,7 @@ def compiled_robot_account(result: CompiledRobot, about: About) -> Account:
         sections,
         warned,
         origin,
+        hints=hints,
         seed=compiled.seed,
         packages=["mujoco"],
     )
@@ -201,7 +209,8 @@ def _design_facts(result: CompiledRobot, design: CompiledDesign) -> list[Fact]:
     low, high = map(percent, design.built[2:])
     antenna, robot = result.robot.antennas[0], result.robot
     within = tolerance_words(compiled.tolerances, robot.legs[0].chain)
-    margin = f"{amount(design.margin, 'N')}, {relative} of k r, or {amount(design.anchor, 'm')}"
+    force = f"{to_unit(design.margin, 'mN'):.3g} mN"
+    margin = f"{force}, {relative} of k r, or {amount(design.anchor, 'm')}"
     wired = ", ".join(f"{one} moves {leg}" for one, leg in _wiring(result))
     return [
         Fact("Margin", f"{margin} of one anchor"),

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Drawn, Floats, Progress, check
+from stepwell.base import ByValue, Floats, Progress, check
 from stepwell.design import DEFAULT_TOLERANCES, Draws, Fraction, Tolerances, fraction_of
 from stepwell.mechanism import Chain
 from stepwell.robot.behaviour import STEPS, Action, BehaviourRow, LegGait, RobotBehaviour
@@ -104,7 +104,7 @@ class CompiledDesign(ByValue):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Compiled(ByValue, Drawn):
+class Compiled(ByValue):
     """Designs that have a behaviour, or the rows that exclude each other.
 
     Attributes:
