@@ -1,5 +1,6 @@
 """Dynamics of blocks with masses: accelerations, kinetic energy, impacts, and one time step."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -76,6 +77,37 @@ def apply_impacts(low: Floats, high: Floats, bounce: Floats, loose: Floats, spee
         speed[i] = -bounce[i] * speed[i] if held else speed[i] + jump[i]
 
 
+class Crank(NamedTuple):
+    """Motion of the drive from rest: its way is 2 `swing` sin²(ω t / 2)."""
+
+    swing: float  # half of its way up to t = π/ω [m], or [N]; 0 where it stays
+    omega: float  # ω [rad/s]
+    until: float  # end of the motion [s]
+
+
+# A drive that stays where it is, until the blocks rest.
+STILL = Crank(0.0, 0.0, np.inf)
+
+
+@kernel
+def crank_way(crank: Crank, time: float, h: float) -> float:
+    """Way of the drive within h [s] from a time [m], or [N]; of full precision for short h."""
+    half = 0.5 * crank.omega * h
+    return 2.0 * crank.swing * math.sin(crank.omega * time + half) * math.sin(half)
+
+
+@kernel
+def crank_speed(crank: Crank, time: float) -> float:
+    """Speed of the drive [m/s], or [N/s]."""
+    return crank.swing * crank.omega * math.sin(crank.omega * time)
+
+
+@kernel
+def crank_gain(crank: Crank, time: float) -> float:
+    """Acceleration of the drive [m/s²], or [N/s²]."""
+    return crank.swing * crank.omega * crank.omega * math.cos(crank.omega * time)
+
+
 # Columns of the extrapolation: a step is computed in 1, 2, … COLUMNS parts.
 COLUMNS = 5
 
@@ -93,6 +125,9 @@ class FreeCells(NamedTuple):
     level: float  # λ there [N]
     stiff: float  # of the actuator [N/m]; 0 under a dead load
     free: int  # number of moving groups of blocks: k, or k - 1 where the outermost is held
+    crank: Crank
+    time: float  # where the step begins [s]
+    soft: float  # β: λ changes by the way of the drive over it; 0 where that moves the last group
     rows: Ints  # (k, slots) of each law, the same all through a step: there the law is smooth
     spare: Ints  # (slots,) memory for other rows
 
@@ -106,15 +141,20 @@ def update_slopes(problem: DrivenChain, leg: FreeCells) -> None:
 
 
 @kernel
-def tensions(problem: DrivenChain, leg: FreeCells, way: Floats, pace: Floats, out: Floats) -> float:
-    """Forces across the moving cells, (k,) [N], and λ, where the groups are at `way` and `pace`."""
+def tensions(
+    problem: DrivenChain, leg: FreeCells, h: float, way: Floats, pace: Floats, out: Floats
+) -> float:
+    """Forces across the moving cells, (k,) [N], and λ after h [s], the groups at `way`, `pace`."""
     before, fast = 0.0, 0.0
     for m in range(len(leg.cells)):
         travel, speed = leg.begin[m] + (way[m] - before), pace[m] - fast
         before, fast = way[m], pace[m]
         force = law(problem.laws, leg.cells[m], leg.rows[m], travel)[0]
         out[m] = force + leg.damping[m] * speed + leg.offset[m]
-    return leg.level - leg.stiff * way[-1]
+    level = leg.level
+    if leg.soft > 0.0:
+        level += crank_way(leg.crank, leg.time, h) / leg.soft
+    return level - leg.stiff * way[-1] if len(way) > 0 else level
 
 
 @kernel
@@ -149,8 +189,11 @@ def _substeps(problem: DrivenChain, leg: FreeCells, h: float, parts: int, out: F
     k, free = len(leg.cells), leg.free
     way, now, part = np.zeros(k), leg.pace.copy(), h / parts
     force, pull, damped = np.empty(k), np.empty(k), 0.0
-    for _ in range(parts):
-        end = tensions(problem, leg, way, now, force) - part * leg.stiff * now[-1]
+    for p in range(parts):
+        then = leg.time + (p + 1) * part
+        if free < k:
+            now[-1] = crank_speed(leg.crank, then)
+        end = tensions(problem, leg, (p + 1) * part, way, now, force) - part * leg.stiff * now[-1]
         fast = 0.0
         for m in range(k):
             # Linear prediction for the end of the part, from the present speeds.
@@ -167,6 +210,8 @@ def _substeps(problem: DrivenChain, leg: FreeCells, h: float, parts: int, out: F
                 way[m] += part * now[m]
             damped += part * leg.damping[m] * (now[m] - fast) ** 2
             fast = now[m]
+        if free < k:
+            way[-1] = crank_way(leg.crank, leg.time, (p + 1) * part)
     out[:k], out[k : 2 * k], out[2 * k] = way, now, damped
     return True
 
@@ -176,6 +221,9 @@ def advance(problem: DrivenChain, leg: FreeCells, h: float, out: Floats, error: 
     """A step of length h [s], extrapolated to order COLUMNS; False where it is too long."""
     # `out` (2k + 1,) are ways, speeds and damped energy, `error` the change by the last column.
     # Source: Deuflhard 1985; an L-stable method also handles blocks of negligible mass.
+    if len(leg.cells) == 0:
+        out[:], error[:] = 0.0, 0.0
+        return True
     table = np.empty((COLUMNS, len(out)))
     for j in range(COLUMNS):
         if not _substeps(problem, leg, h, j + 1, table[j]):

@@ -14,6 +14,7 @@ from stepwell.statics import integrate, outcome
 from stepwell.statics.events import Event
 from stepwell.statics.following.pieces import sheets_of, stand_all_on
 from stepwell.statics.following.state import DrivenChain
+from stepwell.statics.inertia import STILL
 from stepwell.statics.landing_robustness import Place, same_place, state_of
 from stepwell.statics.landings.start import Snap
 
@@ -159,7 +160,7 @@ def inertial_landing(
             )
     tie = tie or not alike(fine, go(tolerance, 10.0 * _PUSH))
     book, rows, n = fine.motion.book, fine.history, len(chain)
-    samples = np.vstack([[0.0, *snap.start.travel, *np.zeros(n)], rows])
+    samples = np.vstack([[0.0, *snap.start.travel, *np.zeros(n)], rows[:, : 2 * n + 1]])
     travel, sheet = landed = fine.motion.travel, np.array(fine.sheet)
     return InertialLanding(
         event,
@@ -191,7 +192,10 @@ def _same(chain: Chain, problem: DrivenChain, snap: Snap, here: Place, there: Pl
     return same_place(chain, problem, snap, here, there)
 
 
-def _body(chain: Chain, problem: DrivenChain, snap: Snap, inertia: Inertia) -> integrate.Inertias:
+def checked_inertia(
+    chain: Chain, problem: DrivenChain, inertia: Inertia
+) -> tuple[Floats, Floats, Floats, float]:
+    """(N,) masses [kg], 1/mass, 0 of a block that is held, and dampers, and the restitution."""
     masses, damping, restitution = inertia
     mass_unit, damping_unit = _UNITS[chain.measure]
     n = len(chain)
@@ -206,21 +210,27 @@ def _body(chain: Chain, problem: DrivenChain, snap: Snap, inertia: Inertia) -> i
             f"restitution = {restitution:g}: must be below 1, because impacts without dissipation "
             f"never end. 0 is a fully inelastic stop."
         )
-    folds = any(len(element.laws) > 1 for element in chain.elements)
-    stops = any(any(cell.stopped) for cell in chain.cells)
-    if not (any(damper) or any(cell.friction for cell in chain.cells) or stops or folds):
-        raise InputError(
-            f"damping = {damping!r}: there is no dissipation (no damper, no friction and no stop), "
-            f"so the snap never comes to rest. Give at least one cell damping [{damping_unit}]."
-        )
     heavy = np.array(mass)
     loose = 1.0 / heavy
     if problem.beta == 0.0:
         # A rigid actuator holds the outermost block: its mass has no effect, in tolerances either.
         loose[-1], heavy[-1] = 0.0, np.min(heavy[:-1], initial=np.inf)
+    return heavy, loose, np.array(damper), restitution
+
+
+def _body(chain: Chain, problem: DrivenChain, snap: Snap, inertia: Inertia) -> integrate.Inertias:
+    body, damper = checked_inertia(chain, problem, inertia), inertia[1]
+    folds = any(len(element.laws) > 1 for element in chain.elements)
+    stops = any(any(cell.stopped) for cell in chain.cells)
+    if not (any(damper) or any(cell.friction for cell in chain.cells) or stops or folds):
+        raise InputError(
+            f"damping = {tuple(damper)!r}: there is no dissipation (no damper, no friction and no stop), "
+            f"so the snap never comes to rest. Give at least one cell damping "
+            f"[{_UNITS[chain.measure][1]}]."
+        )
     start = snap.start
     args = start.travel.copy(), start.force, start.leader
-    return integrate.Inertias(heavy, loose, np.array(damper), restitution, *args, 0.0, 0.0)
+    return integrate.Inertias(*body, *args, 0.0, 0.0, STILL)
 
 
 def _run(chain: Chain, problem: DrivenChain, snap: Snap, body: integrate.Inertias) -> _Run:
@@ -235,7 +245,7 @@ def _run(chain: Chain, problem: DrivenChain, snap: Snap, body: integrate.Inertia
     parts: list[Floats] = []
     status = integrate.GOES_ON
     while status == integrate.GOES_ON and len(parts) * _ROWS < _MOST_STEPS:
-        rows = np.full((_ROWS, 1 + 2 * n), np.nan)
+        rows = np.full((_ROWS, 1 + 3 * n), np.nan)
         status = integrate.integrate(problem, body, motion, rows)
         parts.append(rows[np.isfinite(rows[:, 0])])
     if status != integrate.RESTS:

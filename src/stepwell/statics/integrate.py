@@ -8,7 +8,7 @@ from stepwell import mechanism as mech
 from stepwell.base import Floats, Ints
 from stepwell.kernels import entry, kernel
 from stepwell.statics import inertia
-from stepwell.statics.following.pieces import stand_on
+from stepwell.statics.following.pieces import sheet_of, stand_on
 from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.inertia import FreeCells
 
@@ -29,6 +29,8 @@ _BENT = 1e-2
 _NONE = 1e-9
 # Largest speed of a block within a step, over that at its ends.
 _OVER = 1.02
+# Largest step of a moving drive, as a fraction of the motion.
+_STRIDE = 1.0 / 128.0
 # The motion ends where the remaining energy is this fraction of the dissipated energy.
 _SPENT = 1e-10
 
@@ -42,9 +44,10 @@ class Inertias(NamedTuple):
     restitution: float
     begin: Floats  # (N,) travels [m]
     force: float  # λ there [N]
-    leader: int  # the cell that sets it off
+    leader: int  # the cell that sets it off, -1 if it is the drive
     push: float  # on the leader all along [N]
     tolerance: float  # of a step, as a fraction of travel and of speed
+    crank: inertia.Crank
 
 
 class MotionState(NamedTuple):
@@ -87,10 +90,11 @@ def _force(problem: DrivenChain, body: Inertias, cell: int, travel: float, rows:
 
 
 @kernel
-def _lambda(problem: DrivenChain, body: Inertias, travel: Floats) -> float:
+def _lambda(problem: DrivenChain, body: Inertias, motion: MotionState) -> float:
     if problem.beta == 0.0:
         return 0.0
-    return body.force - problem.alpha / problem.beta * mech.summed(travel - body.begin)
+    force = body.force + inertia.crank_way(body.crank, 0.0, motion.book[TIME]) / problem.beta
+    return force - problem.alpha / problem.beta * mech.summed(motion.travel - body.begin)
 
 
 @kernel
@@ -109,7 +113,9 @@ def set_off(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Int
     # One function: bounds, forces and gains of a pass are in arrays made once.
     n, speed, friction = len(motion.travel), motion.speed, problem.laws.friction
     low, high, force, gain = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
-    end, jumps = _lambda(problem, body, motion.travel), True
+    end, jumps, extra = _lambda(problem, body, motion), True, np.zeros(n)
+    if problem.beta == 0.0:
+        extra[-1] = inertia.crank_gain(body.crank, motion.book[TIME])
     for _ in range(100):
         if not jumps:
             return
@@ -119,9 +125,15 @@ def set_off(problem: DrivenChain, body: Inertias, motion: MotionState, rows: Int
                 value = _force(problem, body, i, motion.travel[i], rows)
                 value += body.damping[i] * speed[i]
                 low[i] = high[i] = value + np.sign(speed[i]) * friction[i]
-            force[i] = min(max(0.0, low[i]), high[i])
-        inertia.least_constraint(low, high, np.zeros(n), body.loose, end, force)
+        # A guess: the force at which a drive that begins to move sets off the first cell.
+        guess = 0.0
+        if extra[-1] != 0.0:
+            guess = np.min(high) if extra[-1] > 0.0 else np.max(low)
+        for i in range(n):
+            force[i] = min(max(guess, low[i]), high[i])
+        inertia.least_constraint(low, high, extra, body.loose, end, force)
         inertia.rates(force, body.loose, end, gain)
+        gain[-1] += extra[-1]
         jumps = False
         for i in range(n):
             loose, heading = body.loose[i], int(np.sign(speed[i]))
@@ -175,8 +187,12 @@ def _apply_impacts(problem: DrivenChain, body: Inertias, motion: MotionState) ->
             # Otherwise rounding errors would make stops rattle forever.
             low[i], high[i], bounce[i], keeps = -np.inf, np.inf, 0.0, True
     if keeps:
+        first, total = speed.copy(), np.sum(was)
         speed[:] = was
         inertia.apply_impacts(low, high, bounce, body.loose, speed)
+        if problem.beta == 0.0 and abs(np.sum(speed) - total) > 1e-9 * abs(total):
+            # A rigid drive moves on, and so does a cell, however slowly.
+            speed[:] = first
     motion.book[STRUCK] += before - inertia.kinetic(body.mass, body.loose, speed)
 
 
@@ -195,25 +211,23 @@ def _free_cells(problem: DrivenChain, body: Inertias, motion: MotionState, rows:
         offset[m] = motion.sense[i] * problem.laws.friction[i]
         if i == body.leader:
             offset[m] -= body.push
-    rigid = problem.beta == 0.0
+    rigid, time = problem.beta == 0.0, motion.book[TIME]
     stiff = 0.0 if rigid else problem.alpha / problem.beta
     if rigid and k > 0:
-        pace[-1] = 0.0
-    begin, level = motion.travel[cells], _lambda(problem, body, motion.travel)
+        pace[-1] = inertia.crank_speed(body.crank, time)
+    begin, level = motion.travel[cells], _lambda(problem, body, motion)
     picked, free, slope = np.full((k, len(rows)), -1), k - 1 if rigid else k, np.empty(k)
-    damping = body.damping[cells]
-    leg = FreeCells(
-        cells, mass, damping, offset, begin, pace, slope, level, stiff, free, picked, rows
-    )
+    driven, groups = (body.crank, time, problem.beta), (mass, body.damping[cells], offset)
+    leg = FreeCells(cells, *groups, begin, pace, slope, level, stiff, free, *driven, picked, rows)
     inertia.update_slopes(problem, leg)
     return leg
 
 
 @kernel
 def _violation(
-    problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells, out: Floats
+    problem: DrivenChain, body: Inertias, motion: MotionState, leg: FreeCells, h: float, out: Floats
 ) -> float:
-    """Largest violation of the assumptions of a step at its end; 0 or less if there is none."""
+    """Largest violation of the assumptions of a step of h [s] at its end; 0 or less if none."""
     # A cell past its end, over its travel; past a kink of its law; turning against friction, over
     # the largest speed; held although its force is out of bounds, over the largest force.
     k, worst, before, fast = len(leg.cells), -1.0, 0.0, 0.0
@@ -231,18 +245,22 @@ def _violation(
         worst = max(worst, _PAST * (bent / (_BENT * body.tolerance) - 1.0))
         if motion.sense[i] != 0 and speed != 0.0:
             worst = max(worst, -motion.sense[i] * speed / max(motion.book[PEAK], abs(speed)))
-    end = inertia.tensions(problem, leg, out[:k], out[k : 2 * k], force)
-    m, carried = -1, 0.0
+    end = inertia.tensions(problem, leg, h, out[:k], out[k : 2 * k], force)
+    m, carried, gain = -1, 0.0, 0.0
+    if leg.free < k:
+        gain = inertia.crank_gain(leg.crank, leg.time + h)
     for i in range(len(motion.travel)):
         if motion.moving[i] == 1:
             m, carried = m + 1, body.mass[i]
             continue
         # Within a group the force goes from that of its inner cell to that of its outer one,
-        # by the masses that it has passed; a group that is held has one force.
-        here = force[0] if m < 0 else force[m]
+        # by the masses that it has passed; a group that is held has one force, but for its gain.
+        here = end if k == 0 else force[0] if m < 0 else force[m]
         if m >= 0 and m < leg.free:
             outer = force[m + 1] if m + 1 < k else end
             here += (outer - here) * carried / leg.mass[m]
+        elif m >= 0:
+            here += gain * carried
         carried += body.mass[i]
         low, high = _bounds(problem, body, motion, i, leg.spare)
         past = max(low - here, here - high) / problem.scale - _SLIP
@@ -332,7 +350,8 @@ def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
     # One function: a step and the root over its length use the same four arrays.
     k, book = len(leg.cells), motion.book
     out, error = np.empty(2 * k + 1), np.empty(2 * k + 1)
-    h, wanted = book[STEP], book[STEP]
+    h = min(book[STEP], body.crank.until * _STRIDE, body.crank.until - book[TIME])
+    wanted = h
     while True:
         fine = inertia.advance(problem, leg, h, out, error)
         worst = _relative_error(problem, body, book, leg, out, error) if fine else np.inf
@@ -346,13 +365,13 @@ def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
             h *= max(0.1, 0.9 * worst ** (-1.0 / inertia.COLUMNS)) if np.isfinite(worst) else 0.1
         if not h > 1e-15 * (book[TIME] + book[STEP]):
             return STUCK
-    past = _violation(problem, body, motion, leg, out)
+    past = _violation(problem, body, motion, leg, h, out)
     ended = past > 0.0
     if ended:
         # The first change, and just past it: the root over h, by false position (Illinois).
         low, high, at_high, side = 0.0, h, past - _PAST, 0
         out[:k], out[k : 2 * k] = 0.0, leg.pace
-        at_low = min(_violation(problem, body, motion, leg, out), 0.0) - _PAST
+        at_low = min(_violation(problem, body, motion, leg, 0.0, out), 0.0) - _PAST
         for turn in range(100):
             share = at_low / (at_low - at_high) if turn % 4 != 3 else 0.5
             middle = low + share * (high - low)
@@ -360,7 +379,7 @@ def _advance(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
                 break
             if not inertia.advance(problem, leg, middle, out, error):
                 return STUCK
-            past = _violation(problem, body, motion, leg, out)
+            past = _violation(problem, body, motion, leg, middle, out)
             if past > _PAST:
                 at_low *= 0.5 if side > 0 else 1.0
                 high, at_high, side = middle, past - _PAST, 1
@@ -421,7 +440,7 @@ def _settle(problem: DrivenChain, leg: FreeCells, way: Floats) -> bool:
                 return False
             mech.pick_rows(problem.laws, i, travel, leg.rows[m])
             leg.slope[m] = mech.law(problem.laws, i, leg.rows[m], travel)[1]
-        end = inertia.tensions(problem, leg, way, still, force)
+        end = inertia.tensions(problem, leg, 0.0, way, still, force)
         for m in range(leg.free):
             pull[m] = (force[m + 1] if m + 1 < k else end) - force[m]
         if not inertia.solve(leg, 1.0, 0.0, pull):
@@ -478,22 +497,31 @@ def _settled(problem: DrivenChain, body: Inertias, motion: MotionState, leg: Fre
 @entry()
 def integrate(problem: DrivenChain, body: Inertias, motion: MotionState, history: Floats) -> int:
     """Integrate the motion of the chain; returns GOES_ON, RESTS or STUCK."""
-    # `history` (rows, 1 + 2N) gets time, travels and speeds after each step; the rest stays NaN.
+    # `history` (rows, 1 + 3N) gets time, travels, speeds and sheets after each step; the rest stays
+    # NaN. A drive that moves ends the motion at its time, one that stays when the blocks rest.
     n, slots = len(motion.travel), 1
     for i in range(n):
         slots = max(slots, problem.laws.band_first[i + 1] - problem.laws.band_first[i] + 1)
     rows = np.full(slots, -1, np.int64)
+    driven = body.leader < 0
     if motion.book[TIME] == 0.0:
         # The drive has brought the leader to the end of its sheet, even if friction holds others.
-        _jump(problem, motion, body.leader, 1 if body.push > 0.0 else -1, rows)
+        if not driven:
+            _jump(problem, motion, body.leader, 1 if body.push > 0.0 else -1, rows)
         set_off(problem, body, motion, rows)
     for row in range(len(history)):
         leg = _free_cells(problem, body, motion, rows)
-        if _settled(problem, body, motion, leg):
+        if driven and motion.book[TIME] >= (1.0 - 1e-14) * body.crank.until:
+            return RESTS
+        if driven and problem.beta == 0.0 and len(leg.cells) == 0:
+            return STUCK
+        if not driven and _settled(problem, body, motion, leg):
             return RESTS
         if _advance(problem, body, motion, leg) == STUCK:
             return STUCK
         history[row, 0] = motion.book[TIME]
         history[row, 1 : n + 1] = motion.travel
-        history[row, n + 1 :] = motion.speed
+        history[row, n + 1 : 2 * n + 1] = motion.speed
+        for i in range(n):
+            history[row, 2 * n + 1 + i] = float(sheet_of(problem.sheets, i))
     return GOES_ON

@@ -23,10 +23,12 @@ from stepwell.statics.events import (
 )
 from stepwell.statics.following import certificate, log as logged, state
 from stepwell.statics.inertial import InertialLanding, inertial_landing
+from stepwell.statics.inertial_path import InertialPath, inertial_path
 from stepwell.statics.landing_robustness import Landing, checked_ratio, landings, samples_for
 from stepwell.statics.landings.start import Snap, snaps_of
 from stepwell.statics.outcome import advice_on_tie, refuse_broken
 from stepwell.statics.places import Configuration, drive_weights, problem_of
+from stepwell.statics.safe_rate import SafeRate, safe_rate
 
 if TYPE_CHECKING:
     import xarray
@@ -265,6 +267,41 @@ class Path(base.ByValue, base.Drawn):
                 return inertial_landing(*args, history=history)
             first += each.rows
         raise AssertionError("every snap is in the log")
+
+    def at_rate(
+        self,
+        rate: float,
+        masses: Iterable[float],
+        damping: Iterable[float],
+        *,
+        restitution: float = 0.0,
+    ) -> InertialPath:
+        """Motion along the same turning points at a rate, with masses of the blocks.
+
+        Every stroke takes half a period, as by a crank: it begins and ends at rest, and its speed
+        is that of a sine. All else as for `inertial_landing`.
+
+        Args:
+            rate: cycles per second [Hz], > 0.
+            masses, damping, restitution: as for `inertial_landing`.
+
+        Raises:
+            ValueError: not one mass and damper per cell, or a number out of range.
+            StaticsError: more impacts than can be followed.
+        """
+        inertia = tuple(masses), tuple(damping), restitution
+        return inertial_path(self, rate, inertia)
+
+    def safe_rate(
+        self, masses: Iterable[float] | None = None, damping: Iterable[float] | None = None
+    ) -> SafeRate:
+        """Rate up to which masses do not change the order of the path (theory page, "Rate").
+
+        Args:
+            masses: (N,) of the block outside each cell, inner first [kg]; 10 g each by default.
+            damping: (N,) viscous, on each travel [N s/m]; none by default.
+        """
+        return safe_rate(self, masses, damping)
 
     @property
     def released(self) -> float:
