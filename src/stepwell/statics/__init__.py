@@ -23,6 +23,7 @@ from stepwell.statics.batch import Designs, full_cycles, nominal
 from stepwell.statics.events import Cause, Decided, Event, EventKind, Segment, SegmentKind, Tie
 from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.inertial import History, InertialLanding
+from stepwell.statics.inertial_path import InertialPath
 from stepwell.statics.landing_robustness import Landing, OtherLanding, Proof, checked_ratio
 from stepwell.statics.outcome import StaticsError
 from stepwell.statics.path import Path
@@ -36,6 +37,7 @@ from stepwell.statics.places import (
     travel_in,
 )
 from stepwell.statics.run import full_cycle, path
+from stepwell.statics.safe_rate import SafeRate
 
 __all__ = [
     "Cause",
@@ -45,10 +47,12 @@ __all__ = [
     "EventKind",
     "History",
     "InertialLanding",
+    "InertialPath",
     "Landing",
     "Path",
     "Proof",
     "Configuration",
+    "SafeRate",
     "Segment",
     "SegmentKind",
     "StaticsError",

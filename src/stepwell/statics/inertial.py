@@ -224,8 +224,8 @@ def _body(chain: Chain, problem: DrivenChain, snap: Snap, inertia: Inertia) -> i
     stops = any(any(cell.stopped) for cell in chain.cells)
     if not (any(damper) or any(cell.friction for cell in chain.cells) or stops or folds):
         raise InputError(
-            f"damping = {tuple(damper)!r}: there is no dissipation (no damper, no friction and no stop), "
-            f"so the snap never comes to rest. Give at least one cell damping "
+            f"damping = {tuple(damper)!r}: there is no dissipation (no damper, no friction and no "
+            f"stop), so the snap never comes to rest. Give at least one cell damping "
             f"[{_UNITS[chain.measure][1]}]."
         )
     start = snap.start

@@ -29,7 +29,7 @@ _ARRIVED = 1e-6
 # A stroke ends this fraction of its way before the turning point, where the drive nearly rests.
 _SHORT = 1e-9
 # Steps per call, and in total.
-_ROWS, _MOST_STEPS = 1000, 300_000
+_ROWS, _MOST_STEPS = 1000, 30_000
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import ByValue, Measure, amount, check
+from stepwell.base import ByValue, Measure, amount
 from stepwell.concave import SortedChain
 from stepwell.kernels import UNLIMITED
 from stepwell.mechanism import FIRST, law, phase_at
@@ -36,8 +36,9 @@ class SafeRate(ByValue):
     """Rate up to which a chain with masses keeps the order of its quasi-static path; N cells.
 
     Attributes:
-        rate: cycles per second of a crank [Hz]; None where no rate is known to be safe.
-        reason: why not; empty where there is a rate.
+        rate: cycles per second of a crank [Hz]; infinite where it does not matter, None where no
+            rate is known to be safe.
+        reason: why; empty where there is a finite rate.
         masses: (N,) of the block outside each cell [kg].
         damping: (N,) on the travels [N s/m].
         gap: least difference of the force at which a cell sets off to that of a competitor [N].
@@ -59,6 +60,8 @@ class SafeRate(ByValue):
     def __str__(self):
         if self.rate is None:
             return f"none known: {self.reason}"
+        if math.isinf(self.rate):
+            return f"any: {self.reason}"
         return f"{amount(self.rate, 'Hz', 3)} with blocks of {amount(max(self.masses), 'kg', 3)}"
 
     def __repr__(self):
@@ -84,11 +87,15 @@ def safe_rate(
     if path.degenerate or not gap > 0.0:
         return told(None, "a tie: the order is undecided even without masses")
     rate = _balance(path, mass, damper, gap, slope)
+    if math.isinf(rate):
+        return told(rate, "the only cell moves with the actuator", True)
     forces = SortedChain.of(chain) if problem.beta == 0.0 else None
     if forces is not None and proved_by_energy(path):
         return told(rate, "", True)
     if n > _MOST_INTEGRATED:
         return told(None, f"{n} cells whose snaps no proof covers: too many to integrate")
+    if chain.elements and not any(damper):
+        return told(None, "its elements ring after a snap: give damping")
     for share in _SHARES:
         if all(_keeps(path, rate * share * one, mass, damper) for one in (1.0, 0.1)):
             return told(rate * share, "")
@@ -111,6 +118,8 @@ def _balance(
     stiff = slope if rigid else max(slope, path.chain.actuator_stiffness)
     square = 2.0 * math.pi**2 * way * moved
     linear = math.pi * way * (math.sqrt(moved * stiff) + max(damper))
+    if not math.isfinite(gap):
+        return math.inf
     root = math.sqrt(linear * linear + 4.0 * square * gap)
     return 2.0 * gap / (linear + root) if linear + root > 0.0 else math.inf
 
