@@ -99,7 +99,7 @@ void main() {
 const FAR: Vec3 = [0.5, 0.9, 4];
 const FIELD = (35 * Math.PI) / 180;
 // The sphere around all parts is larger than what is seen.
-const CLOSE = 1.25;
+const CLOSE = 1.12;
 const [NEAREST, FARTHEST] = [0.25, 4];
 const BOX = [0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3];
 
@@ -147,7 +147,7 @@ function meshOf(view: View, roles: string[]): Mesh {
       }
       return (least + most) / 2;
     });
-    give(first, count, [body, roles.indexOf(role)], `${name}: ${role}`, mid);
+    give(first, count, [body, roles.indexOf(role)], name === role ? name : `${name}: ${role}`, mid);
     first += count;
   }
   const all = new Uint32Array(triangles.length + BOX.length * bands);
