@@ -100,7 +100,7 @@ def test_every_number_of_a_chain_of_levers_is_pythons(name: str):
         ("drive", path.drive * 1e3),
         ("stroke", path.stroke * 1e3),
         ("force", path.force),
-        ("travel", np.float32(path.travel * 1e3)),
+        ("travel", path.travel * 1e3),
         ("segment", path.branch),
         ("direction", path.direction),
     ):
@@ -112,7 +112,7 @@ def test_every_number_of_a_chain_of_levers_is_pythons(name: str):
         )
         np.testing.assert_array_equal(
             blocks["landscape_energy"][:, i],
-            np.float32(cell.energy_at(np.linspace(0.0, cell.full_travel, 65)) * 1e3),
+            cell.energy_at(np.linspace(0.0, cell.full_travel, 65)) * 1e3,
         )
         assert (cell_header["force_0_N"], cell_header["force_1_N"]) == (cell.force_0, cell.force_1)
         assert cell_header["full_travel_mm"] == cell.full_travel * 1e3

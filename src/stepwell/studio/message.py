@@ -185,7 +185,7 @@ def _header_bytes(header: Mapping[str, Any]) -> bytes:
 def _stored_block(block: np.ndarray[Any, Any]) -> tuple[str, np.ndarray[Any, Any]]:
     if block.dtype == np.uint8:  # a file
         return "u1", np.ascontiguousarray(block)
-    if block.dtype == np.float32:  # a table of many samples and cells
+    if block.dtype == np.float32:  # drawn and not printed
         return "f4", np.ascontiguousarray(block, "<f4")
     dtype, stored = _DTYPES[block.dtype.kind]
     return dtype, np.ascontiguousarray(block, stored)

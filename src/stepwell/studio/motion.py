@@ -54,24 +54,22 @@ def arrays_of(path: Path) -> dict[str, np.ndarray[Any, Any]]:
     """The samples of a path in the units of `units_of`; a snap is a jump between two of them.
 
     `tension` (n, B) is a fraction of the greatest tension of any band, NaN if slack; `pull` (n, E)
-    is the force of every element on its curve. Tables have single precision, 7 digits.
+    is the force of every element on its curve. What is drawn and not printed has single precision.
     """
     (_, travel), (_, force), (_, drive) = _units_of(path.chain)
     turned, angle = levers.Levers(path.chain.cells, path.travel), np.full_like(path.travel, np.nan)
     angle[:, turned.number] = np.degrees(turned.angle)
     greatest = max(still.greatest_tension for still in _stills_of(path.chain))
     share = np.abs(turned.tension()) / (greatest or 1.0)
-    tables = {
-        "travel": path.travel * travel,
-        "angle": angle,
-        "tension": np.where(turned.slack, np.nan, share),
-        "pull": _pulls(path) * force,
-    }
+    tension = np.where(turned.slack, np.nan, share)
     return {
         "drive": path.drive * drive,
         "stroke": path.stroke * travel,
         "force": path.force * force,
-        **{name: table.astype(np.float32) for name, table in tables.items()},
+        "travel": path.travel * travel,
+        "angle": angle.astype(np.float32),
+        "tension": tension.astype(np.float32),
+        "pull": (_pulls(path) * force).astype(np.float32),
         "segment": path.branch,
         "direction": path.direction,
     }
@@ -92,8 +90,8 @@ def landscape(chain: Chain) -> dict[str, np.ndarray[Any, Any]]:
     """Travels and energies of every single cell (m, N); NaN for curves that fold back."""
     stills = _stills_of(chain)
     return {
-        "landscape_travel": np.stack([one.travel for one in stills], axis=1, dtype=np.float32),
-        "landscape_energy": np.stack([one.energy for one in stills], axis=1, dtype=np.float32),
+        "landscape_travel": np.stack([one.travel for one in stills], axis=1),
+        "landscape_energy": np.stack([one.energy for one in stills], axis=1),
     }
 
 
