@@ -17,7 +17,7 @@ from stepwell.sequences import Machine, Realisation, realisations
 from stepwell.statics import StaticsError
 
 # Samples in the comparison of two candidates, and candidates that are improved.
-_COMPARED, _IMPROVED = 40, 3
+_COMPARED, _IMPROVED = 25, 3
 # First step of an improvement, as a fraction of the box, and its reduction after a failure.
 _STEP, _SMALLER = 0.1, 0.9
 
@@ -185,6 +185,8 @@ def _improved(
     steps: int,
 ) -> Realisation:
     """The realisation with its anchors displaced at random where more samples succeed."""
+    if not steps:
+        return first
     best, scored, step = first, _score(first, tolerances), _STEP
     for _ in range(steps):
         if scored == 2 * _COMPARED:
