@@ -44,7 +44,9 @@ _HOP: Schema = (
     Quantity("height", "mm", "height", form=".1f", none="without an end"),
     Quantity("distance", "mm", "distance", form="z.1f", none="without an end"),
     Quantity("pitch", "deg", "pitch after it", form="z.1f"),
-    *keys(landed=bool, stop_speed="m/s", peak_force="N", blow="N", efficiency="percent"),
+    *keys(
+        delay="ms", landed=bool, stop_speed="m/s", peak_force="N", blow="N", efficiency="percent"
+    ),
     Quantity("error", "percent", "balance off by", form=".2f"),
 )
 _PREDICTED: Schema = (
@@ -64,7 +66,7 @@ _RELEASE: Schema = keys(
 )
 _STEP: Schema = (
     Quantity("time_step", "ms", "time step", form=3),
-    Quantity("speed", "m/s", "speed", form=".4f"),
+    Quantity("speed", "m/s", "speed"),
     Quantity("height", "mm", "height", form=".2f", none="without an end"),
     Quantity("error", "percent", "balance off by", form=".2f"),
 )
@@ -105,7 +107,7 @@ JUMP: Schema = (
     Quantity("impacts", holds=[_IMPACT], read=lambda jump: robots.impacts(jump.hopper, jump.bound)),
     *keys(stored_per_spring="J/kg", released_per_spring="J/kg", released_per_robot="J/kg"),
     Quantity("factors", holds=[_FACTOR]),
-    *keys(contact_time=("ms", "settings.contact_time")),
+    *keys(contact_time=("ms", "settings.contact_time"), origin=(str, "hopper.springs.origin")),
     Quantity(
         "parameters",
         holds=[of_robot.PARAMETER],
@@ -115,7 +117,7 @@ JUMP: Schema = (
 
 
 def _hops(jump: Jump) -> list[dict[str, object]]:
-    names = ("snap", "lift_off", "speed", "height", "distance", "pitch", "landed")
+    names = ("snap", "lift_off", "delay", "speed", "height", "distance", "pitch", "landed")
     names += ("stop_speed", "peak_force", "blow")
     columns = {name: [getattr(hop, name) for hop in jump.hops] for name in names}
     flows = [hop.flow for hop in jump.hops]
@@ -137,7 +139,6 @@ def jump_account(jump: Jump, about: About) -> Account:
     """Energy, take-off and flight of a hopper, and what separates it from the record."""
     hopper, first, snap = jump.hopper, jump.first, jump.bound.release
     title = hopper.title or "A hopper"
-    late = base.to_unit(first.lift_off - first.snap, "ms")
     actuator = (
         f"{number(snap.largest_force, 3)} N pulling, {number(max(-snap.least_force, 0.0), 3)} N "
         f"pushing by statics; it has {number(hopper.actuator.force, 3)} N"
@@ -152,7 +153,11 @@ def jump_account(jump: Jump, about: About) -> Account:
         Fact("Speed", _three(jump, "speed", "m/s")),
         Fact("Height", "" if hopper.task is _STRIKE else _three(jump, "height", "m")),
         Fact("Efficiency", f"{percent(first.flow.efficiency)} of the energy set free"),
-        Fact("Lift-off", f"{number(late, 3)} ms after the snap begins", TERMINAL),
+        Fact(
+            "Lift-off",
+            f"{number(base.to_unit(first.delay, 'ms'), 3)} ms after the snap begins",
+            TERMINAL,
+        ),
         Fact("Landing", _landing(jump), TERMINAL),
         Fact("Actuator", actuator, TERMINAL),
         Fact("Specific energy", specific, TERMINAL),

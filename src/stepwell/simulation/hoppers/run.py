@@ -131,6 +131,11 @@ class Hop(base.ByValue):
     pitch: float
     landed: bool
 
+    @property
+    def delay(self) -> float:
+        """Time from the beginning of the snap to lift-off [s]."""
+        return self.lift_off - self.snap
+
 
 class _Law:
     """Force and energy of a cell by its travel, straight between close points, also past stops."""
