@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 import stepwell as sw
-from hoppers import jumped
 from cards.values import of_robots as held_of_robots
+from hoppers import jumped
 from lab.machine import pair, unit
 from sizes import cases
 from stepwell import figures, files, lab, simulation

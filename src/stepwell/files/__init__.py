@@ -41,8 +41,8 @@ if TYPE_CHECKING:
         loads_arena,
         loads_arena_tables,
     )
-    from stepwell.files.hoppers import hopper_parameters
     from stepwell.files.behaviour import behaviour_text, behaviours, load_behaviour, loads_behaviour
+    from stepwell.files.hoppers import hopper_parameters
     from stepwell.files.known import columns_of, known_keys, new_cells
     from stepwell.files.robot_parameters import (
         RobotParameter,
