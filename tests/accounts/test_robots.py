@@ -13,7 +13,7 @@ from accounts.schemas import violations
 from facts import says
 from stepwell import files
 from stepwell.accounts import About, account, card, page, terminal
-from stepwell.accounts.robot import depth_words
+from stepwell.accounts.robots.robot import depth_words
 from stepwell.paper import AssumedRange, AssumedRanges
 from stepwell.robot import leg_cycles, predict
 from stepwell.simulation import Convergence, Resolution, Sweep, Trial, compare_gaits

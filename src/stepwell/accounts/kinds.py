@@ -16,7 +16,6 @@ from stepwell.base import InputError, of_kind
 # the class, and the kinds of records, with the version of their names.
 FILES = {
     "atlas": ("Atlas", "atlas/2"),
-    "behaviour": ("CompiledRobot", "compile/1"),
     "builds.chain": ("Build", "build/1"),
     "builds.robot": ("RobotBuild", "robot_build/1"),
     "chain": ("Cell Chain Element", ""),
@@ -27,7 +26,6 @@ FILES = {
         "ImplicitGraph MemoryReading Sequence TransitionGraph Walked",
         "graph/2 implicit_graph/2",
     ),
-    "jumps": ("Hopper Jump", "jump/1"),
     "lab.as_built": ("AsBuilt", "lab.as_built/2"),
     "lab.band": ("BandFit BandTest", "lab.band/2"),
     "lab.calibrate": ("Calibration", "lab.calibrate/2"),
@@ -35,10 +33,12 @@ FILES = {
     "lab.read": ("Batch MeasuredElement Recording", "lab.element/1 lab.read/1"),
     "map": ("MapView", "map/3"),
     "package": ("Installation Presets Verdicts", "doctor/1 folder/1 paper/1 presets/1"),
-    "robot": ("Arena AssumedRanges Prediction Robot", "ranges/1 robot/1"),
+    "robots.behaviour": ("CompiledRobot", "compile/1"),
+    "robots.jumps": ("Hopper Jump", "jump/1"),
+    "robots.robot": ("Arena AssumedRanges Prediction Robot", "ranges/1 robot/1"),
+    "robots.walks": ("Convergence Maze Sweep Walk", "convergence/1 maze/1 sweep/1 walk/1"),
     "run": ("Cycle Path Program Run Unreachable", "program/2 run/2"),
     "study": ("Status", "study/1"),
-    "walks": ("Convergence Maze Sweep Walk", "convergence/1 maze/1 sweep/1 walk/1"),
     "yields": ("Survival Yield", "survival/2 yield/2"),
 }
 _INNER_CAPITAL = re.compile(r"\B(?=[A-Z])")

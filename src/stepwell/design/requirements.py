@@ -30,7 +30,7 @@ Edge = tuple[int, int, int]
 Clause = tuple[frozenset[Edge], ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Requirement(ByValue):
     """One part of a target, such as "2 before 1 loading".
 

@@ -164,7 +164,7 @@ class Realisation(ByValue):
         lines = [f"base {_shown(self.base)} mm"]
         for name, spans in zip(self.machine.inputs, self.inputs, strict=True):
             lines.append(f"{name}: {' → '.join(map(_shown, spans))} mm")
-        points = " → ".join(number(drive * 1e3) for drive in self.reset)
+        points = " → ".join(number(to_unit(drive, "mm")) for drive in self.reset)
         how = f"{self.start}, " + ("set by hand" if self.by_hand else f"by {points} mm")
         lines += [f"start: {how}", ""]
         head = ("chain", "state", "output", *self.machine.inputs)
@@ -208,7 +208,7 @@ class _Places:
 
 
 def _shown(span: Span) -> str:
-    return f"{number(span.drive * 1e3)} (±{number(span.slack * 1e3)})"
+    return f"{number(to_unit(span.drive, 'mm'))} (±{number(to_unit(span.slack, 'mm'))})"
 
 
 class _Response:

@@ -9,9 +9,10 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from stepwell import base, robot as robots
-from stepwell.accounts import parts, robot as of_robot
+from stepwell.accounts import parts
 from stepwell.accounts.head import About, Row, digest_of, keys
 from stepwell.accounts.parts import CARD, FULL, TERMINAL, Account, Fact, Picture, RecordTable
+from stepwell.accounts.robots import robot as of_robot
 from stepwell.accounts.words import simulation_assumptions
 from stepwell.base import Column, Quantity, Schema, amount, counted, number
 

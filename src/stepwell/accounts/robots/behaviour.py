@@ -9,7 +9,7 @@ from stepwell import base, files
 from stepwell.accounts import parts
 from stepwell.accounts.head import About, DesignShape, Row, keys, recorded
 from stepwell.accounts.parts import CARD, FULL, Account, Fact, Picture, RecordTable
-from stepwell.accounts.robot import PARAMETERS, assumed_fact, parameter_section
+from stepwell.accounts.robots.robot import PARAMETERS, assumed_fact, parameter_section
 from stepwell.accounts.yields import tolerance_schema, tolerance_words
 from stepwell.base import Quantity, Schema, amount, counted, number, percent, to_unit
 from stepwell.robot import BACKS, STEPS, ChosenNumbers, CompiledDesign, RowMargin

@@ -6,9 +6,10 @@ import math
 from typing import TYPE_CHECKING
 
 from stepwell import base, files, robot as robots
-from stepwell.accounts import parts, robot as of_robot
+from stepwell.accounts import parts
 from stepwell.accounts.head import About, keys
 from stepwell.accounts.parts import FULL, TERMINAL, Account, Fact, Picture, RecordTable
+from stepwell.accounts.robots import robot as of_robot
 from stepwell.base import Quantity, Schema, amount, counted, number, percent
 
 if TYPE_CHECKING:

@@ -1,0 +1,1 @@
+"""Accounts of robots: as designed, walking, compiled, and of hoppers that jump."""
