@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 _TASK, _STRIKE = robots.Task, robots.Task.STRIKE
 
+_CLOSED = 0.01  # largest error of a balance that closes
 # The parts of the balance: names of attributes, and words. The first two are the input.
 FLOW = {
     "released": "set free by the springs",
@@ -193,7 +194,12 @@ def jump_account(jump: Jump, about: About) -> Account:
         "Assumptions": parts.Notes(_assumptions(jump), FULL),
     }
     fallen = [f"jump {i}" for i, hop in enumerate(jump.hops, 1) if not hop.landed]
-    warned = [parts.Warned("Landing", "It does not stand on its foot after:", fallen)]
+    off = max(jump.balance, *(hop.flow.error for hop in jump.hops))
+    open_ = [f"The balance is off by {percent(off)}."] if off > _CLOSED else []
+    warned = (
+        parts.Warned("Landing", "It does not stand on its foot after:", fallen),
+        parts.Warned("Energy balance", "Use a smaller time step (`JumpSettings`).", open_),
+    )
     origin = "Predicted by statics, and simulated in MuJoCo."
     return Account(
         *(jump, title, "jump/1", _answer(jump), facts, sections, warned, origin),
