@@ -119,6 +119,16 @@ def test_steps_that_are_too_coarse_are_refused():
         simulation.jump(hopper(gravity=0.0))
 
 
+def test_a_chain_of_three_cells_jumps_too_without_a_model():
+    latch, spring = hopper().chain.levers
+    cells = (latch, spring, replace(spring, name="more"))
+    jump = simulation.jump(hopper(chain=replace(hopper().chain, cells=cells)), halve=0)
+    assert jump.model is None and jump.travels.shape[1] == 3
+    # The block between both springs has a mass too, which the bound leaves out.
+    assert 0.5 * jump.bound.height < jump.first.height < jump.bound.height
+    assert jump.balance < 0.01
+
+
 def test_without_gravity_a_ball_flies_on():
     jump = simulation.jump(hopper(task="throw", gravity=0.0), halve=0)
     assert jump.first.height == np.inf and jump.first.speed > jumped(task="throw").first.speed
