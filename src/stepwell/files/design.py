@@ -196,7 +196,9 @@ def preset_text(name: str, *, robots: bool | None = None) -> str:
 
 
 def preset(name: str) -> Any:
-    """The design of that name in the package: a Chain or a Robot, in SI.
+    """The design of that name in the package: a Chain or a Robot, in SI; of a hopper its chain.
+
+    `load("preset:NAME").hopper` is the hopper.
 
     Args:
         name: as in `presets`, for example "paper-forward"; "robot-..." are robots.
