@@ -303,6 +303,11 @@ class Path(base.ByValue, base.Drawn):
         """
         return safe_rate(self, masses, damping)
 
+    @cached_property
+    def usual_safe_rate(self) -> SafeRate:
+        """`safe_rate` for the usual masses."""
+        return safe_rate(self)
+
     @property
     def released(self) -> float:
         """Energy turned into heat by snaps [J]."""

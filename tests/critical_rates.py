@@ -11,7 +11,7 @@ from chains import concave_chain
 from stepwell.statics import SafeRate
 
 # Rates that are tried above the safe one, as its multiples.
-STEPS = 1.25 ** np.arange(1, 22)
+STEPS = 1.5 ** np.arange(1, 11)
 
 
 class Rated(NamedTuple):
@@ -20,15 +20,18 @@ class Rated(NamedTuple):
     path: sw.Path
     safe: SafeRate
 
-    def keeps(self, share: float) -> bool:
-        """Whether inertial motion at a share of the safe rate keeps the order."""
+    def keeps(self, share: float) -> bool | None:
+        """Whether inertial motion at a share of the safe rate keeps the order; None: not known."""
         assert self.safe.rate is not None
         given = self.safe.masses, self.safe.damping
-        return self.path.at_rate(share * self.safe.rate, *given).keeps_order
+        try:
+            return self.path.at_rate(share * self.safe.rate, *given).keeps_order
+        except sw.StepwellError:
+            return None
 
     def critical(self) -> float:
-        """The first rate tried that changes the order, over the safe one; inf above 108 times."""
-        return next((float(one) for one in STEPS if not self.keeps(float(one))), math.inf)
+        """The first rate tried that changes the order, over the safe one; inf above 58 times."""
+        return next((float(one) for one in STEPS if self.keeps(float(one)) is False), math.inf)
 
 
 def rated(rng: np.random.Generator, cells: tuple[int, ...]) -> Iterator[Rated]:
@@ -55,9 +58,10 @@ if __name__ == "__main__":
 
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 100
     chains = safe_ones(np.random.default_rng(39), (2, 3, 4, 5), count)
-    broken = [one for one in chains if not all(map(one.keeps, (1.0, 0.5, 0.25, 0.1)))]
+    below = [one.keeps(share) for one in chains for share in (1.0, 0.5, 0.25)]
     times = np.sort([one.critical() for one in chains])
-    print(f"{count} chains, {sum(one.safe.proved for one in chains)} proved by energy")
-    print(f"{len(broken)} change their order at or below the safe rate")
+    print(f"{count} chains, {sum(one.safe.proved for one in chains)} of them proved by energy")
+    print(f"{below.count(False)} of {len(below)} motions up to the safe rate change the order")
+    print(f"{below.count(None)} of them could not be followed to their end")
     print(f"critical rate / safe rate: least {times[0]:.3g}, median {np.median(times):.3g}")
     print(f"above {STEPS[-1]:.3g} times: {np.sum(np.isinf(times))}")
