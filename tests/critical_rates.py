@@ -56,12 +56,12 @@ def safe_ones(rng: np.random.Generator, cells: tuple[int, ...], count: int) -> l
 if __name__ == "__main__":
     import sys
 
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 100
-    chains = safe_ones(np.random.default_rng(39), (2, 3, 4, 5), count)
-    below = [one.keeps(share) for one in chains for share in (1.0, 0.5, 0.25)]
-    times = np.sort([one.critical() for one in chains])
+    count, measured = (map(int, sys.argv[1:3])) if len(sys.argv) > 2 else (100, 40)
+    chains = safe_ones(np.random.default_rng(39), (2, 3, 4), count)
     print(f"{count} chains, {sum(one.safe.proved for one in chains)} of them proved by energy")
+    below = [one.keeps(share) for one in chains for share in (1.0, 0.5)]
     print(f"{below.count(False)} of {len(below)} motions up to the safe rate change the order")
-    print(f"{below.count(None)} of them could not be followed to their end")
-    print(f"critical rate / safe rate: least {times[0]:.3g}, median {np.median(times):.3g}")
-    print(f"above {STEPS[-1]:.3g} times: {np.sum(np.isinf(times))}")
+    print(f"{below.count(None)} of them could not be followed to their end", flush=True)
+    times = np.sort([one.critical() for one in chains[:measured]])
+    print(f"critical rate / safe rate of {measured}: least {times[0]:.3g}, ", end="")
+    print(f"median {np.median(times):.3g}; above {STEPS[-1]:.3g} times {np.sum(np.isinf(times))}")

@@ -3,7 +3,7 @@
 import math
 
 from stepwell.accounts.head import keys
-from stepwell.accounts.parts import FULL, Fact
+from stepwell.accounts.parts import Fact
 from stepwell.base import Schema, amount
 from stepwell.statics import Path, SafeRate
 
@@ -37,5 +37,5 @@ def rate_fact(path: Path) -> Fact:
     elif math.isinf(safe.rate):
         text = f"any: {safe.reason}"
     else:
-        text = f"{amount(safe.rate, 'Hz', 3)} ({assumed_of(safe)})"
-    return Fact("Safe rate", text, FULL)
+        text = f"{amount(safe.rate, 'Hz', 3)} with blocks of {amount(safe.masses[0], 'kg', 3)}"
+    return Fact("Safe rate", text)
