@@ -212,5 +212,5 @@ def test_the_colours_of_parts_are_those_of_the_figures():
     table = text.split("const ROLES")[1].split("};")[0]
     listed = dict(re.findall(r'"?([a-z][a-z ]*)"?: "(#\w{6})"', table))
     assert {role: colour.upper() for role, colour in listed.items()} == {
-        str(role.value): colour.upper() for role, colour in figure._COLOURS.items()
+        str(role): colour.upper() for role, colour in figure._COLOURS.items()
     }

@@ -14,7 +14,7 @@ from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.motion import drawn
 from stepwell.studio.panels.parts import material, materials
 
-Angles = Mapping[tuple[str, int], Floats]
+Angles = Mapping[tuple[str, int | str], Floats]
 
 
 def answer_robot_parts(design: PageDesign, ask: Ask) -> View:
@@ -85,7 +85,7 @@ def answer_robot_parts(design: PageDesign, ask: Ask) -> View:
 
 def _angles(robot: Robot, shown: Path) -> Angles:
     """Angles (n,) of all cells [rad], of every leg at the stroke and in the half of each sample."""
-    found: dict[tuple[str, int], Floats] = {}
+    found: dict[tuple[str, int | str], Floats] = {}
     for leg in robot.legs:
         same = leg.chain == shown.chain
         own = shown if same else drawn(leg.chain.cycle().path)
