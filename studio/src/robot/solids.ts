@@ -310,6 +310,8 @@ export class Solids {
     this.canvas.removeEventListener("webglcontextlost", this.lost);
     this.canvas.removeEventListener("webglcontextrestored", this.restored);
     this.clear();
+    // A browser has a limited number of contexts.
+    this.gl.getExtension("WEBGL_lose_context")?.loseContext();
   }
 
   private clear(): void {
