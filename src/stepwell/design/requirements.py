@@ -353,9 +353,9 @@ class Requirements(ByValue):
         """
         if sequence.orders is None or not self.met_by(Orders(*sequence.orders)):
             return f"has the sequence {sequence}"
-        for one in self.parts if reached is not None else ():
-            if fault := _state_fault(one, reached):
-                return fault
+        faults = (_state_fault(one, reached) for one in self.parts if reached is not None)
+        if fault := next(filter(None, faults), ""):
+            return fault
         for one in self.parts:
             if one.kind == "after" and one.drive > chain.full_stroke:
                 return f"ends at {number(to_unit(chain.full_stroke, 'mm'))} mm"

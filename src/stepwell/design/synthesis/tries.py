@@ -345,17 +345,17 @@ class TargetSearch:
     ) -> tuple[Chain, str]:
         """A chain that no closed form decides, with its method; raises Impossible for none."""
         target = self.target
-        if self.holes is None and target.requirements is None:
+        if target.requirements is not None:
+            proved = self._contradictory(rules)
+            left = "" if proved else "only cells proved concave were tried"
+            raise self._impossible(placed, left, proved=proved)
+        if self.holes is None:
             concave = not target.orders.stepwise and all(
                 all_proved(rule, region) for rule in rules for region in set(self.regions)
             )
             report = f"{placed.others} random choices in the target orders were simulated"
             report *= placed.others > 0
             raise self._impossible(placed, report, proved=target.orders.never or concave)
-        if target.requirements is not None:
-            proved = self._contradictory(rules)
-            left = "" if proved else "only cells proved concave were tried"
-            raise self._impossible(placed, left, proved=proved)
         if target.orders.never or (not target.orders.orders and target.states is None):
             raise self._impossible(placed, "", proved=target.orders.never)
         decided = placed.complete and target.states is None
