@@ -18,6 +18,7 @@ from stepwell.accounts import account
 from stepwell.base import Installation, StepwellError, installation
 from stepwell.design import DEFAULT_TOLERANCES, Run, fraction_of
 from stepwell.paper import AssumedRange, AssumedRanges
+from stepwell.sequences import Machine, realise
 from stepwell.studies import Atlas, Axis, GraphClass, SampledGraphs, Space, Status, sweep
 
 _AXES = (Axis("outer.q.x", 0.0, 0.02),)
@@ -84,6 +85,7 @@ def of_chains() -> dict[str, Any]:
         cycle.path.landings()[0],
         chain.program("01"),
         _refused(lambda: sw.preset("used-before").program("01")),
+        realise(chain, Machine.of_language("(up | down)* up")),
         graph,
         graph.reading,
         chain.implicit_graph(),

@@ -190,6 +190,20 @@ PROGRAMS = [
     _one("program/robust", "program preset:three-wave --target 011 --robust 10"),
     _one("program/own", "program preset:combination-lock"),
     _one("program/force", "program preset:force-control --target 01"),
+    Case(
+        "program/machine",
+        (
+            "program preset:three-wave --machine touch.toml --out out",
+            "program preset:paper-forward --machine parity.toml --json",
+        ),
+        given={
+            "touch.toml": 'inputs = ["touch", "reset"]\nstart = "fresh"\n'
+            '[states.fresh]\ntouch = "once"\nreset = "fresh"\n'
+            '[states.once]\ntouch = "twice"\nreset = "fresh"\n'
+            '[states.twice]\ntouch = "twice"\nreset = "fresh"\n',
+            "parity.toml": 'language = "(one one)*"\n',
+        },
+    ),
     _folder("program/unreachable", "program preset:used-before --target 01"),
 ]
 

@@ -31,6 +31,7 @@ FILES = {
     "lab.calibrate": ("Calibration", "lab.calibrate/2"),
     "lab.compare": ("CellTest ChainTest Comparison PairTest", "lab.compare/2"),
     "lab.read": ("Batch MeasuredElement Recording", "lab.element/1 lab.read/1"),
+    "machine": ("Realisation", "machine/1"),
     "map": ("MapView", "map/3"),
     "package": ("Installation Presets Verdicts", "doctor/1 folder/1 paper/1 presets/1"),
     "robots.behaviour": ("CompiledRobot", "compile/1"),

@@ -16,7 +16,7 @@ from stepwell.cli.ranges import EXAMPLE, Range, grid, parameter_range
 if TYPE_CHECKING:
     from stepwell.base import Floats
     from stepwell.mechanism import Chain
-    from stepwell.sequences import Cycle, Program
+    from stepwell.sequences import Cycle, Program, Realisation
 
 
 def run(
@@ -102,6 +102,10 @@ def program(
     start: From = None,
     target: Target = None,
     robust: options.Robust = None,
+    machine: str | None = option(
+        "State machine or regular language (TOML): search turning points of its inputs instead.",
+        "--machine FILE",
+    ),
     *,
     output: options.Output,
 ) -> None:
@@ -111,20 +115,36 @@ def program(
     proof. Without --target, the program of the design file is simulated and checked against its own
     target state. With --robust, the landing of every snap must be independent of the mobilities.
     With --out, a figure, the turning points as CSV, the result as JSON and the design with the
-    program are written into a folder.
+    program are written into a folder. With --machine, the chain is searched for strokes that behave
+    as a state machine, and the result is the table of what every input does.
 
     Example: stepwell program preset:paper-forward --target 01
     """
     text, chain = options.read_chain(design)
     output.check_output_folder("program")
     try:
-        if start or target:
+        if machine is not None:
+            if start or target or robust:
+                raise screen.wrong(
+                    "--machine", "cannot be combined with --from, --target or --robust."
+                )
+            result = realised(chain, machine)
+        elif start or target:
             result = planned(chain, start, target, robust)
         else:
             result = replace(program_in_file(sw.files.loads(text, design)), robust=robust)
     except sw.Unreachable as why:
         result, output = why, replace(output, out=None)
-    screen.answered(output.report(result, text, design).record["meets_target"])
+    record = output.report(result, text, design).record
+    screen.answered(record.get("meets_target", True))
+
+
+def realised(chain: sw.Chain, machine: str) -> Realisation:
+    """The realisation of the machine in a file; raises `Unreachable` if there is none."""
+    from stepwell.sequences import Machine, realise
+
+    with screen.usable("--machine", sw.Unreachable):
+        return realise(chain, Machine.parse(sw.files.text_of(machine)))
 
 
 class MotionOptions(options.Group):

@@ -24,7 +24,7 @@ _OF_COMMANDS = {
         "mechanism landscape force-stroke travel-stroke element-curves margins around yield",
     ),
     "map": ("map.nc map.json boundaries.csv", "map"),
-    "program": ("design.toml program.csv program.json", "program"),
+    "program": ("design.toml program.csv program.json machine.json", "program"),
     "design": ("design.toml design.json yield.csv", "holes force-plane"),
     # The folders parts, sheets and template have files of their own names.
     "build": (

@@ -23,6 +23,7 @@ from stepwell.studio import replay
 if TYPE_CHECKING:
     from stepwell.build import Build, RobotBuild
     from stepwell.design import Check, Design, MapView, Reprogramming, Run, Survival
+    from stepwell.sequences import Realisation
 
 # Nodes along an axis of a map, and its half width as a multiple of the margin.
 _NODES, _BEYOND = 41, 1.35
@@ -148,6 +149,10 @@ def _reprogramming(result: Reprogramming, _account: Account) -> Contents:
 def _yield(result: Yield, account: Account) -> Contents:
     files = {"design.toml": design_text(account), "yield.csv": result.to_csv}
     return Contents("yield", "yield.json", files, _of_yield(result))
+
+
+def _realisation(_found: Realisation, account: Account) -> Contents:
+    return Contents("program", "machine.json", {"design.toml": design_text(account)})
 
 
 def _survival(_found: Survival, account: Account) -> Contents:
@@ -394,6 +399,7 @@ CONTENTS: dict[str, Callable[..., Contents]] = {
     "MeasuredElement": _measured_element,
     "Prediction": _prediction,
     "Program": _program,
+    "Realisation": _realisation,
     "Reprogramming": _reprogramming,
     "RobotBuild": _build,
     "Run": _run,

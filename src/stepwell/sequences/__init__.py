@@ -47,6 +47,7 @@ if TYPE_CHECKING:
         Span,
         exchange,
         realisations,
+        realise,
     )
     from stepwell.sequences.transition_graph import TransitionGraph, graph
 
@@ -94,6 +95,7 @@ __all__ = [
     "program",
     "read_memory",
     "realisations",
+    "realise",
     "state_after",
     "switching_fields",
     "to_dot",
@@ -112,7 +114,15 @@ _LATE = {
     "memory": ("Forgetting", "Latch", "Loop", "ReturnPointMemory", "Scrambling"),
     "nodes": ("Node", "Transition", "TransitionKind"),
     "reading": ("MemoryReading", "read_memory"),
-    "responses": ("Exchange", "Realisation", "Reply", "Span", "exchange", "realisations"),
+    "responses": (
+        "Exchange",
+        "Realisation",
+        "Reply",
+        "Span",
+        "exchange",
+        "realisations",
+        "realise",
+    ),
     "transition_graph": ("TransitionGraph", "graph"),
 }
 

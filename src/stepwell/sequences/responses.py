@@ -8,10 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, Ints, number, to_unit
+from stepwell.base import ByValue, Floats, InputError, Ints, amount, display_unit, number
 from stepwell.mechanism import Chain
 from stepwell.sequences.machines import Machine
 from stepwell.sequences.mesostates import BranchAtlas, Routes, atlas
+from stepwell.sequences.programs import Unreachable
 from stepwell.sequences.transition_graph import graph
 from stepwell.statics import Configuration, StaticsError
 
@@ -161,11 +162,16 @@ class Realisation(ByValue):
             return False
 
     def __str__(self):
-        lines = [f"base {_shown(self.base)} mm"]
+        unit, factor = display_unit(self.chain.drive_unit)
+
+        def shown(span: Span) -> str:
+            return f"{number(span.drive * factor)} (±{number(span.slack * factor)})"
+
+        lines = [f"base {shown(self.base)} {unit}"]
         for name, spans in zip(self.machine.inputs, self.inputs, strict=True):
-            lines.append(f"{name}: {' → '.join(map(_shown, spans))} mm")
-        points = " → ".join(number(to_unit(drive, "mm")) for drive in self.reset)
-        how = f"{self.start}, " + ("set by hand" if self.by_hand else f"by {points} mm")
+            lines.append(f"{name}: {' → '.join(map(shown, spans))} {unit}")
+        points = " → ".join(number(drive * factor) for drive in self.reset)
+        how = f"{self.start}, " + ("set by hand" if self.by_hand else f"by {points} {unit}")
         lines += [f"start: {how}", ""]
         head = ("chain", "state", "output", *self.machine.inputs)
         rows = [
@@ -179,9 +185,8 @@ class Realisation(ByValue):
         return "\n".join(lines)
 
     def __repr__(self):
-        return (
-            f"Realisation({len(self.replies)} states, slack {number(to_unit(self.slack, 'mm'))} mm)"
-        )
+        slack = amount(self.slack, self.chain.drive_unit, 3)
+        return f"Realisation({len(self.replies)} states, slack {slack})"
 
 
 @dataclass
@@ -205,10 +210,6 @@ class _Places:
         if number_of is None:
             raise InputError("the chain is in no state of the table of replies.")
         return self.states[number_of]
-
-
-def _shown(span: Span) -> str:
-    return f"{number(to_unit(span.drive, 'mm'))} (±{number(to_unit(span.slack, 'mm'))})"
 
 
 class _Response:
@@ -275,6 +276,50 @@ def realisations(
                 one = _realised(response, machine, gaps, moves, (base, start, *chosen))
                 if one is not None:
                     yield one
+
+
+def realise(chain: Chain, machine: Machine, *, turns: int = 2) -> Realisation:
+    """The realisation with the widest intervals; its start is set by hand only if necessary.
+
+    All else as for `realisations`.
+
+    Raises:
+        Unreachable: there is none with that many turning points an input. This is proved if a word
+            acts otherwise when it is repeated and the force is prescribed, or if its period is
+            even and no program of the chain exchanges two states.
+    """
+    for by_hand in (False, True):
+        ways = realisations(chain, machine, by_hand=by_hand, turns=turns)
+        best = max(ways, key=lambda one: one.slack, default=None)
+        if best is not None:
+            return best
+    why, proved = _no_realisation(chain, machine, turns)
+    failure = Unreachable(f"{machine.title or 'the machine'}: {why}", proved=proved)
+    failure.chain, failure.start = chain, chain.first_state
+    failure.target = machine.title or "a machine"
+    raise failure
+
+
+def _no_realisation(chain: Chain, machine: Machine, turns: int) -> tuple[str, bool]:
+    """Reason why a chain realises no machine, and whether it is a proof."""
+    pump = machine.pump
+    if chain.actuator_stiffness == 0 and pump is not None and not chain.elements:
+        return (
+            f"{pump}. Under a prescribed force, without friction, every word acts twice as it acts "
+            f"once (theory page, 'State machines'): prescribe the stroke.",
+            True,
+        )
+    if pump is not None and pump.period % 2 == 0 and exchange(chain, by_hand=True) is None:
+        return (
+            f"{pump}. No program exchanges two states of this chain, and such a word needs it "
+            f"(theory page, 'State machines'): use another machine.",
+            True,
+        )
+    return (
+        f"no inputs with up to {turns} turning points were found on this chain. That is no proof "
+        f"for longer inputs: use another chain, or sw.design.design_machine.",
+        False,
+    )
 
 
 def _gaps(response: _Response, among: Ints) -> Floats:
