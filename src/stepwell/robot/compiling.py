@@ -253,7 +253,7 @@ def _legs(robot: Robot, rules: GaitRules, numbers: _Numbers) -> tuple[Leg, Leg]:
     """Forces of m variants of both legs, at rest and with their anchors displaced."""
     law, moves = robot.legs[0].chain.levers[0].bands[0].law, robot.antennas[0].moves
     d, k, rest = numbers
-    cells = [Bands(*d[:, i].T, k[:, i], rest[:, i], law) for i in range(4)]
+    cells = [Bands(d[:, i, 0], d[:, i, 1], k[:, i], rest[:, i], law) for i in range(4)]
     left, right = (
         (rules.forces(inner, outer), rules.forces(inner.displaced(*moves), outer))
         for inner, outer in (cells[:2], cells[2:])
@@ -359,7 +359,7 @@ def _bands_of(robot: Robot) -> tuple[Bands, Bands, Bands]:
     cells = _cells(robot)[:2]
     (d,), (k,), (rest,) = _numbers(cells)
     law = cells[0].bands[0].law
-    inner, outer = (Bands(*d[i], k[i], rest[i], law) for i in range(2))
+    inner, outer = (Bands(d[i, 0], d[i, 1], k[i], rest[i], law) for i in range(2))
     return inner, outer, inner.displaced(*robot.antennas[0].moves)
 
 

@@ -78,7 +78,7 @@ _ARENA: Schema = (
 )
 
 
-def _rows(margins: Sequence[RowMargin], trials: Sequence[RowTrial]) -> list[Row]:
+def _rows(margins: Sequence[RowMargin], trials: Sequence[RowTrial]) -> Sequence[Row]:
     walked = trials or [None] * len(margins)
     return base.rows_of({"margin": margins, "trial": walked})
 
@@ -279,7 +279,7 @@ def _design_sections(result: CompiledRobot) -> dict[str, Any]:
         "Step: part of a forward step in which the foot grips, in closed form.",
         more="designs",
     )
-    return sections | parameter_section(result.robot)
+    return {**sections, **parameter_section(result.robot)}
 
 
 def _warnings(result: CompiledRobot) -> list[parts.Warned]:
