@@ -1,8 +1,9 @@
 """The numbers of docs/compiled.md: compiled robots in arenas, as copies, and as made.
 
 `python tests/docs/compiled.py` compiles the table `turn-away`, simulates all runs (about six
-minutes of one core) and writes docs/compiled.json and the tables of the page; with --page it writes
-the tables from that file. No arena was used to choose a design.
+minutes of one core) and writes docs/compiled.json and the tables of the page; with --rows the
+same for the table of motions, and with --page the tables of the page only. No arena was used to
+choose a design.
 """
 
 from __future__ import annotations
@@ -10,16 +11,26 @@ from __future__ import annotations
 import json
 import sys
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import stepwell as sw
+from stepwell.base import percent
 from stepwell.design import DEFAULT_TOLERANCES, Draws
-from stepwell.robot import Robot, compile_behaviour, other_start
+from stepwell.robot import (
+    Action,
+    BehaviourRow,
+    Robot,
+    RobotBehaviour,
+    compile_behaviour,
+    other_start,
+)
 from stepwell.simulation import behaviour_trials, mazes, verified
 
 ROOT = Path(__file__).parents[2]
 FILE, PAGE = ROOT / "docs" / "compiled.json", ROOT / "docs" / "compiled.md"
+ROWS = ROOT / "docs" / "compiled-rows.json"
 # Number of random starts in each arena.
 ARENAS = {"wall": 20, "cylinder": 20, "three-walls": 10, "corridor": 10}
 COPIES = 24
@@ -93,19 +104,81 @@ def lines(record: dict[str, Any]) -> list[str]:
     return [*rows, f"| copies within tolerances | | | {right} of {count} |"]
 
 
+FREE = "forward", "backward"
+TOUCHES = *FREE, "turn right", "turn left", "veer right", "veer left", "stop"
+
+
+def combinations() -> list[dict[str, Any]]:
+    """For each motion without contact and after a touch on the left: whether designs have both.
+
+    A touch on the right gives the mirror image; both antennas together may give any motion.
+    """
+    found = []
+    for free, touch in product(FREE, TOUCHES):
+        if touch == free:
+            continue
+        motions = free, touch, Action(touch).mirrored, "any"
+        given = zip(("free", "left", "right", "both"), motions, strict=True)
+        rows = [BehaviourRow(contact, Action(motion)) for contact, motion in given]
+        table = RobotBehaviour(rows, sw.preset("robot-antennas"))
+        result = verified(compile_behaviour(table, samples=100), most=3)
+        design, compiled = result.design, result.compiled
+        crossed = design is not None and design.places.wiring == (1, 0)
+        found.append(
+            {
+                "free": free,
+                "touch": touch,
+                "designs": compiled.met,
+                "proved": compiled.proved,
+                "antenna": ("" if design is None else "opposite" if crossed else "same"),
+                "yield": None if design is None else design.built.estimate,
+                "verified": result.verified,
+                "walked": len(result.trials),
+            }
+        )
+        print(found[-1], flush=True)
+    return found
+
+
+def combination_lines(found: list[dict[str, Any]]) -> list[str]:
+    """The table of combinations."""
+    rows = ["| free | touch on the left | designs | antenna moves | yield | simulated |"]
+    rows.append("|---" * 6 + "|")
+    for one in found:
+        none = "none: proved" if one["proved"] else "none"
+        designs = f"{one['designs']:,}" if one["designs"] else none
+        share = "" if one["yield"] is None else percent(one["yield"])
+        walked = "" if not one["walked"] else "yes" if one["verified"] else "no"
+        leg = f"{one['antenna']} leg" if one["antenna"] else ""
+        rows.append(f"| {one['free']} | {one['touch']} | {designs} | {leg} | {share} | {walked} |")
+    return rows
+
+
+def written(text: str, name: str, rows: list[str]) -> str:
+    """The text of the page with one of its tables."""
+    begin, end = f"<!-- {name}: written by tests/docs/compiled.py -->", f"<!-- end of {name} -->"
+    before, rest = text.split(begin)
+    table = "\n".join(rows)
+    return f"{before}{begin}\n\n{table}\n\n{end}{rest.split(end)[1]}"
+
+
+def page(text: str) -> str:
+    """The text of the page with the tables of both records."""
+    text = written(text, "runs", lines(json.loads(FILE.read_text("utf-8"))))
+    return written(text, "rows", combination_lines(json.loads(ROWS.read_text("utf-8"))))
+
+
 def main(arguments: list[str]) -> None:
-    if "--page" not in arguments:
+    if "--rows" in arguments:
+        ROWS.write_text(json.dumps(combinations(), indent=1) + "\n", "utf-8")
+    elif "--page" not in arguments:
         record = chosen()
         robot = sw.files.loads(record["robot"]).robot
         for name in ARENAS:
             record["arenas"].append(in_arena(robot, name))
             FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
             print(record["arenas"][-1], flush=True)
-    begin, end = "<!-- runs: written by tests/docs/compiled.py -->", "<!-- end of runs -->"
-    text = PAGE.read_text("utf-8")
-    before, rest = text.split(begin)
-    table = "\n".join(lines(json.loads(FILE.read_text("utf-8"))))
-    PAGE.write_text(f"{before}{begin}\n\n{table}\n\n{end}{rest.split(end)[1]}", "utf-8")
+    PAGE.write_text(page(PAGE.read_text("utf-8")), "utf-8")
 
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 
 import docs.antennas_found as antennas
+import docs.compiled as compiled
 import docs.larger_atlases as larger
 import stepwell as sw
 from docs.architecture import page as architecture_page, picture
@@ -316,6 +317,16 @@ def test_the_page_of_the_search_shows_the_studies_that_its_commands_make(tmp_pat
     assert antennas.robot("today").antennas == sw.preset("robot-antennas").antennas
     assert antennas.written(page) == page
     assert antennas.drawn() == antennas.PICTURE.read_text("utf-8")
+
+
+def test_the_page_of_compiled_robots_shows_its_records_and_the_robot_that_is_found():
+    text = compiled.PAGE.read_text("utf-8")
+    assert compiled.page(text) == text
+    record = json.loads(compiled.FILE.read_text("utf-8"))
+    assert [run["arena"] for run in record["arenas"]] == [*compiled.ARENAS]
+    found = sw.robot.compile_behaviour(sw.files.load_behaviour("turn-away"), samples=20)
+    assert sw.files.dumps(found.designs[0].robot) == record["robot"]
+    assert 1e3 * found.designs[0].margin == pytest.approx(record["margin_mN"])
 
 
 def test_the_larger_atlases_are_those_that_the_page_s_commands_make(monkeypatch):
