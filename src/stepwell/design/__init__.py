@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         BandType,
         usual_box,
     )
+    from stepwell.design.synthesis.strongest import Means, StrongestSnap, strongest_snap
     from stepwell.design.targets import Reached
     from stepwell.design.tolerances.survival import Survival, survival
     from stepwell.design.tolerances.tally import Fraction, fraction_of
@@ -56,6 +57,7 @@ __all__ = [
     "MachineDesign",
     "MapView",
     "Margin",
+    "Means",
     "Measurement",
     "Method",
     "Parameter",
@@ -67,6 +69,7 @@ __all__ = [
     "Robustness",
     "RobustnessLimit",
     "Sensitivities",
+    "StrongestSnap",
     "Run",
     "Fraction",
     "BandType",
@@ -89,6 +92,7 @@ __all__ = [
     "proved_margin",
     "reprogram",
     "robustness",
+    "strongest_snap",
     "fraction_of",
     "survival",
     "transition_map",
@@ -124,6 +128,7 @@ _LATE = {
         "BandType",
         "usual_box",
     ),
+    "synthesis.strongest": ("Means", "StrongestSnap", "strongest_snap"),
     "targets": ("Reached",),
     "tolerances.survival": ("Survival", "survival"),
     "tolerances.tally": ("Fraction", "fraction_of"),

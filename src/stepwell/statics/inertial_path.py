@@ -133,6 +133,7 @@ def inertial_path(path: Path, rate: float, inertia: Inertia) -> InertialPath:
     rows = np.vstack([[0.0, turns[0], *travel, *np.zeros(n), *sheet], *motion.parts])
     drive, travels = rows[:, 1], rows[:, 2 : n + 2]
     changes = tuple(arrivals(phases_of(chain, travels, rows[:, 2 * n + 2 :])))
+    begun, expected = path.phase_changes
     snaps = [event for event in path.events if event.kind is EventKind.SNAP]
     return InertialPath(
         rate,
@@ -140,7 +141,7 @@ def inertial_path(path: Path, rate: float, inertia: Inertia) -> InertialPath:
         tuple(map(float, inertia[1])),
         body[-1],
         changes,
-        keeps_order(*path.phase_changes, changes),
+        keeps_order(begun, list(expected.values()), changes),
         tuple(snap_drives(snaps, drive, travels)),
         drive,
         History(rows[:, 0], travels, rows[:, n + 2 : 2 * n + 2]),
