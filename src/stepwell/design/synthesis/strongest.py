@@ -143,8 +143,8 @@ def _why_none(kinds: _Kinds, means: Means) -> str:
     if len(kinds.d) < 2:
         return (
             f"means: {len(kinds.d)} of the anchors keep the band taut, below {means.stretch:g} "
-            f"times its rest length, of falling force and within {amount(means.force, 'N')}. Allow a "
-            f"longer stretch or a larger force, or take a weaker band."
+            f"times its rest length, of falling force and within {amount(means.force, 'N')}. Allow "
+            f"a longer stretch or a larger force, or take a weaker band."
         )
     return "means: no pair of anchors snaps. Allow a larger area of holes."
 
