@@ -12,6 +12,7 @@ from chains import concave_chain
 from critical_rates import safe_ones
 from facts import refuses
 from sizes import examples
+from stepwell.statics.inertial_path import keeps_order, without_excursions
 
 INNER = sw.Cell(sw.Band((-0.010, 0.0), (0.010, 0.0)))
 PAIR = sw.Chain([INNER, INNER.with_anchors(q=(0.020, 0.0))])
@@ -83,7 +84,7 @@ def test_an_integration_that_knows_no_contacts_moves_alike(pair, rate):
 
 @pytest.mark.slow
 def test_no_random_chain_changes_its_order_at_a_rate_called_safe():
-    count = examples(6, full=100)
+    count = examples(4, full=100)
     cells = (2, 3) if count < 100 else (2, 3, 4)
     chains = safe_ones(np.random.default_rng(39), cells, count)
     assert all(one.keeps(1.0) for one in chains)
@@ -117,3 +118,12 @@ def test_the_gap_of_sorted_cells_is_between_neighbours():
     up = np.diff(sorted(cell.force_0 for cell in chain.cells))
     down = np.diff(sorted(cell.force_1 for cell in chain.cells))
     assert chain.cycle().path.safe_rate().gap >= min(*up, *down) * (1.0 - 1e-9)
+
+
+def test_a_cell_that_strikes_a_stop_and_returns_changes_no_order():
+    begin, expected = [0, 0], [[(0, 1)], [(1, 1)]]
+    rung = [(0, 1), (0, 0), (0, 1), (1, 1)]
+    assert keeps_order(begin, expected, without_excursions(begin, rung))
+    crossed = [(0, 1), (1, 1), (0, 0), (0, 1)]
+    assert keeps_order(begin, expected, without_excursions(begin, crossed))
+    assert not keeps_order(begin, expected, without_excursions(begin, [(1, 1), (0, 1)]))

@@ -42,7 +42,8 @@ class InertialPath(ByValue):
         damping: (N,) on the travels [N s/m].
         restitution: coefficient of restitution at a stop.
         changes: (cell, phase) of each arrival in another phase, in order.
-        keeps_order: whether these are the arrivals of the path in its order.
+        keeps_order: whether these are the arrivals of the path in its order, but for a cell that
+            strikes another stop and returns before any other cell arrives.
         snap_drives: for each snap of the path the drive at which the cell that jumps farthest is
             half way [m], or [N] under force control; NaN where it is not.
         drive: (n,) actuator position [m], or its force [N].
@@ -141,7 +142,10 @@ def inertial_path(path: Path, rate: float, inertia: Inertia) -> InertialPath:
         tuple(map(float, inertia[1])),
         body[-1],
         changes,
-        keeps_order(begun, list(expected.values()), changes),
+        any(
+            keeps_order(begun, list(expected.values()), one)
+            for one in (changes, without_excursions(begun, changes))
+        ),
         tuple(snap_drives(snaps, drive, travels)),
         drive,
         History(rows[:, 0], travels, rows[:, n + 2 : 2 * n + 2]),
@@ -168,6 +172,24 @@ def arrivals(phases: Ints) -> Iterator[tuple[int, int]]:
             if phase not in (-1, now[i]):
                 now[i] = phase
                 yield i, phase
+
+
+def without_excursions(
+    begin: Sequence[int], changes: Sequence[tuple[int, int]]
+) -> list[tuple[int, int]]:
+    """Arrivals without those of a cell that returns before any other cell arrives."""
+    kept: list[tuple[int, int]] = []
+    left: list[int] = []
+    now = list(begin)
+    for i, phase in changes:
+        if kept and kept[-1][0] == i and left[-1] == phase:
+            kept.pop()
+            now[i] = left.pop()
+        else:
+            kept.append((i, phase))
+            left.append(now[i])
+            now[i] = phase
+    return kept
 
 
 def keeps_order(
