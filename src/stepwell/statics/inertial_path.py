@@ -91,7 +91,8 @@ class _Motion:
         state.moving[:], state.sense[:] = 0, 0
         status, steps = integrate.GOES_ON, 0
         while status == integrate.GOES_ON and steps < _MOST_STEPS:
-            rows = np.full((_ROWS, 1 + 3 * n), np.nan)
+            # Machine code that is on disk takes over after a short block.
+            rows = np.full((integrate.integrate.block(_ROWS), 1 + 3 * n), np.nan)
             status = integrate.integrate(problem, body, state, rows)
             rows = rows[np.isfinite(rows[:, 0])]
             way = 2.0 * crank.swing * np.sin(0.5 * omega * rows[:, 0]) ** 2

@@ -94,7 +94,7 @@ def lands_only_at(
     return False
 
 
-@entry(0.3, "problem.mobility")
+@entry(0.05, "problem.mobility")
 def energy_holds(problem: DrivenChain, start: Start, landing: Floats) -> bool:
     """Proof that the energy suffices for no other stable equilibrium than the landing."""
     # Then the snap lands there for all mobilities, and with any masses and dampers.
