@@ -1,7 +1,7 @@
 """A verdict on a design: whether samples reproduce its target, and the critical change."""
 
 from stepwell import base
-from stepwell.accounts import changes, rate, yields
+from stepwell.accounts import changes, events, yields
 from stepwell.accounts.head import CALIBRATED, About, DesignShape, keys
 from stepwell.accounts.parts import Account, Fact, Replay, Warned
 from stepwell.accounts.words import assumed, calibration, cells_of, degenerate, scattered, tie_notes
@@ -28,7 +28,7 @@ def check_schema(shape: DesignShape) -> base.Schema:
         *base.read_off(yields.counted_schema(shape), "yield_"),
         Quantity("critical_change", holds=changes.change_schema(shape), missing=True),
         *base.in_measure(keys(peak_force="N", dissipated="mJ"), shape.measure),
-        *base.read_off(rate.RATE, "path"),
+        *base.read_off(events.RATE, "path"),
         *keys(pull=("g", _mass), warnings=[str]),
         Quantity("measure", holds=base.in_measure(measured, shape.measure), missing=True),
         *keys(ties=([str], lambda check: tie_notes(check.path.degenerate, check.chain))),
@@ -65,7 +65,7 @@ def check_account(check: Check, about: About) -> Account:
         Fact("Samples", yields.sample_words(sampled)),
         Fact("Critical change", none if change is None else changes.change_words(change)),
         Fact("Actuator", f"{force}{grams} at most; {amount(check.dissipated, 'J', 3)} dissipated"),
-        rate.rate_fact(check.path),
+        events.rate_fact(check.path),
         Fact("Measure next", _measurement_words(check)),
     )
     title, answer = chain.title or "A design", f"{check.verdict}: {check.reason}"

@@ -1,14 +1,15 @@
 """Switches and snaps of a chain, and whether snaps land there for other mobilities."""
 
+import math
 from collections.abc import Mapping, Sequence
 from operator import itemgetter
 from typing import Any
 
 from stepwell import base, mechanism
 from stepwell.accounts.head import DesignShape, Row, keys, recorded
-from stepwell.accounts.parts import CARD, RecordTable, Sections, Warned
+from stepwell.accounts.parts import CARD, Fact, RecordTable, Sections, Warned
 from stepwell.base import Column, Quantity
-from stepwell.statics import Cause, Event, Landing, Path
+from stepwell.statics import Cause, Event, Landing, Path, SafeRate
 
 NOT_CHECKED = "not checked for other mobilities"
 _ARRIVAL = keys(cell=(int, itemgetter(0)), state=(int, itemgetter(1)))
@@ -191,3 +192,37 @@ def _mobilities(mobility: Sequence[float], names: Sequence[str]) -> str:
     named = zip(names, mobility, strict=True)
     above = [f"{name} {base.number(x / least, 3)}" for name, x in named if x > least]
     return ", ".join([*above, "others 1"])
+
+
+def _finite(path: Path) -> float | None:
+    rate = path.usual_safe_rate.rate
+    return None if rate is None or math.isinf(rate) else rate
+
+
+def assumed_of(safe: SafeRate) -> str:
+    """What a safe rate assumes, or why there is none."""
+    if safe.rate is None or math.isinf(safe.rate):
+        return safe.reason
+    how = "proved by energy" if safe.proved else "two rates were integrated"
+    mass = base.amount(safe.masses[0], "kg", 3)
+    return f"blocks of {mass}, no dampers, dead stops, a crank; snaps: {how}"
+
+
+# Of a path: cycles per second, None where any rate is safe or none is known to be.
+RATE: base.Schema = keys(
+    safe_rate=("Hz", _finite),
+    safe_rate_assumes=(str, lambda path: assumed_of(path.usual_safe_rate)),
+)
+
+
+def rate_fact(path: Path) -> Fact:
+    """The safe rate in a line."""
+    safe = path.usual_safe_rate
+    if safe.rate is None:
+        text = f"none known: {safe.reason}"
+    elif math.isinf(safe.rate):
+        text = f"any: {safe.reason}"
+    else:
+        mass = base.amount(safe.masses[0], "kg", 3)
+        text = f"{base.amount(safe.rate, 'Hz', 3)} with blocks of {mass}"
+    return Fact("Safe rate", text)

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Callable
 
-from stepwell.accounts import changes, events, rate, words
+from stepwell.accounts import changes, events, words
 from stepwell.accounts.chain import actuator_schema, cell_schema, cell_section, named, texts
 from stepwell.accounts.head import About, DesignShape, Row, keys, of_class
 from stepwell.accounts.parts import (
@@ -58,7 +58,7 @@ def run_schema(shape: DesignShape) -> Schema:
             missing=True,
         ),
         *read_off(cycle_schema(shape), "cycle"),
-        *read_off(rate.RATE, "cycle.path"),
+        *read_off(events.RATE, "cycle.path"),
         *keys(margin=changes.margin_schema(shape)),
         *(_measured_schema(shape) if shape.elements else ()),
         *(events.extrapolated_schema(shape, "cycle.path") if shape.elements else ()),
@@ -108,7 +108,7 @@ def run_account(run: Run, about: About) -> Account:
         *_banded(run),
         Fact("Margin", nearest),
         Fact("Landings", landings),
-        rate.rate_fact(cycle.path),
+        events.rate_fact(cycle.path),
     )
     nearby = (
         Picture("margins", "Distance of each parameter to another sequence"),

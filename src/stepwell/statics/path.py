@@ -305,8 +305,8 @@ class Path(base.ByValue, base.Drawn):
 
     @cached_property
     def usual_safe_rate(self) -> SafeRate:
-        """`safe_rate` for the usual masses."""
-        return safe_rate(self)
+        """`safe_rate` for the usual masses, where energy proves the landings of all snaps."""
+        return safe_rate(self, integrate=False)
 
     @property
     def released(self) -> float:

@@ -69,7 +69,11 @@ class SafeRate(ByValue):
 
 
 def safe_rate(
-    path: Path, masses: Iterable[float] | None = None, damping: Iterable[float] | None = None
+    path: Path,
+    masses: Iterable[float] | None = None,
+    damping: Iterable[float] | None = None,
+    *,
+    integrate: bool = True,
 ) -> SafeRate:
     """The safe rate of a path, as for `Path.safe_rate`."""
     chain, problem = path.chain, path._problem
@@ -92,6 +96,8 @@ def safe_rate(
     forces = SortedChain.of(chain) if problem.beta == 0.0 else None
     if forces is not None and proved_by_energy(path):
         return told(rate, "", True)
+    if not integrate:
+        return told(None, "no proof covers its snaps, safe_rate() of its path integrates them")
     if n > _MOST_INTEGRATED:
         return told(None, f"{n} cells whose snaps no proof covers: too many to integrate")
     if chain.elements and not any(damper):
