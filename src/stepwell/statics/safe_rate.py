@@ -182,7 +182,10 @@ def _gaps(path: Path) -> Iterator[float]:
 
 
 def proved_by_energy(path: Path) -> bool:
-    """Whether energy alone proves the landing of every snap, so for all masses and dampers."""
+    """Whether energy alone proves the landing of every snap of concave cells, for all masses."""
+    if len(path.chain) == 2:
+        # Of a pair one block is free, and its snap ends at a stop.
+        return True
     for snap in path._snaps():
         fresh = path._problem._replace(effort=np.array([0, UNLIMITED]))
         same = np.array_equal(snap.sheet, snap.start.sheet)
