@@ -120,10 +120,10 @@ class _Motion:
                     self.state.travel[i], self.state.speed[i] = stop, 0.0
 
 
-def inertial_path(path: Path, rate: float, inertia: Inertia) -> InertialPath:
+def inertial_path(path: Path, problem: DrivenChain, rate: float, inertia: Inertia) -> InertialPath:
     """Motion along the strokes of a path at a rate, as for `Path.at_rate`."""
     check.positive("rate", rate, "Hz")
-    chain, problem, turns = path.chain, path._problem, path.turning_points
+    chain, turns = path.chain, path.turning_points
     travel, sheet, n = np.array(path.start), np.array(path.start_sheet), len(chain)
     stand_all_on(problem.laws, problem.sheets, problem.pieces, sheet)
     body = checked_inertia(chain, problem, inertia)

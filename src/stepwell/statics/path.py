@@ -28,7 +28,7 @@ from stepwell.statics.landing_robustness import Landing, checked_ratio, landings
 from stepwell.statics.landings.start import Snap, snaps_of
 from stepwell.statics.outcome import advice_on_tie, refuse_broken
 from stepwell.statics.places import Configuration, drive_weights, problem_of
-from stepwell.statics.safe_rate import SafeRate, safe_rate
+from stepwell.statics.safe_rate import Inside, SafeRate, safe_rate
 
 if TYPE_CHECKING:
     import xarray
@@ -290,7 +290,7 @@ class Path(base.ByValue, base.Drawn):
             StaticsError: more impacts than can be followed.
         """
         inertia = tuple(masses), tuple(damping), restitution
-        return inertial_path(self, rate, inertia)
+        return inertial_path(self, self._problem, rate, inertia)
 
     def safe_rate(
         self, masses: Iterable[float] | None = None, damping: Iterable[float] | None = None
@@ -301,12 +301,16 @@ class Path(base.ByValue, base.Drawn):
             masses: (N,) of the block outside each cell, inner first [kg]; 10 g each by default.
             damping: (N,) viscous, on each travel [N s/m]; none by default.
         """
-        return safe_rate(self, masses, damping)
+        return safe_rate(self, self._inside, masses, damping)
+
+    @property
+    def _inside(self) -> Inside:
+        return Inside(self._problem, self._log, self._snaps)
 
     @cached_property
     def usual_safe_rate(self) -> SafeRate:
         """`safe_rate` for the usual masses, where energy proves the landings of all snaps."""
-        return safe_rate(self, integrate=False)
+        return safe_rate(self, self._inside, integrate=False)
 
     @property
     def released(self) -> float:

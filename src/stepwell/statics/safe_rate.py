@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from stepwell.statics.events import SegmentKind
 from stepwell.statics.following import log as logged
 from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.landings.proofs import energy_holds
+from stepwell.statics.landings.start import Snap
 from stepwell.statics.outcome import StaticsError
 
 if TYPE_CHECKING:
@@ -68,16 +69,25 @@ class SafeRate(ByValue):
         return f"SafeRate({self})"
 
 
+class Inside(NamedTuple):
+    """What a path has computed."""
+
+    problem: DrivenChain
+    log: logged.Log
+    snaps: Callable[[], Iterator[Snap]]
+
+
 def safe_rate(
     path: Path,
+    inside: Inside,
     masses: Iterable[float] | None = None,
     damping: Iterable[float] | None = None,
     *,
     integrate: bool = True,
 ) -> SafeRate:
     """The safe rate of a path, as for `Path.safe_rate`."""
-    chain, problem = path.chain, path._problem
-    n, gap, slope = len(chain), force_gap(path), largest_slope(problem)
+    chain, problem = path.chain, inside.problem
+    n, gap, slope = len(chain), force_gap(path, inside.log), largest_slope(problem)
     mass = tuple([BLOCK] * n if masses is None else map(float, masses))
     damper = tuple([0.0] * n if damping is None else map(float, damping))
 
@@ -90,11 +100,11 @@ def safe_rate(
         return told(None, "under a prescribed force the masses decide how long a snap lasts")
     if path.degenerate or not gap > 0.0:
         return told(None, "a tie: the order is undecided even without masses")
-    rate = _balance(path, mass, damper, gap, slope)
+    rate = _balance(path, (mass, damper), gap, slope)
     if math.isinf(rate):
         return told(rate, "the only cell moves with the actuator", True)
     forces = SortedChain.of(chain) if problem.beta == 0.0 else None
-    if forces is not None and proved_by_energy(path):
+    if forces is not None and proved_by_energy(path, inside):
         return told(rate, "", True)
     if not integrate:
         return told(None, "no proof covers its snaps, safe_rate() of its path integrates them")
@@ -116,10 +126,11 @@ def _keeps(path: Path, rate: float, mass: tuple[float, ...], damper: tuple[float
 
 
 def _balance(
-    path: Path, mass: tuple[float, ...], damper: tuple[float, ...], gap: float, slope: float
+    path: Path, inertia: tuple[tuple[float, ...], tuple[float, ...]], gap: float, slope: float
 ) -> float:
     """The rate f with V (√(M κ) + c) + M A = gap, V = π f U and A = 2 π² f² U."""
-    rigid, turns = path._problem.beta == 0.0, path.turning_points
+    (mass, damper), turns = inertia, path.turning_points
+    rigid = math.isinf(path.chain.actuator_stiffness)
     moved, way = sum(mass[:-1] if rigid else mass), max(turns) - min(turns)
     stiff = slope if rigid else max(slope, path.chain.actuator_stiffness)
     square = 2.0 * math.pi**2 * way * moved
@@ -140,19 +151,19 @@ def largest_slope(problem: DrivenChain) -> float:
         cell = int(np.searchsorted(first, table[sheet, FIRST]))
         for p in range(int(pieces.of_sheet[sheet]), int(pieces.of_sheet[sheet + 1])):
             rows = pieces.picked[p].copy()
-            for travel in (pieces.left[p], pieces.right[p]):
+            for travel in (float(pieces.left[p]), float(pieces.right[p])):
                 if math.isfinite(travel):
                     most = max(most, abs(law(problem.laws, cell, rows, travel)[1]))
     return most
 
 
-def force_gap(path: Path) -> float:
+def force_gap(path: Path, log: logged.Log) -> float:
     """Least distance of λ to the critical force of a competitor where a cell sets off [N]."""
-    return min(_gaps(path), default=math.inf)
+    return min(_gaps(path, log), default=math.inf)
 
 
-def _gaps(path: Path) -> Iterator[float]:
-    chain, rows = path.chain, path._log.segments
+def _gaps(path: Path, log: logged.Log) -> Iterator[float]:
+    chain, rows = path.chain, log.segments
     stretches, phases = chain.stretches, [cell.phases for cell in chain.cells]
     travel, sheet = list(path.start), list(path.start_sheet)
     segments = list(path.segments())
@@ -181,13 +192,13 @@ def _gaps(path: Path) -> Iterator[float]:
             yield min(phase.force_high + rub - one.force[1], one.force[1] - phase.force_low + rub)
 
 
-def proved_by_energy(path: Path) -> bool:
+def proved_by_energy(path: Path, inside: Inside) -> bool:
     """Whether energy alone proves the landing of every snap of concave cells, for all masses."""
     if len(path.chain) == 2:
         # Of a pair one block is free, and its snap ends at a stop.
         return True
-    for snap in path._snaps():
-        fresh = path._problem._replace(effort=np.array([0, UNLIMITED]))
+    for snap in inside.snaps():
+        fresh = inside.problem._replace(effort=np.array([0, UNLIMITED]))
         same = np.array_equal(snap.sheet, snap.start.sheet)
         if not (same and energy_holds(fresh, snap.start, snap.travel)):
             return False

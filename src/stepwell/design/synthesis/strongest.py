@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, amount, check, number
+from stepwell.base import ByValue, Floats, InputError, Ints, amount, check, number
 from stepwell.design.synthesis.region import PAPER_LEVER, BandType
 from stepwell.design.tolerances.draws import DEFAULT_TOLERANCES, Tolerances
 from stepwell.design.tolerances.yields import Yield, yields
@@ -177,10 +177,11 @@ def _kinds(band: BandType, means: Means, lever: float) -> _Kinds:
     fits &= np.max(length, axis=1) <= means.stretch * rest
     fits &= np.all(np.diff(force, axis=1) < 0.0, axis=1)
     fits &= np.max(np.abs(force), axis=1) <= means.force
-    return _Kinds(d[fits], force[fits], 0.5 * k * (length[fits] - rest) ** 2)
+    energy = np.asarray(0.5 * k * (length[fits] - rest) ** 2, float)
+    return _Kinds(np.asarray(d[fits], float), force[fits], energy)
 
 
-def _best_pairs(kinds: _Kinds, lift: float) -> tuple[Floats, Floats, Floats, int]:
+def _best_pairs(kinds: _Kinds, lift: float) -> tuple[Floats, Ints, Ints, int]:
     """Energy less the lift [J], latch and spring of the best pair of each latch; number of pairs.
 
     `lift` is the energy that lifts the load by the full travel.
