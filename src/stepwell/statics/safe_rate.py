@@ -148,7 +148,7 @@ def largest_slope(problem: DrivenChain) -> float:
     first = np.unique(table[:, FIRST])
     most = 0.0
     for sheet in range(len(table)):
-        cell = int(np.searchsorted(first, table[sheet, FIRST]))
+        cell = int(np.searchsorted(first, float(table[sheet, FIRST])))
         for p in range(int(pieces.of_sheet[sheet]), int(pieces.of_sheet[sheet + 1])):
             rows = pieces.picked[p].copy()
             for travel in (float(pieces.left[p]), float(pieces.right[p])):
