@@ -56,7 +56,7 @@ def safe_ones(rng: np.random.Generator, cells: tuple[int, ...], count: int) -> l
 if __name__ == "__main__":
     import sys
 
-    count, measured = (map(int, sys.argv[1:3])) if len(sys.argv) > 2 else (100, 40)
+    count, measured = (map(int, sys.argv[1:3])) if len(sys.argv) > 2 else (100, 30)
     chains = safe_ones(np.random.default_rng(39), (2, 3, 4), count)
     print(f"{count} chains, {sum(one.safe.proved for one in chains)} of them proved by energy")
     below = [one.keeps(share) for one in chains for share in (1.0, 0.5)]
