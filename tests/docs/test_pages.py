@@ -319,12 +319,13 @@ def test_the_page_of_the_search_shows_the_studies_that_its_commands_make(tmp_pat
     assert antennas.drawn() == antennas.PICTURE.read_text("utf-8")
 
 
+@pytest.mark.slow
 def test_the_page_of_compiled_robots_shows_its_records_and_the_robot_that_is_found():
     text = compiled.PAGE.read_text("utf-8")
     assert compiled.page(text) == text
     record = json.loads(compiled.FILE.read_text("utf-8"))
     assert [run["arena"] for run in record["arenas"]] == [*compiled.ARENAS]
-    found = sw.robot.compile_behaviour(sw.files.load_behaviour("turn-away"), samples=20)
+    found = sw.robot.compile_behaviour(sw.files.load_behaviour("turn-away"))
     assert sw.files.dumps(found.designs[0].robot) == record["robot"]
     assert 1e3 * found.designs[0].margin == pytest.approx(record["margin_mN"])
 
