@@ -17,7 +17,8 @@ _METHOD = (
 
 def machine_schema(shape: DesignShape) -> Schema:
     """What is reported of a chain that realises a machine."""
-    span = keys(drive=shape.drive, low=shape.drive, high=shape.drive)
+    unit = shape.drive
+    span = keys(drive=unit, low=unit, high=unit, slack=unit)
     given = (
         Quantity("input", read=lambda one: one[0]),
         Quantity("turns", read=lambda one: one[1], holds=[span]),
