@@ -174,3 +174,23 @@ def test_a_ratio_below_one_is_refused(stepwell):
     refused = stepwell("program", "forward.toml", "--target", "01", "--robust", 0.5)
     assert refused.exit_code == 2
     assert "--robust" in refused.stderr
+
+
+def test_strokes_of_a_state_machine_are_searched_and_tabulated(stepwell):
+    Path("last.toml").write_text('language = "(up | down)* up"', "utf-8")
+    result = stepwell("program", "forward.toml", "--machine", "last.toml", "--json")
+    record = json.loads(result.stdout)
+    assert result.exit_code == 0 and [one["input"] for one in record["inputs"]] == ["up", "down"]
+    states = {one["state"] for one in record["replies"]}
+    assert all(
+        record["replies"][k]["state"] in states for one in record["replies"] for k in one["after"]
+    )
+    # The last input decides the output.
+    for one in record["replies"]:
+        assert [record["replies"][k]["output"] for k in one["after"]] == ["yes", "no"]
+
+
+def test_a_machine_excludes_a_target(stepwell):
+    Path("last.toml").write_text('language = "(up | down)* up"', "utf-8")
+    result = stepwell("program", "forward.toml", "--machine", "last.toml", "--target", "01")
+    assert result.exit_code == 2 and "--machine" in result.stderr

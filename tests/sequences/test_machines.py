@@ -9,7 +9,7 @@ import pytest
 
 import stepwell as sw
 from facts import refuses, says
-from stepwell.sequences import Machine, exchange, realisations
+from stepwell.sequences import Machine, exchange, realisations, realise
 from stepwell.sequences.responses import _exchanged
 
 TOUCH = """
@@ -193,6 +193,28 @@ def test_the_chain_of_the_second_touch_holds_no_parity():
     chain = second_touch().chain
     assert exchange(chain) is None
     assert not [*realisations(chain, Machine.of_language(PARITY), turns=2)]
+
+
+def test_realise_takes_the_widest_and_a_hand_only_where_it_must():
+    way = realise(second_touch().chain, Machine.parse(TOUCH))
+    assert way.slack == second_touch().slack and not way.by_hand
+    leg = sw.preset("paper-forward")
+    assert not realise(leg, Machine.of_language("(up | down)* up")).by_hand
+
+
+def test_realise_proves_where_it_can_that_a_chain_holds_no_machine():
+    leg = sw.preset("paper-forward")
+    with refuses(sw.Unreachable, "'one'", "period 2", "No program exchanges") as why:
+        realise(leg, Machine.of_language(PARITY))
+    assert why.value.proved
+    forced = sw.Chain(leg.cells, actuator_stiffness=0.0)
+    with refuses(sw.Unreachable, "acts twice as", "prescribe the stroke") as why:
+        realise(forced, Machine.parse(TOUCH))
+    assert why.value.proved
+    # With a prescribed stroke this pair has no such inputs either, but that is no proof.
+    with refuses(sw.Unreachable, "is no proof") as why:
+        realise(leg, Machine.parse(TOUCH))
+    assert not why.value.proved
 
 
 @pytest.mark.parametrize(

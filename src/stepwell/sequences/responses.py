@@ -243,7 +243,8 @@ def realisations(
     """Ways in which a chain realises a machine, one for each base drive and start.
 
     One drive between every two neighbouring ends of branches stands for all, so every program of
-    inputs with up to `turns` turning points is tried, if a chain has up to 80 such gaps.
+    inputs with up to `turns` turning points is tried, if a chain has up to 80 such gaps and up to
+    400 inputs that differ in their effect at a base. More are thinned out, the widest kept.
 
     Args:
         chain: a chain without friction.
