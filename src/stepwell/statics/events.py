@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
 from itertools import zip_longest
+from typing import NamedTuple
 
 import numpy as np
 
@@ -167,44 +168,57 @@ _DECIDED = {
 }
 
 
+class _Moved(NamedTuple):
+    """The cells that move in a segment, with sheets and travels [m] before and after."""
+
+    cells: tuple[int, ...]
+    sheets_before: tuple[int, ...]
+    sheets_after: tuple[int, ...]
+    before: tuple[float, ...]
+    after: tuple[float, ...]
+
+    @classmethod
+    def of(cls, movers: Floats) -> "_Moved":
+        """Columns of rows of the log."""
+        whole = logged.CELL, logged.SHEET_0, logged.SHEET_1
+        numbers = (tuple(column) for column in movers[:, whole].astype(int).T.tolist())
+        travels = (tuple(movers[:, one].tolist()) for one in (logged.TRAVEL_0, logged.TRAVEL_1))
+        return cls(*numbers, *travels)
+
+
 def segments_of(
     log: logged.Log, start: tuple[float, ...], problem: Callable[[], state.DrivenChain]
 ) -> Iterator[Segment]:
     """Segments of a log in order; `problem` is called where cells follow without a row."""
-    rows, now = log.segments.tolist(), np.array(start)
-    for k, row in enumerate(rows):
-        movers = _movers(log, k, problem, now)
-        yield _segment(row, movers)
-        _move(now, movers)
+    for row, moved, _ in _walk(log, start, problem):
+        yield _segment(row, moved)
 
 
-def _movers(
-    log: logged.Log, k: int, problem: Callable[[], state.DrivenChain], now: Floats
-) -> Floats:
-    """Rows of all cells that move in segment k from (N,) travels [m]."""
-    if log.segments[k, logged.FOLLOW]:
-        return state.moved(problem(), log, k, now)
-    return log.movers[log.first[k] : log.first[k + 1]]
+def _walk(
+    log: logged.Log, start: tuple[float, ...], problem: Callable[[], state.DrivenChain]
+) -> Iterator[tuple[list[float], _Moved, Floats]]:
+    """The row of every segment, what moves, and (N,) travels before it [m], which then change."""
+    # Slices of lists: most segments have one mover or two, for which arrays take longer.
+    named, first, now = _Moved.of(log.movers), log.first.tolist(), np.array(start)
+    for k, row in enumerate(log.segments.tolist()):
+        if row[logged.FOLLOW]:
+            moved = _Moved.of(state.moved(problem(), log, k, now))
+        else:
+            moved = _Moved._make(column[first[k] : first[k + 1]] for column in named)
+        yield row, moved, now
+        for cell, travel in zip(moved.cells, moved.after, strict=True):
+            now[cell] = travel
 
 
-def _move(now: Floats, movers: Floats) -> None:
-    now[movers[:, logged.CELL].astype(int)] = movers[:, logged.TRAVEL_1]
-
-
-def _segment(row: list[float], movers: Floats) -> Segment:
-    # Most segments have one mover or two, for which lists are faster than arrays.
-    columns = movers.T.tolist()
-    cells, sheet_0, sheet_1 = (
-        tuple(map(int, columns[one])) for one in (logged.CELL, logged.SHEET_0, logged.SHEET_1)
-    )
-    before, after = tuple(columns[logged.TRAVEL_0]), tuple(columns[logged.TRAVEL_1])
+def _segment(row: list[float], moved: _Moved) -> Segment:
     kind, cause, near = _KINDS[int(row[logged.KIND])], None, (math.inf, math.inf, 0.0)
     if kind is SegmentKind.SNAP:
         cause = _CAUSES.get(int(row[logged.CAUSE]), Cause.FOLD)
         near = row[logged.NEAR_FORCE], row[logged.NEAR_TRAVEL], row[logged.ERROR]
     drive = row[logged.DRIVE_0], row[logged.DRIVE_1]
     force = row[logged.FORCE_0], row[logged.FORCE_1]
-    moves, sheets = (cells, before, after), (sheet_0, sheet_1)
+    moves = moved.cells, moved.before, moved.after
+    sheets = moved.sheets_before, moved.sheets_after
     direction = int(row[logged.DIRECTION])
     heat, tie, decided = row[logged.RELEASED], row[logged.TIE_A] >= 0, int(row[logged.DECIDED])
     what = kind, direction, drive, force
@@ -262,19 +276,20 @@ def events_of(
     chain: Chain,
 ) -> Iterator[Event]:
     """Switches and snaps of a log; `problem` is called where cells follow without a row."""
-    now, stretches = np.array(start), chain.stretches
-    for k, row in enumerate(log.segments.tolist()):
-        movers = _movers(log, k, problem, now)
+    stretches = chain.stretches
+    for k, (row, moved, travels) in enumerate(_walk(log, start, problem)):
         arrived = [change for change in changes.get(k, ()) if change[1] != TRANSIT]
         if int(row[logged.KIND]) == logged.SNAP:
-            yield _snap(_segment(row, movers), float(now.sum()), tuple(arrived), chain.measure)
-        _move(now, movers)
-        if arrived and int(row[logged.KIND]) != logged.SNAP:
-            segment, stroke = _segment(row, movers), float(now.sum())
+            stroke = float(travels.sum())
+            yield _snap(_segment(row, moved), stroke, tuple(arrived), chain.measure)
+        elif arrived:
+            now = travels.copy()
+            now[[*moved.cells]] = moved.after
             for cell, phase in arrived:
                 _, low, high = stretches[cell][phase]
                 cause = Cause.STOP if low == high else Cause.TURN
-                yield _switch(segment, stroke, (cell, phase), cause, chain.measure)
+                what = (cell, phase), cause, chain.measure
+                yield _switch(_segment(row, moved), float(now.sum()), *what)
 
 
 def _snap(
