@@ -45,6 +45,11 @@ EXTRAS: MappingProxyType[str, Extra] = MappingProxyType(
             "maps, NetCDF, to_xarray, recordings in workbooks",
             "Maps and labelled tables need xarray, and workbooks need python-calamine",
         ),
+        "proof": Extra(
+            {"python-flint": "flint"},
+            "Path.prove, `stepwell run --prove`",
+            "Proofs need ball arithmetic: python-flint",
+        ),
         "robot": Extra(
             {"mujoco": "mujoco"}, "walk, maze, view, export", "The robot's simulation needs MuJoCo"
         ),

@@ -1,7 +1,7 @@
 """Path of a chain through its equilibria: samples, events, certificates."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path as File
@@ -32,6 +32,8 @@ from stepwell.statics.safe_rate import Inside, SafeRate, safe_rate
 
 if TYPE_CHECKING:
     import xarray
+
+    from stepwell.proof import PathProof
 
 # Larger numbers of samples are computed in another thread, so that Ctrl-C works.
 _MANY = 20_000
@@ -311,6 +313,32 @@ class Path(base.ByValue, base.Drawn):
     def usual_safe_rate(self) -> SafeRate:
         """`safe_rate` for the usual masses, where energy proves the landings of all snaps."""
         return safe_rate(self, self._inside, integrate=False)
+
+    def prove(
+        self,
+        *,
+        mobility_ratio: float = 1.0,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> "PathProof":
+        """Prove this path in ball arithmetic: every event enclosed, every stretch between covered.
+
+        The result has a bound of the error of each number of each event, and all gaps: parts that
+        are not proved, with place and cause. Needs python-flint, the extra `proof`.
+
+        Args:
+            mobility_ratio: prove landings for all factors of the mobilities within this ratio, 1 to
+                1000; by default for the given mobilities.
+            progress: called with (done, total) events.
+
+        Raises:
+            ValueError: a ratio that is not allowed.
+            ExtraError: python-flint is not installed.
+
+        Source: ours; ball arithmetic by Arb (Johansson 2017) (theory page, "Proofs").
+        """
+        from stepwell import proof
+
+        return proof.prove(self, mobility_ratio=mobility_ratio, progress=progress)
 
     @property
     def released(self) -> float:

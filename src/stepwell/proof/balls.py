@@ -1,0 +1,155 @@
+"""Balls of real numbers, and proofs about functions on them: signs, first zeros, roots.
+
+A function here takes a ball and returns balls that contain its value and its slope everywhere on
+it. Ball arithmetic is that of Arb (Johansson 2017), as of python-flint: it rounds outwards.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+from stepwell import base
+
+base.need("proof")
+
+from flint import arb, ctx  # noqa: E402  the extra is checked first
+
+# Bits of the midpoints; rounding is then 1e-14 of that of doubles.
+ctx.prec = 100
+# Boxes narrower than this fraction of the first one are not divided.
+_NARROW = 1e-22
+# Largest number of boxes of one cover.
+_MOST_BOXES = 4000
+
+Ball = Any
+Smooth = Callable[[Ball], tuple[Ball, Ball]]
+
+
+class UndecidedError(Exception):
+    """A condition that is not proved.
+
+    Args:
+        cause: the condition.
+        size: by how much it is missed, in its own unit; None if it has no size.
+    """
+
+    def __init__(self, cause: str, size: float | None = None):
+        super().__init__(cause)
+        self.cause, self.size = cause, size
+
+
+def ball(value: float, radius: float = 0.0) -> Ball:
+    """The ball of all numbers within a radius of a value."""
+    return arb(value, radius) if radius else arb(value)
+
+
+def hull(a: Ball, b: Ball) -> Ball:
+    """The least ball around two."""
+    return a.union(b)
+
+
+def low(x: Ball) -> Ball:
+    """Its lower end, exact."""
+    return x.lower().mid()
+
+
+def high(x: Ball) -> Ball:
+    """Its upper end, exact."""
+    return x.upper().mid()
+
+
+def middle(x: Ball) -> Ball:
+    """Its middle, exact."""
+    return x.mid()
+
+
+def number(x: Ball) -> float:
+    """The double nearest to its middle."""
+    return float(x.mid())
+
+
+def distance(x: Ball, value: float) -> float:
+    """An upper bound of the distance of any number of the ball to a value."""
+    return float((x - value).abs_upper()) * (1.0 + 1e-15)
+
+
+def positive(f: Smooth, a: Ball, b: Ball) -> bool:
+    """Whether f > 0 is proved on [a, b]; False where a value is proved not to be."""
+    waiting, seen, least = [(low(a), high(b))], 0, abs(b - a) * _NARROW
+    while waiting:
+        a, b = waiting.pop()
+        seen += 1
+        if _is_positive(f, a, b):
+            continue
+        centre = middle((a + b) / 2)
+        if f(centre)[0] <= 0:
+            return False
+        if seen > _MOST_BOXES or not b - a > least:
+            raise UndecidedError("a sign is too near to zero")
+        waiting += [(centre, b), (a, centre)]
+    return True
+
+
+def _is_positive(f: Smooth, a: Ball, b: Ball) -> bool:
+    value, slope = f(hull(a, b))
+    if value > 0:
+        return True
+    if slope >= 0:
+        return bool(f(a)[0] > 0)
+    return bool(slope <= 0 and f(b)[0] > 0)
+
+
+def covered(holds: Callable[[Ball], bool], a: Ball, b: Ball) -> bool:
+    """Whether [a, b] is covered by boxes on each of which a condition holds."""
+    waiting, seen = [(a, b)], 0
+    while waiting:
+        a, b = waiting.pop()
+        seen += 1
+        if holds(hull(a, b)):
+            continue
+        if seen > _MOST_BOXES:
+            return False
+        centre = middle((a + b) / 2)
+        waiting += [(centre, b), (a, centre)]
+    return True
+
+
+def first_zero(f: Smooth, a: Ball, b: Ball) -> Ball | None:
+    """The first zero of a function that is positive at a; None if it is positive on [a, b].
+
+    Proved: f > 0 before the ball, f < 0 just after it, f falls on it, so it holds one zero.
+    """
+    waiting, seen, least = [(a, b)], 0, abs(b - a) * _NARROW
+    while waiting:
+        a, b = waiting.pop()
+        seen += 1
+        value, slope = f(hull(a, b))
+        if value > 0 or (slope >= 0 and f(a)[0] > 0):
+            continue
+        if slope < 0:
+            end = f(b)[0]
+            if end > 0:
+                continue
+            if end < 0 and f(a)[0] > 0:
+                return _narrowed(f, a, b)
+        if seen > _MOST_BOXES or not b - a > least:
+            raise UndecidedError("a zero is not single, or its sign is too near to zero")
+        centre = middle((a + b) / 2)
+        waiting += [(centre, b), (a, centre)]
+    return None
+
+
+def _narrowed(f: Smooth, a: Ball, b: Ball) -> Ball:
+    """Interval Newton for a falling f with f(a) > 0 > f(b)."""
+    inside = hull(a, b)
+    for _ in range(60):
+        centre = middle(inside)
+        slope = f(inside)[1]
+        step = f(centre)[0] / slope
+        image = centre - step
+        if not slope < 0 or not image.is_finite():
+            break
+        smaller = image.intersection(inside) if image.overlaps(inside) else inside
+        if not smaller.rad() < inside.rad() / 2:
+            return smaller
+        inside = smaller
+    return inside
