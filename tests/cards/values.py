@@ -15,9 +15,10 @@ from hoppers import hopper, jumped
 from lab.values import of_recordings
 from stepwell import simulation
 from stepwell.accounts import account
-from stepwell.base import Installation, StepwellError, installation
+from stepwell.base import Installation, StepwellError, have, installation
 from stepwell.design import DEFAULT_TOLERANCES, Run, fraction_of
 from stepwell.paper import AssumedRange, AssumedRanges
+from stepwell.proof import PathProof, ProvedRun
 from stepwell.sequences import Machine, realise
 from stepwell.studies import Atlas, Axis, GraphClass, SampledGraphs, Space, Status, sweep
 
@@ -43,6 +44,12 @@ def _atlas(chain: sw.Chain) -> Atlas:
         chain, _AXES, "stroke", 0, *counts, DEFAULT_TOLERANCES, (one,), (),
         fraction_of(1, 50), SampledGraphs(0, 0, {}), 0, 0, None, False,
     )  # fmt: skip
+
+
+def _proofs(cycle: sw.Cycle) -> tuple[PathProof, ProvedRun]:
+    """Of a path, and of a run with it."""
+    proof = cycle.path.prove()
+    return proof, ProvedRun.proved(Run.of(cycle.chain), proof)
 
 
 def _installation() -> Installation:
@@ -106,6 +113,7 @@ def of_chains() -> dict[str, Any]:
         sw.design("00>01>11>10>00", samples=40),
         _refused(lambda: sw.design("00>01>11>10>00", holes=0.040)),
         sw.transition_map(chain, "outer", x=axis, y=axis).stepwell,
+        *(_proofs(cycle) if have("proof") else ()),
     )
     return {type(value).__name__: value for value in values}
 

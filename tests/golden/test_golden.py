@@ -41,6 +41,7 @@ _NOT_FROZEN = {
     "paper --json",
     "doctor",
     "doctor --json",
+    "run --prove",  # needs python-flint; tests/proof has its numbers
     "sweep WHAT --estimate",
     "sweep WHAT --scheduler",
     "atlas build --scheduler",

@@ -34,6 +34,7 @@ FILES = {
     "machine": ("Realisation", "machine/1"),
     "map": ("MapView", "map/3"),
     "package": ("Installation Presets Verdicts", "doctor/1 folder/1 paper/1 presets/1"),
+    "proof": ("PathProof ProvedRun", "proved_run/1"),
     "robots.behaviour": ("CompiledRobot", "compile/1"),
     "robots.jumps": ("Hopper Jump", "jump/1"),
     "robots.robot": ("Arena AssumedRanges Prediction Robot", "ranges/1 robot/1"),

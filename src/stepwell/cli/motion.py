@@ -15,12 +15,18 @@ from stepwell.cli.ranges import EXAMPLE, Range, grid, parameter_range
 
 if TYPE_CHECKING:
     from stepwell.base import Floats
+    from stepwell.design import Run
     from stepwell.mechanism import Chain
+    from stepwell.proof import ProvedRun
     from stepwell.sequences import Cycle, Program, Realisation
 
 
 def run(
-    design: options.Design, mobility_ratio: options.MobilityRatio = None, *, output: options.Output
+    design: options.Design,
+    mobility_ratio: options.MobilityRatio = None,
+    prove: options.Prove = False,
+    *,
+    output: options.Output,
 ) -> None:
     """Compute a full cycle: sequence, snaps, forces, dissipated energy, margin.
 
@@ -42,7 +48,20 @@ def run(
         landings = path.landings(mobility_ratio) if asked else path.checked_landings
     with screen.progress("margin") as tell:
         result = Run(cycle, margin(chain, progress=tell), landings)
+    if prove:
+        result = _proved(result, mobility_ratio)
     output.report(result, text, design)
+
+
+def _proved(result: Run, mobility_ratio: float | None) -> ProvedRun:
+    """A run with the proof of its cycle."""
+    from stepwell.proof import ProvedRun
+
+    with screen.usable("--prove"), screen.progress("proof") as tell:
+        ratio = 1.0 if mobility_ratio is None else mobility_ratio
+        return ProvedRun.proved(
+            result, result.cycle.path.prove(mobility_ratio=ratio, progress=tell)
+        )
 
 
 def graph(

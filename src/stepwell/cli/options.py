@@ -300,6 +300,13 @@ MobilityRatio = Annotated[
         "10 by default, for up to 8 cells.",
     ),
 ]
+Prove = Annotated[
+    bool,
+    typer.Option(
+        "--prove",
+        help="Prove the result in ball arithmetic: errors of all events, and what is not proved.",
+    ),
+]
 
 WITHOUT = "Without --out the result is shown, and --json prints all of it."
 

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 from stepwell.base import late
 
 if TYPE_CHECKING:
-    from stepwell.proof.path_proof import Gap, PathProof, ProvedEvent, Theorem, prove
-    from stepwell.proof.proved_run import ProvedRun
+    from stepwell.proof.path_proof import PathProof, ProofGap, ProvedEvent, ProvedRun, Theorem
+    from stepwell.proof.prover import prove
 
-__all__ = ["Gap", "PathProof", "ProvedEvent", "ProvedRun", "Theorem", "prove"]
+__all__ = ["PathProof", "ProofGap", "ProvedEvent", "ProvedRun", "Theorem", "prove"]
 
 _LATE = {
-    "path_proof": ("Gap", "PathProof", "ProvedEvent", "Theorem", "prove"),
-    "proved_run": ("ProvedRun",),
+    "path_proof": ("PathProof", "ProofGap", "ProvedEvent", "ProvedRun", "Theorem"),
+    "prover": ("prove",),
 }
 
 __getattr__, __dir__ = late(__name__, _LATE, __all__)

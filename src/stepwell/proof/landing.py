@@ -5,13 +5,13 @@ from collections.abc import Callable
 
 from stepwell.proof import balls
 from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull, low
-from stepwell.proof.walk import FOLD, FREE, HELD, TURN, Enclosed, Stand, Walk, _root
+from stepwell.proof.walk import FOLD, FREE, HELD, TURN, Enclosed, EnclosedWalk, Stand, _root
 
 LINE, RISING, RACE = "line", "rising", "race"
 _NOTHING_KNOWN = ball(0.0, math.inf), ball(0.0, math.inf)
 
 
-def snap(walk: Walk, direction: int, leader: int) -> Enclosed:
+def snap(walk: EnclosedWalk, direction: int, leader: int) -> Enclosed:
     """Move a walk to the landing of its snap."""
     # The leader moves with the drive: the cell that has just come to its end, or the falling one.
     cell, sense = walk.trigger
@@ -45,7 +45,7 @@ def snap(walk: Walk, direction: int, leader: int) -> Enclosed:
     return Enclosed("snap", why, direction, drive, stroke, forces, moves, released, theorem)
 
 
-def _released(walk: Walk, moves, force, direction) -> Ball | None:
+def _released(walk: EnclosedWalk, moves, force, direction) -> Ball | None:
     if any(walk.cells[i].rubs for i in moves):
         return None
     total, shift = ball(0.0), ball(0.0)
@@ -60,7 +60,7 @@ def _released(walk: Walk, moves, force, direction) -> Ball | None:
 # A line: one cell and a partner, or one cell and the actuator.
 
 
-def _along_line(walk: Walk, d: int, j: int, p: int) -> str:
+def _along_line(walk: EnclosedWalk, d: int, j: int, p: int) -> str:
     """The leader moves by x with the drive, its partner against it, while the pull is larger."""
     cell, stand = walk.cells[j], walk.stands[j]
     other = walk.cells[p] if p >= 0 else None
@@ -119,7 +119,7 @@ def _leave(slopes: Callable[[Ball], tuple[Ball, Ball]], limit: Ball, flat: bool)
     raise UndecidedError("in which sense a snap begins")
 
 
-def _others_hold(walk: Walk, d: int, pair: tuple[int, int], begun, way: Ball) -> None:
+def _others_hold(walk: EnclosedWalk, d: int, pair: tuple[int, int], begun, way: Ball) -> None:
     """Prove that λ stays in the windows of all held cells along a line."""
     j, p = pair
     s0, p0 = begun
@@ -162,7 +162,7 @@ def _share(one: float, two: float, ratio: float) -> Ball:
     return hull(least, most / (most + two))
 
 
-def _race(walk: Walk, d: int, j: int, p: int, room: Ball) -> str:
+def _race(walk: EnclosedWalk, d: int, j: int, p: int, room: Ball) -> str:
     """The leader falls to its stop; of cells that yield at far stops the first stays ahead."""
     cell, first = walk.cells[j], walk.cells[p]
     branch = cell.branches[-1 if d > 0 else 0]
@@ -191,11 +191,11 @@ def _race(walk: Walk, d: int, j: int, p: int, room: Ball) -> str:
     return RACE
 
 
-def _back(walk: Walk, i: int, d: int, way: Ball) -> Ball:
+def _back(walk: EnclosedWalk, i: int, d: int, way: Ball) -> Ball:
     return (walk.cells[i].high if d > 0 else walk.cells[i].low) - d * way
 
 
-def _falls_back(walk: Walk, i: int, d: int, room: Ball) -> None:
+def _falls_back(walk: EnclosedWalk, i: int, d: int, room: Ball) -> None:
     cell = walk.cells[i]
     branch = cell.branches[-1 if d > 0 else 0]
     far = branch.end(-d)[0]
@@ -203,7 +203,7 @@ def _falls_back(walk: Walk, i: int, d: int, room: Ball) -> None:
         raise UndecidedError("a third cell is released in the snap")
 
 
-def _stays_ahead(walk: Walk, d: int, pair: tuple[int, int], room: Ball) -> None:
+def _stays_ahead(walk: EnclosedWalk, d: int, pair: tuple[int, int], room: Ball) -> None:
     """Prove that the first of two cells has the larger force after equal ways back.
 
     The second one gives back at most as much as the first, so at most half of what the leader goes.
@@ -223,7 +223,7 @@ def _stays_ahead(walk: Walk, d: int, pair: tuple[int, int], room: Ball) -> None:
 # One cell falls, all others that move are on rising branches.
 
 
-def _behind_rising(walk: Walk, d: int, j: int, others: list[int], drive: Ball) -> str:
+def _behind_rising(walk: EnclosedWalk, d: int, j: int, others: list[int], drive: Ball) -> str:
     cell, s0, force = walk.cells[j], walk.stands[j].travel, walk.force
     if any(walk.cells[i].rubs for i in (j, *others)):
         raise UndecidedError("the landing of a snap of several cells with friction")
@@ -271,12 +271,14 @@ def _behind_rising(walk: Walk, d: int, j: int, others: list[int], drive: Ball) -
     return RISING
 
 
-def _and_slope(walk: Walk, others: list[int], drive: Ball, force: Ball) -> tuple[Ball, Ball]:
+def _and_slope(
+    walk: EnclosedWalk, others: list[int], drive: Ball, force: Ball
+) -> tuple[Ball, Ball]:
     there, soft = walk.drive_by_force(others, force)
     return drive - there, -soft
 
 
-def _way_ahead(walk: Walk, d: int, j: int) -> tuple[Ball, bool, list[tuple[Ball, Ball]]]:
+def _way_ahead(walk: EnclosedWalk, d: int, j: int) -> tuple[Ball, bool, list[tuple[Ball, Ball]]]:
     """How far j can go until its force is that of the start; if to a stop; turns on the way."""
     cell, s0, force = walk.cells[j], walk.stands[j].travel, walk.force
     k = walk.branch_at(cell, s0, d)
@@ -296,7 +298,7 @@ def _way_ahead(walk: Walk, d: int, j: int) -> tuple[Ball, bool, list[tuple[Ball,
         valleys.append((d * (travel - s0), at_end))
 
 
-def _hold_down_to(walk: Walk, d: int, who: tuple[int, list[int]], floor: Ball) -> None:
+def _hold_down_to(walk: EnclosedWalk, d: int, who: tuple[int, list[int]], floor: Ball) -> None:
     """Prove that no other cell leaves its branch or its stop while d λ is at least the floor."""
     j, others = who
     for i in others:
@@ -310,7 +312,7 @@ def _hold_down_to(walk: Walk, d: int, who: tuple[int, list[int]], floor: Ball) -
                 raise UndecidedError("another cell may be released in the snap")
 
 
-def _single(walk: Walk, d: int, j: int, others: list[int], places) -> None:
+def _single(walk: EnclosedWalk, d: int, j: int, others: list[int], places) -> None:
     """Prove that no equilibrium follows the first one before the force of the start."""
     s0, zero, limit = places
 
@@ -325,7 +327,7 @@ def _single(walk: Walk, d: int, j: int, others: list[int], places) -> None:
         raise UndecidedError("a second equilibrium follows the landing")
 
 
-def _arrive(walk: Walk, i: int, travel: Ball, stop: int) -> None:
+def _arrive(walk: EnclosedWalk, i: int, travel: Ball, stop: int) -> None:
     """Put a cell where it lands: at a stop, or on a branch."""
     cell = walk.cells[i]
     if stop:
@@ -338,7 +340,7 @@ def _arrive(walk: Walk, i: int, travel: Ball, stop: int) -> None:
         walk.stands[i] = Stand(FREE, travel, walk.branch_at(cell, travel, 0))
 
 
-def _settle(walk: Walk) -> None:
+def _settle(walk: EnclosedWalk) -> None:
     """λ after a snap, and proof that all held cells stay."""
     free = [i for i, stand in enumerate(walk.stands) if stand.mode == FREE]
     if walk.rigid:

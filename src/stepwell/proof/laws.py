@@ -34,7 +34,7 @@ class Reach(NamedTuple):
     g2: Ball
 
 
-class Curve:
+class EnclosedCurve:
     """T of an extension: a cubic on each row, zero below the first one if it can be slack."""
 
     def __init__(self, rows: Floats, scale: float, slack: bool):
@@ -110,7 +110,7 @@ class EnclosedBand:
         r = self._r
         # The 1e-30 m² are those of the engine's length.
         self._square = r * r + self._dx * self._dx + self._dy * self._dy + ball(1e-30)
-        self.curve = Curve(rows, stiffness, not two_sided)
+        self.curve = EnclosedCurve(rows, stiffness, not two_sided)
 
     def reach(self, sin: Ball, cos: Ball) -> Reach:
         """Length and slopes."""
@@ -144,7 +144,7 @@ class EnclosedBand:
 
 
 @dataclass(frozen=True, eq=False)
-class Branch:
+class MonotoneBranch:
     """A stretch on which the force is monotone; its ends are turns, or ends of the travel.
 
     Attributes:
@@ -181,15 +181,15 @@ class EnclosedCell:
         self._lever = ball(float(laws.lever[cell])) if self._bands else None
         self._sine = ball(float(laws.sin_limit[cell]))
         first, last = int(row[_ROWS]), int(row[_ROWS_END])
-        self._load = Curve(laws.rows[first:last], 1.0, False) if last > first else None
+        self._load = EnclosedCurve(laws.rows[first:last], 1.0, False) if last > first else None
         self._hints = _turns_of(problem, on)
 
     def law(self, s: Ball, lean: int = 0) -> tuple[Ball, Ball, Ball]:
-        """F [N], κ [N/m] and dκ/ds [N/m²] over a ball of travel; see `Curve.at` for `lean`."""
+        """F [N], κ [N/m] and dκ/ds [N/m²] in a ball of travel; for `lean` see `EnclosedCurve.at`."""
         force, slope, bend, _ = self._law(s, lean)
         return force, slope, bend
 
-    def law_on(self, branch: Branch, s: Ball) -> tuple[Ball, Ball, Ball]:
+    def law_on(self, branch: MonotoneBranch, s: Ball) -> tuple[Ball, Ball, Ball]:
         """`law` over a ball of travel on a branch, with the slopes of that branch at its ends."""
         parts, a, b = [], low(s), high(s)
         if not branch.left.is_exact() and s.overlaps(branch.left):
@@ -232,7 +232,7 @@ class EnclosedCell:
         return total
 
     @cached_property
-    def branches(self) -> tuple[Branch, ...]:
+    def branches(self) -> tuple[MonotoneBranch, ...]:
         """Its branches in order of travel; each is proved monotone, and each turn to be one."""
         places, signs = self._hints
         turns = [self.low, *(ball(t, TURN * self.size) for t in places), self.high]
@@ -242,7 +242,7 @@ class EnclosedCell:
         for turn, (before, after) in zip(turns[1:-1], pairwise(signs), strict=True):
             self._prove_turn(turn, before, after)
         ends = zip(signs, pairwise(turns), pairwise(forces), strict=True)
-        return tuple(Branch(sign, *at, *force) for sign, at, force in ends)
+        return tuple(MonotoneBranch(sign, *at, *force) for sign, at, force in ends)
 
     def _prove(self, a: Ball, b: Ball, sign: int) -> None:
         if sign == 0:
@@ -272,7 +272,7 @@ class EnclosedCell:
             if joints > 1 or not (slope.is_zero() if sign == 0 else sign * slope > 0):
                 raise UndecidedError(f"a turn of cell {self.cell + 1} at a kink is not proved")
 
-    def invert(self, branch: Branch, force: Ball, near: Ball | None = None) -> Ball:
+    def invert(self, branch: MonotoneBranch, force: Ball, near: Ball | None = None) -> Ball:
         """The travels on a branch at which its force takes the values of a ball."""
         least, most = (branch.force_left, branch.force_right)[:: branch.sign]
         if force < least or force > most:
@@ -280,7 +280,7 @@ class EnclosedCell:
         one = self._invert_at(branch, low(force), near)
         return one if force.is_exact() else hull(one, self._invert_at(branch, high(force), one))
 
-    def _invert_at(self, branch: Branch, force: Ball, near: Ball | None) -> Ball:
+    def _invert_at(self, branch: MonotoneBranch, force: Ball, near: Ball | None) -> Ball:
         """A ball with the travel at an exact force, clipped to the branch."""
         a, b, sign = branch.left, branch.right, branch.sign
         if not sign * (force - branch.force_left) > 0:
@@ -308,7 +308,7 @@ class EnclosedCell:
                 break
         return self._around(branch, s, force)
 
-    def _around(self, branch: Branch, s: Ball, force: Ball) -> Ball:
+    def _around(self, branch: MonotoneBranch, s: Ball, force: Ball) -> Ball:
         """A ball around s with the travel at an exact force, proved by signs at its ends."""
         sign, width = branch.sign, (self.high - self.low) * ball(1e-25)
         for _ in range(30):

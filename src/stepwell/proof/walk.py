@@ -7,7 +7,7 @@ from typing import NamedTuple
 from stepwell.mechanism import Chain, Element
 from stepwell.proof import balls
 from stepwell.proof.balls import Ball, UndecidedError, ball, high, low
-from stepwell.proof.laws import Branch, EnclosedCell
+from stepwell.proof.laws import EnclosedCell, MonotoneBranch
 from stepwell.statics import Configuration, DrivenChain
 
 # Forces closer than this fraction of the largest one tie: their order is not decided.
@@ -49,7 +49,7 @@ class Enclosed(NamedTuple):
     theorem: str
 
 
-class Walk:
+class EnclosedWalk:
     """A chain of N cells in balls: where they are, and how they move on."""
 
     def __init__(self, chain: Chain, problem: DrivenChain):
@@ -63,6 +63,7 @@ class Walk:
         self.force: Ball | None = None
         self.trigger, self.due = (-1, 0), ""
         self.ratio = 1.0
+        self.tied: UndecidedError | None = None
         self.stretches = 0
 
     def stand_at(self, place: Configuration, force: float) -> None:
@@ -108,7 +109,7 @@ class Walk:
                 return k
         raise UndecidedError(f"cell {cell.cell + 1} is too near to a turn of its force")
 
-    def branch(self, i: int) -> Branch:
+    def branch(self, i: int) -> MonotoneBranch:
         """The branch of a cell that moves."""
         return self.cells[i].branches[self.stands[i].branch]
 
@@ -216,8 +217,8 @@ class Walk:
             yield Threshold(force + self.offset(i), STOP if at_stop else TURN, i)
 
     def nearest(self, toward: int, movers: list[int]) -> Threshold | None:
-        """The first of the thresholds; UndecidedError where two tie."""
-        all_of_them = list(self.thresholds(toward, movers))
+        """The first of the thresholds; a tie with another one is raised once it happens."""
+        all_of_them, self.tied = list(self.thresholds(toward, movers)), None
         if not all_of_them:
             return None
         first = min(all_of_them, key=lambda one: toward * balls.number(one.force))
@@ -227,7 +228,7 @@ class Walk:
             gap = toward * (other.force - first.force)
             if other.cell != first.cell and not gap > self.tie and not self._commute(first, other):
                 pair = sorted((first.cell + 1, other.cell + 1))
-                raise UndecidedError(
+                self.tied = UndecidedError(
                     f"the order of cells {pair[0]} and {pair[1]}", abs(balls.number(gap))
                 )
         return first
@@ -331,13 +332,19 @@ class Walk:
         if target is not None and direction * (target - there) < 0:
             self._reach_by_force(movers, target, event.force)
             return True, None
-        if target is not None and not direction * (target - there) > 0:
-            raise UndecidedError("whether an event comes before the turning point")
+        self._certain(target, there, direction)
         for i in movers:
             if i != event.cell:
                 self._put(i, event.force)
         self.force = event.force
         return False, self._happen(event, direction, toward)
+
+    def _certain(self, target: Ball | None, there: Ball, direction: int) -> None:
+        """Prove that an event comes before the turning point, and before all others."""
+        if target is not None and not direction * (target - there) > 0:
+            raise UndecidedError("whether an event comes before the turning point")
+        if self.tied is not None:
+            raise self.tied
 
     def _reach_by_force(self, movers, target, bound):
         """Solve U(λ) = target between the present λ and a bound."""
@@ -373,8 +380,7 @@ class Walk:
         if target is not None and direction * (target - there) < 0:
             self._reach_by_leader(leader, others, target, at)
             return True, None
-        if target is not None and not direction * (target - there) > 0:
-            raise UndecidedError("whether an event comes before the turning point")
+        self._certain(target, there, direction)
         stand.travel = at
         self.force = cell.law(at)[0] + self.offset(leader)
         if fold is None and not flat:

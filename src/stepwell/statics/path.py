@@ -315,10 +315,7 @@ class Path(base.ByValue, base.Drawn):
         return safe_rate(self, self._inside, integrate=False)
 
     def prove(
-        self,
-        *,
-        mobility_ratio: float = 1.0,
-        progress: Callable[[int, int], None] | None = None,
+        self, *, mobility_ratio: float = 1.0, progress: Callable[[int, int], None] | None = None
     ) -> "PathProof":
         """Prove this path in ball arithmetic: every event enclosed, every stretch between covered.
 

@@ -1,0 +1,116 @@
+"""Paths proved in ball arithmetic, against the engine and against wrong answers."""
+
+import json
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import chains
+import stepwell as sw
+from stepwell.accounts import account
+from stepwell.base import have
+
+if not have("proof"):
+    pytest.skip("python-flint, the extra proof, is not installed", allow_module_level=True)
+
+from accounts.schemas import violations
+from stepwell.design import Run
+from stepwell.proof import PathProof, ProvedRun, Theorem, prove
+
+# Presets with a cycle that is proved from beginning to end.
+PROVED = (
+    *("paper-forward", "paper-backward", "paper-counterclockwise", "paper-via-01"),
+    *("paper-via-10", "paper-outer-15", "paper-cell-10-0", "compliant-actuator"),
+    *("force-control", "friction", "rubber", "slack"),
+    *("three-wave", "four-shuffle", "countdown", "metachronal-wave"),
+)
+
+
+def proof_of(name: str) -> PathProof:
+    return sw.preset(name).cycle().path.prove()
+
+
+@pytest.mark.parametrize("name", PROVED)
+def test_every_event_of_a_preset_is_enclosed_and_every_stretch_covered(name):
+    proof = proof_of(name)
+    assert proof.proved and proof.outcome == "proved"
+    assert len(proof.events) == len(proof.path.events)
+    # A millionth of a nanometre, far below any part.
+    assert proof.worst_error < 1e-13
+
+
+def test_a_snap_of_the_papers_pair_lands_along_a_line():
+    snaps = [event for event in proof_of("paper-forward").events if event.theorem]
+    assert [event.theorem for event in snaps] == [Theorem.LINE] * 2
+    assert all(event.released_error < 1e-14 for event in snaps)
+
+
+def test_equal_cells_are_not_decided():
+    proof = proof_of("paper-identical")
+    assert not proof.proved and "order of cells 1 and 2" in proof.outcome
+    assert not any(gap.contradicted for gap in proof.gaps)
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-14, 1e-11])
+def test_designs_next_to_a_tie_are_not_decided(gap):
+    cell = sw.preset("paper-forward").cells[0]
+    band = replace(cell.band, stiffness=cell.band.stiffness * (1.0 + gap))
+    proof = sw.Chain([cell, replace(cell, band=band)]).cycle().path.prove()
+    assert not proof.proved
+    assert {one.cause for one in proof.gaps} == {"the order of cells 1 and 2"}
+
+
+def test_random_chains_are_proved_or_their_gaps_named():
+    rng, proved, causes = np.random.default_rng(5), 0, Counter()
+    made = [chains.concave_chain(rng, 2 + k % 4) for k in range(20)]
+    made += [chains.any_chain(rng, 2, friction=False) for _ in range(10)]
+    for chain in made:
+        proof = chain.cycle().path.prove()
+        proved += proof.proved
+        causes.update(gap.cause for gap in proof.gaps)
+        assert not any(gap.contradicted for gap in proof.gaps), chain
+    assert proved >= 24, causes
+
+
+def corrupted(rng: np.random.Generator, events: list[sw.statics.Event]) -> list[sw.statics.Event]:
+    """The events with one dropped, two swapped, or one moved."""
+    k, how = int(rng.integers(len(events))), int(rng.integers(3))
+    if how == 0:
+        return [*events[:k], *events[k + 1 :]]
+    if how == 1 and len(events) > 1:
+        k = min(k, len(events) - 2)
+        return [*events[:k], events[k + 1], events[k], *events[k + 2 :]]
+    event, cell = events[k], 0
+    after = list(event.after)
+    after[cell] += float(rng.choice([-1, 1]) * 10 ** rng.uniform(-10, -4))
+    return [*events[:k], replace(event, after=tuple(after)), *events[k + 1 :]]
+
+
+def test_wrong_answers_are_caught():
+    rng = np.random.default_rng(0)
+    paths = [sw.preset(name).cycle().path for name in ("paper-forward", "three-wave", "slack")]
+    for k in range(60):
+        path = paths[k % len(paths)]
+        proof = prove(path, claims=corrupted(rng, list(path.events)))
+        assert not proof.proved and any(gap.contradicted for gap in proof.gaps)
+
+
+def test_a_path_with_turns_is_proved_too():
+    path = sw.preset("paper-forward").path([0.0, 0.038, 0.0, 0.01])
+    assert path.prove().proved
+
+
+def test_a_ratio_of_mobilities_below_one_is_refused():
+    with pytest.raises(ValueError, match="mobility_ratio"):
+        sw.preset("paper-forward").cycle().path.prove(mobility_ratio=0.5)
+
+
+def test_a_run_reports_its_proof():
+    chain = sw.preset("paper-forward")
+    run = Run.of(chain)
+    record = account(ProvedRun.proved(run, run.cycle.path.prove())).record
+    assert violations(record) == []
+    assert record["proof"]["proved"] and record["sequence"] == "00>10>11>01>00"
+    assert len(json.dumps(record["proof"]["events"])) > 100
