@@ -59,7 +59,7 @@ PARTS = {
     *("Tolerances", "Transition", "Trial", "Turn", "Wall", "Weighing", "WrongHole"),
     *("Actuator", "EnergyFlow", "HalvedStep", "Hop", "Impact", "JumpBound", "JumpSettings"),
     *("RecordFactor", "Release", "Springs"),
-    *("Gap", "ProvedEvent"),
+    *("ProofGap", "ProvedEvent"),
 }
 VOID = {"img", "br"}
 HOSTILE = '<script>alert("1")</script>&amp;\x1b[1m\u202e'

@@ -9,13 +9,8 @@ import pytest
 
 import chains
 import stepwell as sw
-from stepwell.accounts import account
-from stepwell.base import have
-
-if not have("proof"):
-    pytest.skip("python-flint, the extra proof, is not installed", allow_module_level=True)
-
 from accounts.schemas import violations
+from stepwell.accounts import account
 from stepwell.design import Run
 from stepwell.proof import PathProof, ProvedRun, Theorem, prove
 

@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 from stepwell.base import late
 
 if TYPE_CHECKING:
+    from stepwell.proof.certificates import certificate
     from stepwell.proof.path_proof import PathProof, ProofGap, ProvedEvent, ProvedRun, Theorem
     from stepwell.proof.prover import prove
 
-__all__ = ["PathProof", "ProofGap", "ProvedEvent", "ProvedRun", "Theorem", "prove"]
+__all__ = ["certificate", "PathProof", "ProofGap", "ProvedEvent", "ProvedRun", "Theorem", "prove"]
 
 _LATE = {
+    "certificates": ("certificate",),
     "path_proof": ("PathProof", "ProofGap", "ProvedEvent", "ProvedRun", "Theorem"),
     "prover": ("prove",),
 }

@@ -139,17 +139,18 @@ def first_zero(f: Smooth, a: Ball, b: Ball) -> Ball | None:
 
 
 def _narrowed(f: Smooth, a: Ball, b: Ball) -> Ball:
-    """Interval Newton for a falling f with f(a) > 0 > f(b)."""
-    inside = hull(a, b)
-    for _ in range(60):
+    """Interval Newton for a falling f with f(a) > 0 > f(b); bisection where it does not help."""
+    inside, least = hull(a, b), abs(b - a) * _NARROW
+    for _ in range(200):
         centre = middle(inside)
-        slope = f(inside)[1]
-        step = f(centre)[0] / slope
-        image = centre - step
-        if not slope < 0 or not image.is_finite():
+        value, slope = f(centre)[0], f(inside)[1]
+        image = centre - value / slope
+        if slope < 0 and image.is_finite() and image.rad() < inside.rad() / 2:
+            inside = image.intersection(inside)
+        elif value > 0 and inside.rad() > least:
+            inside = hull(centre, high(inside))
+        elif value < 0 and inside.rad() > least:
+            inside = hull(low(inside), centre)
+        else:
             break
-        smaller = image.intersection(inside) if image.overlaps(inside) else inside
-        if not smaller.rad() < inside.rad() / 2:
-            return smaller
-        inside = smaller
     return inside

@@ -182,10 +182,10 @@ class EnclosedCell:
         self._sine = ball(float(laws.sin_limit[cell]))
         first, last = int(row[_ROWS]), int(row[_ROWS_END])
         self._load = EnclosedCurve(laws.rows[first:last], 1.0, False) if last > first else None
-        self._hints = _turns_of(problem, on)
+        self._hints = turns_of(problem, on)
 
     def law(self, s: Ball, lean: int = 0) -> tuple[Ball, Ball, Ball]:
-        """F [N], κ [N/m] and dκ/ds [N/m²] in a ball of travel; for `lean` see `EnclosedCurve.at`."""
+        """F [N], κ [N/m] and dκ/ds [N/m²] in a ball; for `lean` see `EnclosedCurve.at`."""
         force, slope, bend, _ = self._law(s, lean)
         return force, slope, bend
 
@@ -337,7 +337,7 @@ def _bands_of(laws: Laws, cell: int) -> list[EnclosedBand]:
     ]
 
 
-def _turns_of(problem: DrivenChain, sheet: int) -> tuple[list[float], list[int]]:
+def turns_of(problem: DrivenChain, sheet: int) -> tuple[list[float], list[int]]:
     """Travels at which the engine's force turns, and the signs of κ between them: hints only."""
     pieces = problem.pieces
     begin, end = int(pieces.of_sheet[sheet]), int(pieces.of_sheet[sheet + 1])

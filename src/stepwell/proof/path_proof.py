@@ -3,8 +3,9 @@
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
+from pathlib import Path as File
 
-from stepwell.base import ByValue, counted, display_unit, number
+from stepwell.base import ByValue, counted, display_unit, number, write_atomic
 from stepwell.design import Run
 from stepwell.statics import Event, Path
 
@@ -111,6 +112,12 @@ class PathProof(ByValue):
         """The largest bound of an error of a travel or stroke [m]; 0 without events."""
         errors = [max(e.stroke_error, e.travel_error) for e in self.events]
         return max(errors, default=0.0)
+
+    def write_certificate(self, file: str | File) -> None:
+        """Write the certificate of this proof as JSON; all else as for `proof.certificate`."""
+        from stepwell.proof.certificates import certificate
+
+        write_atomic(file, certificate(self))
 
     def __repr__(self):
         return f"PathProof({self.outcome}: {counted(len(self.events), 'event')})"

@@ -63,7 +63,7 @@ class _Prover:
         self.walk.ratio = ratio
         self.events: list[ProvedEvent] = []
         self.gaps: list[ProofGap] = []
-        self.strokes = list(_strokes_of(path, claims, self.problem))
+        self.strokes = list(strokes_of(path, claims, self.problem))
         self.after, self.begins = _states_of(path, len(self.strokes))
         self.size = max(cell.size for cell in self.walk.cells)
 
@@ -181,7 +181,7 @@ class _Prover:
         return ProvedEvent(k, event, theorem, drive, stroke, max(travels), worst, released)
 
 
-def _strokes_of(path: Path, events: Sequence[Event], problem: DrivenChain) -> Iterator[_Stroke]:
+def strokes_of(path: Path, events: Sequence[Event], problem: DrivenChain) -> Iterator[_Stroke]:
     """The strokes of a path; turning points at which the actuator goes on in its sense are none."""
     points = [path.turning_points[0]]
     for point in path.turning_points[1:]:
