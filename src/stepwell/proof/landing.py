@@ -5,9 +5,10 @@ from collections.abc import Callable
 
 from stepwell.proof import balls
 from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull, low
+from stepwell.proof.flow import EnclosedFlow
 from stepwell.proof.walk import FOLD, FREE, HELD, TURN, Enclosed, EnclosedWalk, Stand, _root
 
-LINE, RISING, RACE = "line", "rising", "race"
+LINE, RISING, RACE, FLOW = "line", "rising", "race", "flow"
 _NOTHING_KNOWN = ball(0.0, math.inf), ball(0.0, math.inf)
 
 
@@ -91,9 +92,14 @@ def _along_line(walk: EnclosedWalk, d: int, j: int, p: int) -> str:
         if not walk.dead:
             _others_hold(walk, d, (j, p), (s0, p0), ends if zero is None else zero)
     except UndecidedError:
-        if not (walk.rigid and zero is None and stops == j):
+        if not walk.rigid:
             raise
-        return _race(walk, d, j, p, ends)
+        try:
+            if zero is not None or stops != j:
+                raise
+            return _race(walk, d, j, p, ends)
+        except UndecidedError:
+            return _flow(walk, d, (j, p), (s0, p0), begin)
     way = ends if zero is None else zero
     if not walk.rigid and not walk.dead:
         walk.force = force - d * stiffness * way
@@ -154,6 +160,24 @@ def _others_hold(walk: EnclosedWalk, d: int, pair: tuple[int, int], begun, way: 
 
         if not balls.positive(room, ball(0.0), end):
             raise UndecidedError("a third cell is released in the snap")
+
+
+def _flow(walk: EnclosedWalk, d: int, pair: tuple[int, int], begun, begin: Ball) -> str:
+    """Follow the flow from a place on the line at which no other cell is released yet."""
+    (j, p), (s0, p0), way = pair, begun, begin
+    if walk.ratio != 1.0 or any(walk.cells[i].rubs for i in pair):
+        raise UndecidedError("the flow of a snap with friction, or for a range of mobilities")
+    for _ in range(30):
+        try:
+            _others_hold(walk, d, pair, begun, way)
+            break
+        except UndecidedError:
+            way = balls.middle(way / 4)
+    else:
+        raise UndecidedError("a third cell is released at the beginning of the snap")
+    EnclosedFlow(walk, {j: s0 + d * way, p: p0 - d * way}).land()
+    _settle(walk)
+    return FLOW
 
 
 def _share(one: float, two: float, ratio: float) -> Ball:

@@ -1,5 +1,6 @@
 """Proving a path: the engine's events compared with enclosed ones, stroke by stroke."""
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
@@ -140,45 +141,45 @@ class _Prover:
             return None
         if not set(event.cells) <= set(found.moves) or len(event.cells) != len(found.moves):
             return None
-        travels = [
-            balls.distance(found.moves[cell][1], travel)
-            for cell, travel in zip(event.cells, event.after, strict=True)
-        ]
-        if snaps:
-            travels += [
-                balls.distance(found.moves[cell][0], travel)
-                for cell, travel in zip(event.cells, event.before, strict=True)
-            ]
-        drive, stroke = (
-            balls.distance(found.drive, event.drive),
-            balls.distance(found.stroke, event.stroke),
+        scale, walk = self.problem.scale, self.walk
+        limit, count = _CLOSE * self.size, len(walk.cells)
+        drives = (0 if walk.dead else limit) + _CLOSE * scale * self.problem.beta
+        pairs = zip(event.cells, event.before, event.after, strict=True)
+        places = [(found.moves[cell], (before, after)) for cell, before, after in pairs]
+        # A switch has the beginning of the engine's last segment, of which there may be several.
+        travels = [(at[k], value[k]) for at, value in places for k in ((0, 1) if snaps else (1,))]
+        forces = zip(found.force, (event.force_before, event.force_after), strict=True)
+        released = [(found.released, event.released)] if found.released is not None else []
+        drive, stroke, travel, force, heat = (
+            _errors([(found.drive, event.drive)], drives * count),
+            _errors([(found.stroke, event.stroke)], limit * count),
+            _errors(travels, limit),
+            _errors([one for one in forces if one[0] is not None], _CLOSE * scale),
+            _errors(released, limit * scale),
         )
-        forces = [
-            balls.distance(ball, value)
-            for ball, value in zip(
-                found.force, (event.force_before, event.force_after), strict=True
-            )
-            if ball is not None
-        ]
-        released = None
-        if snaps and found.released is not None:
-            released = balls.distance(found.released, event.released)
-        scale = self.problem.scale
-        limit, energy = _CLOSE * self.size, _CLOSE * self.size * scale
-        drives = (0 if self.walk.dead else limit) + _CLOSE * scale * self.problem.beta
-        total = limit * len(self.walk.cells)
-        near = (
-            max(travels) <= limit
-            and stroke <= total
-            and drive <= drives * len(self.walk.cells)
-            and max(forces, default=0.0) <= _CLOSE * scale
-            and (released or 0.0) <= energy
-        )
-        if not near:
+        every = drive, stroke, travel, force, heat
+        if _OTHER in every:
             return None
         theorem = Theorem[found.theorem.upper()] if found.theorem else None
-        worst = max(forces) if forces else None
-        return ProvedEvent(k, event, theorem, drive, stroke, max(travels), worst, released)
+        return ProvedEvent(
+            k, event, theorem, drive or 0.0, stroke or 0.0, travel or 0.0, force, heat
+        )
+
+
+# The bound of an error if the engine's number is not in the enclosure.
+_OTHER = math.inf
+
+
+def _errors(pairs: Sequence[tuple[balls.Ball, float]], limit: float) -> float | None:
+    """The largest distance of numbers to enclosed ones; None without any, inf for wrong numbers."""
+    if not pairs:
+        return None
+    worst = max(balls.distance(x, value) for x, value in pairs)
+    if worst <= limit:
+        return worst
+    if any(abs(x - value) > limit for x, value in pairs):
+        return _OTHER
+    raise UndecidedError("an enclosure is too wide to bound an error")
 
 
 def strokes_of(path: Path, events: Sequence[Event], problem: DrivenChain) -> Iterator[_Stroke]:

@@ -1,0 +1,302 @@
+"""The overdamped flow of a snap at a prescribed stroke, enclosed step by step to its landing.
+
+Each step of time h encloses s(h) = s + h v + h²/2 s'' with s'' from a box that holds the whole step
+(Moore 1966), and v from its mean value form. Where a cell may meet a stop or leave it, the step is
+of first order, with all forces λ that either case gives.
+"""
+
+from stepwell.proof import balls
+from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull, low
+from stepwell.proof.walk import FREE, HELD, EnclosedWalk, Stand
+
+# Step as a fraction of the shortest time scale 1/(m |κ|), and the largest number of steps.
+_STEP, _MOST_STEPS = 0.04, 4000
+# A box wider than this fraction of the travel leads nowhere.
+_WIDE = 0.2
+
+
+class EnclosedFlow:
+    """Cells in a snap: those that move or may move, each with a ball of travel; others are held."""
+
+    def __init__(self, walk: EnclosedWalk, places: dict[int, Ball]):
+        self.walk, self.s = walk, places
+        self.total = ball(0.0)
+        for i, stand in enumerate(walk.stands):
+            self.total = self.total + places.get(i, stand.travel)
+        self.mobility = {i: ball(m) for i, m in enumerate(walk.mobility)}
+
+    def land(self) -> None:
+        """Follow the flow until its landing is proved, and put the walk there."""
+        for step in range(_MOST_STEPS):
+            if len(self.s) == 1:
+                self._put_last()
+                return
+            if step % 8 == 7 and (self._is_trapped() or self._pair_ends()):
+                return
+            self._step()
+            widths = [float(s.rad()) / self.walk.cells[i].size for i, s in self.s.items()]
+            if max(widths, default=0.0) > _WIDE:
+                break
+        raise UndecidedError("the flow of a snap is not enclosed narrowly enough")
+
+    def _stops(self, i: int) -> tuple[Ball, Ball]:
+        return self.walk.cells[i].low, self.walk.cells[i].high
+
+    def _touches(self, i: int, s: Ball) -> bool:
+        a, b = self._stops(i)
+        return not (s > a and s < b)
+
+    def _rates(self, at: dict[int, Ball]) -> tuple[dict[int, Ball], dict[int, Ball], Ball, bool]:
+        """Velocities and slopes κ in a box, λ, and whether each cell moves for certain."""
+        laws = {i: self.walk.cells[i].law(s) for i, s in at.items()}
+        sure = [i for i, s in at.items() if not self._touches(i, s)]
+        unsure = [i for i in at if i not in sure]
+        if not sure:
+            raise UndecidedError("which cells move in a snap")
+        mass = sum((self.mobility[i] for i in sure), ball(0.0))
+        force = sum((self.mobility[i] * laws[i][0] for i in sure), ball(0.0)) / mass
+        for i in list(unsure):
+            # A cell whose force drives it away from its stop leaves for certain.
+            away = laws[i][0] - force
+            if away > 0 if at[i].overlaps(self._stops(i)[1]) else away < 0:
+                unsure.remove(i)
+                sure.append(i)
+                force = force + self.mobility[i] / (mass + self.mobility[i]) * away
+                mass = mass + self.mobility[i]
+        for i in unsure:
+            # λ with the cell lies between λ without it and the cell's own force.
+            share = self.mobility[i] / (mass + self.mobility[i])
+            force = hull(force, force + share * (laws[i][0] - force))
+        rates = {}
+        for i, (own, _, _) in laws.items():
+            rate = self.mobility[i] * (force - own)
+            # One that is pressed against its stop moves up to it, and stays there.
+            rates[i] = rate if i in sure or rate > 0 or rate < 0 else hull(rate, ball(0.0))
+        return rates, {i: law[1] for i, law in laws.items()}, force, len(sure) == len(at)
+
+    def _step(self) -> None:
+        rates, slopes, _, _ = self._rates(self.s)
+        pace = max(float(high(abs(slopes[i] * self.mobility[i]))) for i in self.s)
+        h = ball(_STEP / pace)
+        h = self._short_of_stops(h, rates)
+        for _ in range(40):
+            around = self._around(h)
+            if around is not None and not self._released(around):
+                break
+            h = h if around is not None else h / 2
+        else:
+            raise UndecidedError("a step of the flow is not enclosed")
+        rates, slopes, _, smooth = self._rates(around)
+        self.s = self._second(h, rates, slopes) if smooth else self._first(h, rates)
+        self._close()
+        self._hold_arrived()
+
+    def _short_of_stops(self, h: Ball, rates: dict[int, Ball]) -> Ball:
+        """A step that ends before a stop, or one that brings the whole box of a cell to it."""
+        for i, s in self.s.items():
+            a, b = self._stops(i)
+            rate, size = rates[i], self.walk.cells[i].size
+            if not (rate > 0 or rate < 0):
+                continue
+            stop, front, rear = (b, high(s), low(s)) if rate > 0 else (a, low(s), high(s))
+            gap, speed = abs(stop - front), abs(rate)
+            if s.overlaps(stop) or gap < 1e-6 * size + 4 * s.rad():
+                need = high(abs(stop - rear) / low(speed)) * ball(1.02)
+                h = min(h, balls.middle(need))
+            else:
+                h = min(h, balls.middle(ball(0.7) * gap / high(speed)))
+        return balls.middle(h)
+
+    def _around(self, h: Ball) -> dict[int, Ball] | None:
+        """A box that holds the flow from every place of the present one for a time h."""
+        time = hull(ball(0.0), h)
+        guess = {i: self._clip(i, s) for i, s in self.s.items()}
+        for _ in range(4):
+            rates = self._rates(guess)[0]
+            wider = {}
+            for i, s in self.s.items():
+                way = time * rates[i]
+                wider[i] = self._clip(i, s + way + way * ball(0.0, 0.1))
+            rates = self._rates(wider)[0]
+            if all(
+                wider[i].contains(self._clip(i, s + time * rates[i])) for i, s in self.s.items()
+            ):
+                return wider
+            guess = wider
+        return None
+
+    def _clip(self, i: int, s: Ball) -> Ball:
+        a, b = self._stops(i)
+        left, right = low(s), high(s)
+        return (
+            hull(max(left, a), min(right, b))
+            if left < b and right > a
+            else hull(min(max(left, a), b), min(max(right, a), b))
+        )
+
+    def _released(self, around: dict[int, Ball]) -> bool:
+        """Let held cells move that may be released in a box; whether there are any."""
+        force, found = self._rates(around)[2], False
+        for i, stand in enumerate(self.walk.stands):
+            if i in self.s:
+                continue
+            down, up = self.walk.window(i)
+            if (down is not None and not force > down) or (up is not None and not force < up):
+                if self.walk.cells[i].rubs:
+                    raise UndecidedError("a snap in which a cell with friction may be released")
+                self.s[i], found = stand.travel, True
+        return found
+
+    def _first(self, h: Ball, rates: dict[int, Ball]) -> dict[int, Ball]:
+        return {i: self._clip(i, s + h * rates[i]) for i, s in self.s.items()}
+
+    def _second(self, h: Ball, rates, slopes) -> dict[int, Ball]:
+        """s + h v + h²/2 s'', with v in mean value form."""
+        middles = {i: balls.middle(s) for i, s in self.s.items()}
+        at_middle = self._rates(middles)[0]
+        here = {i: self.walk.cells[i].law(s)[1] for i, s in self.s.items()}
+        mass = sum((self.mobility[i] for i in self.s), ball(0.0))
+        bend = sum((self.mobility[i] * slopes[i] * rates[i] for i in self.s), ball(0.0)) / mass
+        out = {}
+        for i, s in self.s.items():
+            m = self.mobility[i]
+            own = (s - middles[i]) * (1 - h * m * here[i] * (1 - m / mass))
+            for k, other in self.s.items():
+                if k != i:
+                    own = own + h * m * self.mobility[k] * here[k] * (other - middles[k]) / mass
+            second = m * (bend - slopes[i] * rates[i])
+            out[i] = middles[i] + h * at_middle[i] + own + h * h * second / 2
+        return {i: self._clip(i, s) for i, s in out.items()}
+
+    def _close(self) -> None:
+        """Use that the stroke is constant: each travel is the rest of the others."""
+        held = sum(
+            (stand.travel for i, stand in enumerate(self.walk.stands) if i not in self.s), ball(0.0)
+        )
+        for i, s in self.s.items():
+            others = sum((t for k, t in self.s.items() if k != i), ball(0.0))
+            rest = self.total - held - others
+            if rest.overlaps(s):
+                self.s[i] = rest.intersection(s)
+
+    def _hold_arrived(self) -> None:
+        """Hold cells whose whole ball is at a stop, if λ presses them against it."""
+        for i in list(self.s):
+            a, b = self._stops(i)
+            at = b if low(self.s[i]) >= b else a if high(self.s[i]) <= a else None
+            if at is None:
+                continue
+            force, own = self._rates(self.s)[2], self.walk.cells[i].law(at)[0]
+            if (at == b and force > own) or (at == a and force < own):
+                if self.walk.cells[i].leads[bool(at == b)]:
+                    raise UndecidedError("a curve that folds back")
+                del self.s[i]
+                self.walk.stands[i] = Stand(HELD, at)
+
+    def _put_last(self) -> None:
+        """The only cell that is not at a stop takes the rest of the stroke."""
+        (i,) = self.s
+        cell = self.walk.cells[i]
+        held = sum((t.travel for k, t in enumerate(self.walk.stands) if k != i), ball(0.0))
+        travel = self.total - held
+        self.walk.stands[i] = Stand(FREE, travel, self.walk.branch_at(cell, travel, 0))
+
+    def _is_trapped(self) -> bool:
+        """Whether the flow is near a rest around which the energy is convex: put the walk there."""
+        walk, cells = self.walk, self.walk.cells
+        if any(self._touches(i, s) for i, s in self.s.items()):
+            return False
+        before = {i: walk.stands[i] for i in self.s}
+        try:
+            for i, s in self.s.items():
+                walk.stands[i] = Stand(FREE, balls.middle(s), walk.branch_at(cells[i], s, 0))
+            if any(walk.branch(i).sign <= 0 for i in self.s):
+                raise UndecidedError("a falling cell")
+            rest = self._rest()
+            radius = ball(0.0)
+            for i, s in self.s.items():
+                radius = radius + (s - rest[i]) ** 2 / self.mobility[i]
+            radius = high(high(radius).sqrt())
+            near = {i: rest[i] + radius * self.mobility[i].sqrt() * ball(0.0, 1.0) for i in rest}
+            if any(not cells[i].law(s)[1] > 0 or self._touches(i, s) for i, s in near.items()):
+                raise UndecidedError("not convex")
+            force = self._rates(near)[2]
+            for i in range(len(cells)):
+                if i not in self.s:
+                    down, up = walk.window(i)
+                    if not (down is None or force > down) or not (up is None or force < up):
+                        raise UndecidedError("a release")
+        except UndecidedError:
+            walk.stands = [before.get(i, stand) for i, stand in enumerate(walk.stands)]
+            return False
+        for i, s in rest.items():
+            walk.stands[i] = Stand(FREE, s, walk.branch_at(cells[i], s, 0))
+        return True
+
+    def _pair_ends(self) -> bool:
+        """Whether two cells are proved to go on to a stop or a rest: put them there."""
+        if len(self.s) != 2 or any(self._touches(i, s) for i, s in self.s.items()):
+            return False
+        rates = self._rates(self.s)[0]
+        ahead = [i for i in self.s if rates[i] > 0]
+        if len(ahead) != 1:
+            return False
+        (a,), (b,) = ahead, [i for i in self.s if i != ahead[0]]
+        one, two, begin = self.walk.cells[a], self.walk.cells[b], low(self.s[a])
+        total = self.total - sum(
+            (stand.travel for i, stand in enumerate(self.walk.stands) if i not in self.s), ball(0.0)
+        )
+        ends = one.high, total - two.low
+        if not (ends[0] < ends[1] or ends[0] > ends[1]):
+            return False
+        first = a if ends[0] < ends[1] else b
+        end = min(*ends)
+        share = self.mobility[b] / (self.mobility[a] + self.mobility[b])
+
+        def pull(s: Ball) -> tuple[Ball, Ball]:
+            own, its = one.law(s), two.law(total - s)
+            return its[0] - own[0], -its[1] - own[1]
+
+        def level(s: Ball) -> tuple[Ball, Ball]:
+            own, its = one.law(s), two.law(total - s)
+            force = share * its[0] + (1 - share) * own[0]
+            return force, (1 - share) * own[1] - share * its[1]
+
+        try:
+            zero = balls.first_zero(pull, begin, low(end))
+            for i in range(len(self.walk.cells)):
+                if i not in self.s:
+                    down, up = self.walk.window(i)
+                    for bound, sign in ((down, 1), (up, -1)):
+                        if bound is not None and not balls.positive(
+                            lambda s, b=bound, n=sign: (n * (level(s)[0] - b), n * level(s)[1]),
+                            begin,
+                            low(end) if zero is None else high(zero),
+                        ):
+                            return False
+            at = end if zero is None else zero
+            stands = {i: Stand(HELD, self._stops(i)[i == a]) for i in (a, b)}
+            for i, s in ((a, at), (b, total - at)):
+                if zero is not None or i != first:
+                    stands[i] = Stand(FREE, s, self.walk.branch_at(self.walk.cells[i], s, 0))
+        except UndecidedError:
+            return False
+        for i, stand in stands.items():
+            self.walk.stands[i] = stand
+        return True
+
+    def _rest(self) -> dict[int, Ball]:
+        """Travels at rest of cells on rising branches: one force, and the present stroke."""
+        walk, moving = self.walk, list(self.s)
+        forces = [walk.cells[i].law(s)[0] for i, s in self.s.items()]
+        least = min((low(f) for f in forces), key=float)
+        most = max((high(f) for f in forces), key=float)
+
+        def miss(force: Ball) -> tuple[Ball, Ball]:
+            drive, soft = walk.drive_by_force(moving, force)
+            return self.total - drive, -soft
+
+        force = balls.first_zero(miss, least, most)
+        if force is None:
+            raise UndecidedError("no rest")
+        return {i: walk.cells[i].invert(walk.branch(i), force) for i in moving}
