@@ -16,6 +16,7 @@ import inverse
 import maps
 import peers
 import programs
+import proofs
 import recordings
 import robot
 import studies
@@ -27,7 +28,20 @@ import yields
 def main() -> None:
     """Print what was timed, what came out and what is wanted."""
     table = Table("what", "measured", "wanted", title="stepwell benchmarks")
-    whole = maps, cycles, batches, graphs, programs, yields, inverse, peers, commands, robot, worlds
+    whole = (
+        maps,
+        cycles,
+        batches,
+        graphs,
+        programs,
+        proofs,
+        yields,
+        inverse,
+        peers,
+        commands,
+        robot,
+        worlds,
+    )
     for module in (*whole, studies, studio, recordings):
         for row in module.rows():
             table.add_row(*row)

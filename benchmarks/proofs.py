@@ -1,0 +1,105 @@
+"""Cost of proofs, and proofs tried against random chains and wrong answers.
+
+`python benchmarks/proofs.py 1000` prints, for random chains, the fraction that is proved and the
+causes of all gaps, and how many of as many wrong answers are caught.
+"""
+
+import re
+import statistics
+import sys
+import time
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+
+import chains
+import stepwell as sw
+from stepwell.proof import prove
+
+# Chains of concave cells, and what is wanted of a cycle.
+COSTS = (2, "at most 50 ms"), (4, "at most 0.5 s"), (32, "at most 30 s")
+
+
+def rows() -> list[tuple[str, str, str]]:
+    """What was timed, what came out, what is wanted."""
+    found: list[tuple[str, str, str]] = []
+    for cells, wanted in COSTS:
+        rng = np.random.default_rng(cells)
+        paths = [
+            chains.concave_chain(rng, cells).cycle().path for _ in range(9 if cells < 9 else 1)
+        ]
+        times: list[float] = []
+        for path in paths:
+            begin = time.perf_counter()
+            path.prove()
+            times.append(time.perf_counter() - begin)
+        without = timed(paths[0].chain)
+        proof = statistics.median(times)
+        text = f"{1e3 * proof:.3g} ms, {proof / without:.0f} times the cycle without a proof"
+        found.append((f"proof of a cycle of {cells} concave cells", text, wanted))
+    return found
+
+
+def timed(chain: sw.Chain) -> float:
+    """Seconds of a cycle without a proof, the median of nine."""
+    times: list[float] = []
+    for _ in range(9):
+        begin = time.perf_counter()
+        chain.cycle()
+        times.append(time.perf_counter() - begin)
+    return statistics.median(times)
+
+
+def tried(count: int, kind: str) -> None:
+    """Print how many of random chains are proved, and why the others are not."""
+    rng, proved, paths, causes = np.random.default_rng(count), 0, 0, Counter[str]()
+    caught, wrong = 0, 0
+    for _ in range(count):
+        cells = int(rng.integers(2, 7))
+        make = {"concave": chains.concave_chain, "without friction": plain}.get(kind)
+        chain = make(rng, cells) if make else chains.any_chain(rng, cells)
+        try:
+            path = chain.cycle().path
+        except sw.StepwellError:
+            continue
+        proof = path.prove()
+        paths, proved = paths + 1, proved + proof.proved
+        for gap in proof.gaps:
+            name = re.sub(r"\d+", "…", gap.cause)
+            causes[f"contradicted: {name}" if gap.contradicted else name] += 1
+        if proof.proved and path.events:
+            claims = corrupted(rng, list(path.events))
+            wrong += 1
+            caught += not prove(path, claims=claims).proved
+    print(f"{kind}: {proved} of {paths} proved; {caught} of {wrong} wrong answers caught")
+    for name, times in causes.most_common():
+        print(f"  {times:5d} gaps: {name}")
+
+
+def plain(rng: np.random.Generator, cells: int) -> sw.Chain:
+    """Any kinds of cells without friction."""
+    return chains.any_chain(rng, cells, friction=False)
+
+
+def corrupted(rng: np.random.Generator, events: list[sw.statics.Event]) -> list[sw.statics.Event]:
+    """The events with one dropped, two swapped, or one landing moved."""
+    k, how = int(rng.integers(len(events))), int(rng.integers(3))
+    if how == 0:
+        return [*events[:k], *events[k + 1 :]]
+    if how == 1 and len(events) > 1:
+        k = min(k, len(events) - 2)
+        return [*events[:k], events[k + 1], events[k], *events[k + 2 :]]
+    after = list(events[k].after)
+    after[0] += float(rng.choice([-1, 1]) * 10 ** rng.uniform(-10, -4))
+    return [*events[:k], replace(events[k], after=tuple(after)), *events[k + 1 :]]
+
+
+if __name__ == "__main__":
+    for one in rows():
+        print(*one, sep="; ")
+    for name in ("concave", "without friction", "of any kind"):
+        tried(int(sys.argv[1]) if len(sys.argv) > 1 else 100, name)
