@@ -37,7 +37,7 @@ def snap(walk: EnclosedWalk, direction: int, leader: int) -> Enclosed:
     moves = {
         i: (begun[i], stand.travel)
         for i, stand in enumerate(walk.stands)
-        if i == walk.trigger[0] or stand.travel is not begun[i]
+        if i == walk.trigger[0] or not bool(stand.travel == begun[i])
     }
     released = _released(walk, moves, force, direction)
     why = walk.due or TURN
