@@ -10,7 +10,7 @@ from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull, low
 from stepwell.proof.walk import FREE, HELD, EnclosedWalk, Stand
 
 # Step as a fraction of the shortest time scale 1/(m |κ|), and the largest number of steps.
-_STEP, _MOST_STEPS = 0.04, 4000
+_STEP, _MOST_STEPS = 0.04, 600
 # A box wider than this fraction of the travel leads nowhere.
 _WIDE = 0.2
 
