@@ -16,7 +16,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-import chains
+import chains  # pyright: ignore[reportMissingImports]  the one of the tests
 import stepwell as sw
 from stepwell.proof import prove
 

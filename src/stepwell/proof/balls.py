@@ -11,7 +11,7 @@ from stepwell import base
 
 base.need("proof")
 
-from flint import arb, ctx  # noqa: E402  the extra is checked first
+from flint import arb, ctx  # noqa: E402  # pyright: ignore[reportMissingImports]
 
 # Bits of the midpoints; rounding is then 1e-14 of that of doubles.
 ctx.prec = 100

@@ -204,7 +204,8 @@ def _race(walk: EnclosedWalk, d: int, j: int, p: int, room: Ball) -> str:
             raise UndecidedError("a third cell moves in the snap")
         if not walk.at_end(k, d):
             # It waits at its near stop for more than any force in the snap.
-            if not d * walk.window(k)[1 if d > 0 else 0] > most:
+            bound = walk.window(k)[1 if d > 0 else 0]
+            if bound is None or not d * bound > most:
                 raise UndecidedError("a third cell is released in the snap")
             continue
         _falls_back(walk, k, d, room)
@@ -281,7 +282,8 @@ def _behind_rising(walk: EnclosedWalk, d: int, j: int, others: list[int], drive:
         passed.append(d * at_end)
     else:
         walk.force = cell.law(s0 + d * zero)[0]
-    floor = low(min([*passed, d * walk.force], key=lambda f: balls.number(f)))
+    passed_all = [*passed, d * _known(walk)]
+    floor = low(min(passed_all, key=balls.number))
     for f in passed:
         floor = low(hull(floor, f)) if f < floor else floor
     _hold_down_to(walk, d, (j, others), floor)
@@ -293,6 +295,11 @@ def _behind_rising(walk: EnclosedWalk, d: int, j: int, others: list[int], drive:
         walk._put(i, walk.force)
     _settle(walk)
     return RISING
+
+
+def _known(walk: EnclosedWalk) -> Ball:
+    assert walk.force is not None
+    return walk.force
 
 
 def _and_slope(

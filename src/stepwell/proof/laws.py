@@ -260,17 +260,20 @@ class EnclosedCell:
             raise UndecidedError(f"the force of cell {self.cell + 1} turns once more")
 
     def _prove_turn(self, turn: Ball, before: int, after: int) -> None:
-        slopes = [self._law(turn, lean) for lean in (-1, 1)]
-        if not any(joints for *_, joints in slopes):
-            bend = slopes[0][2]
-            ends = before * self.law(low(turn))[1], after * self.law(high(turn))[1]
-            single = bend < 0 if before > 0 else bend > 0
-            if not (single and ends[0] > 0 and ends[1] > 0):
-                raise UndecidedError(f"a turn of cell {self.cell + 1} is not proved single")
+        """Prove that the force turns in a ball, and nowhere else around it."""
+        sides = [self._law(turn, lean) for lean in (-1, 1)]
+        joints = sides[0][3]
+        bends = all(before * bend < 0 for _, _, bend, _ in sides)
+        ends = before * self.law(low(turn))[1] > 0 and after * self.law(high(turn))[1] > 0
+        # Smooth, or two cubics that meet at the turn with slopes that are rounding.
+        if joints <= 1 and bends and ends:
             return
-        for (_, slope, _, joints), sign in zip(slopes, (before, after), strict=True):
-            if joints > 1 or not (slope.is_zero() if sign == 0 else sign * slope > 0):
-                raise UndecidedError(f"a turn of cell {self.cell + 1} at a kink is not proved")
+        kink = joints == 1 and all(
+            slope.is_zero() if sign == 0 else sign * slope > 0
+            for (_, slope, _, _), sign in zip(sides, (before, after), strict=True)
+        )
+        if not kink:
+            raise UndecidedError(f"a turn of the force of cell {self.cell + 1} is not proved")
 
     def invert(self, branch: MonotoneBranch, force: Ball, near: Ball | None = None) -> Ball:
         """The travels on a branch at which its force takes the values of a ball."""

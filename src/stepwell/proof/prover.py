@@ -132,6 +132,9 @@ class _Prover:
 
     def _gap(self, stroke, at, cause, size=None, contradicted=False) -> None:
         drive = stroke.target if at is None else self.claims[at].drive
+        if contradicted and self.gaps:
+            # Behind a gap the walk begins at the engine's place, which may be next to a tie.
+            cause, contradicted = f"{cause}, behind a gap", False
         self.gaps.append(ProofGap(at, drive, stroke.direction, cause, size, contradicted))
 
     def _compared(self, k: int, event: Event, found: Enclosed) -> ProvedEvent | None:

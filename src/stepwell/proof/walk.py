@@ -68,6 +68,8 @@ class EnclosedWalk:
 
     def stand_at(self, place: Configuration, force: float) -> None:
         """Begin at a configuration: cells at stops exactly, others within 1e-9 of the travel."""
+        if any(place.sheet):
+            raise UndecidedError("a curve that folds back")
         self.stands = []
         for cell, travel in zip(self.cells, place.travel, strict=True):
             if travel == balls.number(cell.low) or travel == balls.number(cell.high):
@@ -442,14 +444,16 @@ class EnclosedWalk:
         heading = toward * self.branch(i).sign or direction
         before, self.trigger = stand.travel, (i, heading)
         stand.travel = self.branch(i).end(heading)[0]
-        if event.why == STOP:
-            if cell.leads[heading > 0]:
-                raise UndecidedError("a curve that folds back")
+        # An element arrives in a phase where its force begins to rise; a stop is part of it.
+        element = isinstance(self.chain.cells[i], Element)
+        arrives = self.branch(i).sign < 0 if element else event.why == STOP
+        if event.why != STOP:
+            stand.branch += heading
+        elif cell.leads[heading > 0]:
+            raise UndecidedError("a curve that folds back")
+        else:
             self.hold(i)
-            return self._switch(i, STOP, direction, before)
-        arrives = isinstance(self.chain.cells[i], Element) and self.branch(i).sign < 0
-        stand.branch += heading
-        return self._switch(i, TURN, direction, before) if arrives else None
+        return self._switch(i, event.why, direction, before) if arrives else None
 
     def _switch(self, i: int, why: str, direction: int, before: Ball) -> Enclosed:
         moves = {i: (before, self.stands[i].travel)}
