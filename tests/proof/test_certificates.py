@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
+from docs.proofs import shown, table
 from stepwell.proof import certificate, check_certificate as checker
 from stepwell.proof.certificates import digest
 
@@ -76,3 +77,8 @@ def test_a_false_claim_with_the_right_digest_fails(what):
 def test_a_path_that_the_script_cannot_check_is_refused(name):
     with pytest.raises(ValueError, match="no certificate"):
         certificate_of(name)
+
+
+def test_the_page_shows_what_is_proved_of_each_preset():
+    assert shown() == table()
+    assert shown().count("| proved |") >= 30
