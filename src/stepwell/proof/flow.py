@@ -5,6 +5,8 @@ Each step of time h encloses s(h) = s + h v + h²/2 s'' with s'' from a box that
 of first order, with all forces λ that either case gives.
 """
 
+import math
+
 from stepwell.proof import balls
 from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull, low
 from stepwell.proof.walk import FREE, HELD, EnclosedWalk, Stand
@@ -76,7 +78,13 @@ class EnclosedFlow:
 
     def _step(self) -> None:
         rates, slopes, _, _ = self._rates(self.s)
-        pace = max(float(high(abs(slopes[i] * self.mobility[i]))) for i in self.s)
+        pace = 0.0
+        for i in self.s:
+            # Where forces are constant, the time scale is that of the way.
+            way = float(high(abs(rates[i]))) / self.walk.cells[i].size
+            pace = max(pace, float(high(abs(slopes[i] * self.mobility[i]))), way)
+        if not 0.0 < pace < math.inf:
+            raise UndecidedError("the pace of the flow of a snap")
         h = ball(_STEP / pace)
         h = self._short_of_stops(h, rates)
         for _ in range(40):
