@@ -95,7 +95,7 @@ class Law:
         return ratio * g, h * first * g + ratio * g1, bend, joint
 
 
-class Cell:
+class CheckedCell:
     """A cell, its travel cut into branches of one sign of κ: [sign, left, right, forces there]."""
 
     def __init__(self, data):
@@ -149,11 +149,11 @@ class Cell:
         return b if miss is None else miss
 
 
-class Chain:
+class CheckedChain:
     """Cells in series at travels s under a stroke: at most one, `j`, moves, on its branch `k`."""
 
     def __init__(self, data):
-        self.cells = [Cell(cell) for cell in data["cells"]]
+        self.cells = [CheckedCell(cell) for cell in data["cells"]]
         self.s, self.tie = [arb(s) for s in data["start"]], arb(TIE * data["scale"])
         self.j, self.k, self.force = None, 0, None
         need(all(s in (c.low, c.high) for s, c in zip(self.s, self.cells, strict=True)), "a start")
@@ -232,7 +232,7 @@ def check(text):
     data = json.loads(text)
     claims = json.dumps({**data, "sha256": ""}, sort_keys=True, ensure_ascii=False)
     need(hashlib.sha256(claims.encode()).hexdigest() == data["sha256"], "an unchanged certificate")
-    chain, events = Chain(data), iter(data["events"])
+    chain, events = CheckedChain(data), iter(data["events"])
     for stroke in data["strokes"]:
         d, target = stroke["direction"], stroke["target"]  # None: all cells go to their stops
         for kind, cells in chain.go(d, arb(d * math.inf if target is None else target)):
