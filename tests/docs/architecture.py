@@ -19,7 +19,7 @@ END = "<!-- end of rooms -->"
 # Tasks of users, and their packages, one colour each (Okabe and Ito 2008).
 STOREYS = {
     "basis": ("#999999", ("crash", "base", "kernels")),
-    "analysis": ("#0072b2", ("mechanism", "concave", "statics", "sequences")),
+    "analysis": ("#0072b2", ("mechanism", "concave", "statics", "sequences", "proof")),
     "inverse design": ("#009e73", ("design",)),
     "measurements": ("#cc79a7", ("lab",)),
     "robots": ("#d55e00", ("robot", "simulation")),
