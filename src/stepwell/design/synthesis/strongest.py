@@ -10,7 +10,7 @@ from stepwell.base import ByValue, Floats, InputError, Ints, amount, check, numb
 from stepwell.design.synthesis.region import PAPER_LEVER, BandType
 from stepwell.design.tolerances.draws import DEFAULT_TOLERANCES, Tolerances
 from stepwell.design.tolerances.yields import Yield, yields
-from stepwell.mechanism import Cell, Chain, Linear
+from stepwell.mechanism import Cell, Chain, Linear, geometry
 from stepwell.sequences import cycle
 from stepwell.statics import EventKind
 
@@ -169,15 +169,17 @@ def _kinds(band: BandType, means: Means, lever: float) -> _Kinds:
     travel = np.linspace(0.0, 1.0, _POINTS)
     theta = np.arcsin((2.0 * travel - 1.0) * math.sin(_LIMIT))
     dx, dy = d[:, :1], d[:, 1:]
-    length = np.hypot(lever * np.cos(theta) + dx, lever * np.sin(theta) + dy)
+    sin, cos = np.sin(theta), np.cos(theta)
+    length = geometry.band_length(sin, cos, dx, dy, lever)
     rest, k = band.rest_length, band.stiffness
-    with np.errstate(divide="ignore", invalid="ignore"):
-        force = k * (1.0 - rest / length) * (dy - dx * np.tan(theta))
+    slope = geometry.length_slope(sin, cos, length, dx, dy)
+    force = geometry.band_force(k * (length - rest), slope)
     fits = np.min(length, axis=1) > rest
     fits &= np.max(length, axis=1) <= means.stretch * rest
     fits &= np.all(np.diff(force, axis=1) < 0.0, axis=1)
     fits &= np.max(np.abs(force), axis=1) <= means.force
-    energy = np.asarray(0.5 * k * (length[fits] - rest) ** 2, float)
+    extension = length[fits] - rest
+    energy = np.asarray(geometry.band_energy(0.5 * k * extension, extension), float)
     return _Kinds(np.asarray(d[fits], float), force[fits], energy)
 
 
