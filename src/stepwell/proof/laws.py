@@ -25,7 +25,7 @@ TURN = 1e-13
 _ZERO = balls.ball(0.0)
 
 
-class Reach(NamedTuple):
+class EnclosedReach(NamedTuple):
     """Length ℓ of a band, and g = ℓ ℓ' with its first two slopes by travel."""
 
     length: Ball
@@ -112,12 +112,12 @@ class EnclosedBand:
         self._square = r * r + self._dx * self._dx + self._dy * self._dy + ball(1e-30)
         self.curve = EnclosedCurve(rows, stiffness, not two_sided)
 
-    def reach(self, sin: Ball, cos: Ball) -> Reach:
+    def reach(self, sin: Ball, cos: Ball) -> EnclosedReach:
         """Length and slopes."""
         dx, dy, r = self._dx, self._dy, self._r
         length = (self._square + 2 * r * (dx * cos + dy * sin)).sqrt()
         rc3 = r * cos * cos * cos
-        return Reach(length, dy - dx * sin / cos, -dx / rc3, -3 * dx * sin / (r * cos * cos * rc3))
+        return EnclosedReach(length, dy - dx * sin / cos, -dx / rc3, -3 * dx * sin / (r * cos * cos * rc3))
 
     def law(self, sin: Ball, cos: Ball, lean: int) -> tuple[Ball, Ball, Ball, bool]:
         """F, κ, dκ/ds, and whether a joint of the law is in the box."""
