@@ -117,7 +117,9 @@ class EnclosedBand:
         dx, dy, r = self._dx, self._dy, self._r
         length = (self._square + 2 * r * (dx * cos + dy * sin)).sqrt()
         rc3 = r * cos * cos * cos
-        return EnclosedReach(length, dy - dx * sin / cos, -dx / rc3, -3 * dx * sin / (r * cos * cos * rc3))
+        return EnclosedReach(
+            length, dy - dx * sin / cos, -dx / rc3, -3 * dx * sin / (r * cos * cos * rc3)
+        )
 
     def law(self, sin: Ball, cos: Ball, lean: int) -> tuple[Ball, Ball, Ball, bool]:
         """F, κ, dκ/ds, and whether a joint of the law is in the box."""

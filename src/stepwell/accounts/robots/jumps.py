@@ -105,7 +105,7 @@ JUMP: Schema = (
     Quantity("stored", "mJ", read="first.flow.stored"),
     Quantity("energy", holds=[_FLOW], read=lambda jump: _flow(jump.first.flow)),
     Quantity("jumps", holds=[_HOP], read=lambda jump: _hops(jump)),
-    *keys(balance="percent", time_steps=([_STEP], "halved")),
+    *keys(balance="percent", speed_change="percent", time_steps=([_STEP], "halved")),
     Quantity("impacts", holds=[_IMPACT], read=lambda jump: robots.impacts(jump.hopper, jump.bound)),
     *keys(stored_per_spring="J/kg", released_per_spring="J/kg", released_per_robot="J/kg"),
     Quantity("factors", holds=[_FACTOR]),
@@ -262,10 +262,10 @@ def _balance(jump: Jump) -> str:
 
 
 def _converged(jump: Jump) -> str:
-    if len(jump.halved) < 2:
+    change = jump.speed_change
+    if change is None:
         return ""
     first, *_, last = jump.halved
-    change = abs(first.speed - last.speed) / last.speed
     steps = " to ".join(f"{base.to_unit(one.time_step, 'ms'):g}" for one in (first, last))
     return f"the speed changes by {percent(change)} from steps of {steps} ms"
 

@@ -106,6 +106,14 @@ class Jump(base.ByValue, base.Drawn):
         base.write_csv(file, columns)
 
     @property
+    def speed_change(self) -> float | None:
+        """Change of the speed from the largest time step to the smallest [1]; None for one step."""
+        if len(self.halved) < 2:
+            return None
+        first, *_, last = self.halved
+        return abs(first.speed - last.speed) / last.speed
+
+    @property
     def stored_per_spring(self) -> float:
         """Energy stored at the snap over the mass of the springs [J/kg]."""
         return self.first.flow.stored / self.hopper.springs.mass
