@@ -109,8 +109,8 @@ def test_no_other_file_writes_the_formulas_of_a_band_again():
     elsewhere = []
     for file in sorted(PACKAGE.rglob("*.py")):
         name = file.relative_to(PACKAGE)
-        # What draws a lever, builds one in another program, checks a paper's own equations or proves
-        # the engine's numbers is no second home.
+        # What draws a lever, builds one in another program, checks a paper's own equations or
+        # proves the engine's numbers is no second home.
         if name.parts[0] in ("figures", "simulation", "paper", "proof"):
             continue
         text = file.read_text("utf-8")
