@@ -6,7 +6,7 @@ import pytest
 
 import stepwell as sw
 from facts import refuses, says
-from stepwell.design import design_machine
+from stepwell.design import Draws, design_machine
 from stepwell.sequences import Machine
 
 LAST = "(up | down)* up"
@@ -20,7 +20,7 @@ def test_a_search_finds_a_chain_that_the_engine_confirms():
     inputs = random.Random(0).choices(way.machine.inputs, k=20)
     assert way.simulate(inputs) == machine.run(inputs)
     assert made.successes == sum(
-        way.holds_in(sw.design.Draws(made.chain, made.tolerances, 0).sample(k)) for k in range(5)
+        way.holds_in(Draws(made.chain, made.tolerances, 0).sample(k)) for k in range(5)
     )
     says(str(made).splitlines(), "3 random chains")
 

@@ -39,10 +39,10 @@ def test_no_pair_on_these_holes_sets_more_energy_free(best):
     for _ in range(30):
         one, other = rng.choice(len(ends), 2, replace=False)
         chain = pair(ends[one], ends[other])
-        bands = [band for cell in chain.cells for band in cell.bands]
+        bands = [band for cell in chain.levers for band in cell.bands]
         angles = np.linspace(-math.pi / 4, math.pi / 4, 41)
         longest = max(np.max(b.length(angles, 0.010 * math.sqrt(2.0))) for b in bands)
-        falls = all(np.all(np.diff(c.force(angles)) < 0.0) for c in chain.cells)
+        falls = all(np.all(np.diff(c.force(angles)) < 0.0) for c in chain.levers)
         if longest <= FEW.stretch * BAND.rest_length and falls:
             assert released(chain) <= best.released * (1.0 + 1e-6)
 

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -71,7 +72,8 @@ def test_the_weight_on_each_foot_is_that_of_the_engine():
 def test_forces_of_many_bands_are_those_of_their_cells():
     cell = sw.preset("robot-antennas").legs[0].chain.levers[0]
     band = cell.bands[0]
-    many = Bands(*band.d, band.stiffness, band.rest_length, band.law)
+    dx, dy = band.d
+    many = Bands(dx, dy, band.stiffness, band.rest_length, band.law)
     for angle in np.linspace(-cell.limit, cell.limit, 5):
         assert many.force(angle, cell.lever) == pytest.approx(float(cell.force(angle)), abs=1e-12)
 
@@ -189,9 +191,10 @@ def test_a_table_with_a_row_missing_or_twice_or_without_an_antenna_is_refused(ro
 def test_a_robot_without_antennas_and_numbers_out_of_range_are_refused():
     with refuses(sw.InputError, "0 antennas"):
         RobotBehaviour([BehaviourRow("free", Action("forward"))], sw.preset("robot-forward"))
-    for wrong in ({"moves": (0.0,)}, {"moves": ()}, {"directions": 0}, {"left": 1.0}):
+    wrong: list[dict[str, Any]] = [{"moves": (0.0,)}, {"moves": ()}, {"directions": 0}]
+    for keys in (*wrong, {"left": 1.0}):
         with pytest.raises(sw.InputError):
-            RobotChoice(**wrong)
+            RobotChoice(**keys)
 
 
 def test_rules_hold_the_rail_friction_against_the_inner_cell():

@@ -9,6 +9,7 @@ import pytest
 
 import stepwell as sw
 from facts import refuses, says
+from stepwell.design import machine_yield
 from stepwell.sequences import Machine, exchange, realisations, realise
 from stepwell.sequences.responses import _exchanged
 
@@ -100,13 +101,14 @@ def test_a_pumped_word_is_the_one_that_brute_force_finds(seed):
     word, pump = acts_otherwise(machine, 6), machine.pump
     assert (pump is None) == (word is None)
     if pump is not None and pump.period == 1:
-        assert len(pump.word) == len(word)
+        assert word is not None and len(pump.word) == len(word)
 
 
 def test_a_parity_is_pumped_with_period_two():
-    pump = Machine.of_language(PARITY).pump
+    pump, touch = Machine.of_language(PARITY).pump, Machine.parse(TOUCH).pump
+    assert pump is not None and touch is not None
     assert pump.word == ("one",) and pump.period == 2
-    assert Machine.parse(TOUCH).pump.period == 1
+    assert touch.period == 1
 
 
 def test_a_machine_that_every_word_settles_at_once_has_no_pump():
@@ -151,7 +153,7 @@ def test_every_choice_of_turning_points_within_the_intervals_behaves_the_same():
 
 
 def test_samples_within_tolerances_behave_as_the_machine():
-    made = sw.design.machine_yield(second_touch(), sw.Tolerances(anchor=0.001), samples=30)
+    made = machine_yield(second_touch(), sw.Tolerances(anchor=0.001), samples=30)
     assert made.successes >= 29
     way = second_touch()
     assert not way.holds_in(paper_cells((16.0, 2.6), (1.9, -7.4), (8.2, 6.1)))

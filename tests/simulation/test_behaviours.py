@@ -29,7 +29,7 @@ def result() -> CompiledRobot:
 
 def test_the_best_design_with_the_paper_s_displacement_has_all_rows_in_the_simulation():
     found = result()
-    assert found.verified and len(found.trials) == 1
+    assert found.verified and len(found.trials) == 1 and found.design is not None
     free, left, right, both = found.walked
     assert free.trial.advance > 0.5 and abs(free.trial.turn) < 0.01
     assert left.trial.turn < -0.2 and right.trial.turn > 0.2
@@ -44,6 +44,7 @@ def test_the_arenas_and_the_parts_of_a_result_are_of_its_robot():
     # The parts have other masses: here the feet are heavier.
     heavy = replace(found.robot, foot=replace(found.robot.foot, mass=0.012))
     made = found.with_parts(heavy)
+    assert found.design is not None
     assert made.made == heavy and len(made.made_trials) == len(made.made_rows) == 4
     assert made.made_rows[0].orders != found.design.rows[0].orders
 

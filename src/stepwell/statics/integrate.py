@@ -190,7 +190,8 @@ def _apply_impacts(problem: DrivenChain, body: Inertias, motion: MotionState) ->
         first, total = speed.copy(), np.sum(was)
         speed[:] = was
         inertia.apply_impacts(low, high, bounce, body.loose, speed)
-        if problem.beta == 0.0 and abs(np.sum(speed) - total) > 1e-9 * abs(total):
+        driven = problem.beta == 0.0 and body.crank.swing != 0.0
+        if driven and abs(np.sum(speed) - total) > 1e-9 * abs(total):
             # A rigid drive moves on, and so does a cell, however slowly.
             speed[:] = first
     motion.book[STRUCK] += before - inertia.kinetic(body.mass, body.loose, speed)
