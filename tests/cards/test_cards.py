@@ -56,6 +56,8 @@ PARTS = {
     ),
     *("Episode", "Sample", "Scrambling", "Segment", "Sensitivities", "Series", "Settings"),
     *("Sheet", "SnapPrediction", "Sorted", "Step", "BandType", "Table", "Tie"),
+    *("InertialPath", "Machine", "MachineDesign", "Requirement", "Requirements", "SafeRate"),
+    "StrongestSnap",
     *("Tolerances", "Transition", "Trial", "Turn", "Wall", "Weighing", "WrongHole"),
     *("Actuator", "EnergyFlow", "HalvedStep", "Hop", "Impact", "JumpBound", "JumpSettings"),
     *("RecordFactor", "Release", "Springs"),

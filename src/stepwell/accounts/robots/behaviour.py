@@ -1,9 +1,11 @@
 """Robots with a compiled behaviour: the table row by row, numbers to build, and alternatives."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stepwell import base, files
 from stepwell.accounts import parts
@@ -13,7 +15,9 @@ from stepwell.accounts.robots.robot import PARAMETERS, assumed_fact, parameter_s
 from stepwell.accounts.yields import tolerance_schema, tolerance_words
 from stepwell.base import Quantity, Schema, amount, counted, number, percent, to_unit
 from stepwell.robot import BACKS, STEPS, ChosenNumbers, CompiledDesign, RowMargin
-from stepwell.simulation import CompiledRobot, RowTrial
+
+if TYPE_CHECKING:
+    from stepwell.simulation import CompiledRobot, RowTrial
 
 _ADVANCE = Quantity("advance", "over_u_max", "d/u_max", "trial.advance", ".2f", holds=float)
 _TURN = Quantity("turn", "deg", "turn", "trial.turn", "z.1f", holds=float)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, InputError, Ints, amount, check, number
+from stepwell.base import ByValue, Floats, InputError, Ints, amount, check, number, to_unit
 from stepwell.design.synthesis.region import PAPER_LEVER, BandType
 from stepwell.design.tolerances.draws import DEFAULT_TOLERANCES, Tolerances
 from stepwell.design.tolerances.yields import Yield, yields
@@ -64,7 +64,7 @@ class StrongestSnap(ByValue):
 
     def __str__(self):
         anchors = ", ".join(
-            f"{name} ({number(b.d[0] * 1e3)}, {number(b.d[1] * 1e3)}) mm"
+            f"{name} ({number(to_unit(b.d[0], 'mm'))}, {number(to_unit(b.d[1], 'mm'))}) mm"
             for name, cell in zip(self.chain.names, self.chain.cells, strict=True)
             if isinstance(cell, Cell)
             for b in cell.bands
