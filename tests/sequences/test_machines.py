@@ -10,7 +10,7 @@ import pytest
 import stepwell as sw
 from facts import refuses, says
 from stepwell.design import machine_yield
-from stepwell.sequences import Machine, exchange, realisations, realise
+from stepwell.sequences import Machine, exchanging_program, realisations, realise
 from stepwell.sequences.responses import _exchanged
 
 TOUCH = """
@@ -193,7 +193,7 @@ def test_an_exchange_of_two_branches_is_found_where_there_is_one():
 
 def test_the_chain_of_the_second_touch_holds_no_parity():
     chain = second_touch().chain
-    assert exchange(chain) is None
+    assert exchanging_program(chain) is None
     assert not [*realisations(chain, Machine.of_language(PARITY), turns=2)]
 
 

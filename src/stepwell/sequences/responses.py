@@ -310,7 +310,11 @@ def _no_realisation(chain: Chain, machine: Machine, turns: int) -> tuple[str, bo
             f"once (theory page, 'State machines'): prescribe the stroke.",
             True,
         )
-    if pump is not None and pump.period % 2 == 0 and exchange(chain, by_hand=True) is None:
+    if (
+        pump is not None
+        and pump.period % 2 == 0
+        and exchanging_program(chain, by_hand=True) is None
+    ):
         return (
             f"{pump}. No program exchanges two states of this chain, and such a word needs it "
             f"(theory page, 'State machines'): use another machine.",
@@ -496,7 +500,7 @@ class Exchange(NamedTuple):
     second: str
 
 
-def exchange(chain: Chain, *, by_hand: bool = False) -> Exchange | None:
+def exchanging_program(chain: Chain, *, by_hand: bool = False) -> Exchange | None:
     """Two states that one program, of any turning points, brings into each other; None for none.
 
     A chain without such a pair realises no machine in which a word comes back to its state after
