@@ -191,8 +191,9 @@ def test_a_table_with_a_row_missing_or_twice_or_without_an_antenna_is_refused(ro
 def test_a_robot_without_antennas_and_numbers_out_of_range_are_refused():
     with refuses(sw.InputError, "0 antennas"):
         RobotBehaviour([BehaviourRow("free", Action("forward"))], sw.preset("robot-forward"))
-    wrong: list[dict[str, Any]] = [{"moves": (0.0,)}, {"moves": ()}, {"directions": 0}]
-    for keys in (*wrong, {"left": 1.0}):
+    numbers: list[dict[str, Any]] = [{"moves": (0.0,)}, {"moves": ()}, {"directions": 0}]
+    numbers.append({"left": 1.0})
+    for keys in numbers:
         with pytest.raises(sw.InputError):
             RobotChoice(**keys)
 
