@@ -230,7 +230,10 @@ def middle(locator: Locator) -> tuple[float, float]:
 def drag(page: Page, anchor: str, cell: str, dx: int, dy: int) -> None:
     # Before its first answer is drawn the page may move what is aimed at.
     settled(page)
-    x, y = middle(handle(page, anchor, cell).locator(".dot"))
+    dot = handle(page, anchor, cell).locator(".dot")
+    x, y = middle(dot)
+    while (again := middle(dot)) != (x, y):
+        x, y = again
     page.mouse.move(x, y)
     page.mouse.down()
     for k in range(1, 11):
