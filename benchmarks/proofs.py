@@ -9,7 +9,6 @@ import statistics
 import sys
 import time
 from collections import Counter
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -72,7 +71,7 @@ def tried(count: int, kind: str) -> None:
             name = re.sub(r"\d+", "…", gap.cause)
             causes[f"contradicted: {name}" if gap.contradicted else name] += 1
         if proof.proved and path.events:
-            claims = corrupted(rng, list(path.events))
+            claims = chains.corrupted(rng, list(path.events))
             wrong += 1
             caught += not prove(path, claims=claims).proved
     print(f"{kind}: {proved} of {paths} proved; {caught} of {wrong} wrong answers caught")
@@ -83,19 +82,6 @@ def tried(count: int, kind: str) -> None:
 def plain(rng: np.random.Generator, cells: int) -> sw.Chain:
     """Any kinds of cells without friction."""
     return chains.any_chain(rng, cells, friction=False)
-
-
-def corrupted(rng: np.random.Generator, events: list[sw.statics.Event]) -> list[sw.statics.Event]:
-    """The events with one dropped, two swapped, or one landing moved."""
-    k, how = int(rng.integers(len(events))), int(rng.integers(3))
-    if how == 0:
-        return [*events[:k], *events[k + 1 :]]
-    if how == 1 and len(events) > 1:
-        k = min(k, len(events) - 2)
-        return [*events[:k], events[k + 1], events[k], *events[k + 2 :]]
-    after = list(events[k].after)
-    after[0] += float(rng.choice([-1, 1]) * 10 ** rng.uniform(-10, -4))
-    return [*events[:k], replace(events[k], after=tuple(after)), *events[k + 1 :]]
 
 
 if __name__ == "__main__":

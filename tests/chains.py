@@ -1,6 +1,7 @@
-"""Random cells and chains for the tests, concave ones and every other kind."""
+"""Random cells and chains for the tests, concave ones and every other kind; wrong events."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -92,3 +93,17 @@ def contest(mobility: float = 1.0, friction: float = 0.0) -> sw.Chain:
             element("right", (0.003, 0.73), (0.011, 0.15), mobility),
         ]
     )
+
+
+def corrupted(rng: np.random.Generator, events: list[sw.statics.Event]) -> list[sw.statics.Event]:
+    """The events with one dropped, two swapped, or one moved."""
+    k, how = int(rng.integers(len(events))), int(rng.integers(3))
+    if how == 0:
+        return [*events[:k], *events[k + 1 :]]
+    if how == 1 and len(events) > 1:
+        k = min(k, len(events) - 2)
+        return [*events[:k], events[k + 1], events[k], *events[k + 2 :]]
+    event, cell = events[k], 0
+    after = list(event.after)
+    after[cell] += float(rng.choice([-1, 1]) * 10 ** rng.uniform(-10, -4))
+    return [*events[:k], replace(event, after=tuple(after)), *events[k + 1 :]]

@@ -69,26 +69,12 @@ def test_random_chains_are_proved_or_their_gaps_named():
     assert proved >= 24, causes
 
 
-def corrupted(rng: np.random.Generator, events: list[sw.statics.Event]) -> list[sw.statics.Event]:
-    """The events with one dropped, two swapped, or one moved."""
-    k, how = int(rng.integers(len(events))), int(rng.integers(3))
-    if how == 0:
-        return [*events[:k], *events[k + 1 :]]
-    if how == 1 and len(events) > 1:
-        k = min(k, len(events) - 2)
-        return [*events[:k], events[k + 1], events[k], *events[k + 2 :]]
-    event, cell = events[k], 0
-    after = list(event.after)
-    after[cell] += float(rng.choice([-1, 1]) * 10 ** rng.uniform(-10, -4))
-    return [*events[:k], replace(event, after=tuple(after)), *events[k + 1 :]]
-
-
 def test_wrong_answers_are_caught():
     rng = np.random.default_rng(0)
     paths = [sw.preset(name).cycle().path for name in ("paper-forward", "three-wave", "slack")]
     for k in range(60):
         path = paths[k % len(paths)]
-        proof = prove(path, claims=corrupted(rng, list(path.events)))
+        proof = prove(path, claims=chains.corrupted(rng, list(path.events)))
         assert not proof.proved and any(gap.contradicted for gap in proof.gaps)
 
 

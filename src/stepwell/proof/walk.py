@@ -228,16 +228,12 @@ class EnclosedWalk:
             raise UndecidedError("a cell is past its critical force")
         for other in all_of_them:
             gap = toward * (other.force - first.force)
-            if other.cell != first.cell and not gap > self.tie and not self._commute(first, other):
+            if other.cell != first.cell and not gap > self.tie:
                 pair = sorted((first.cell + 1, other.cell + 1))
                 self.tied = UndecidedError(
                     f"the order of cells {pair[0]} and {pair[1]}", abs(balls.number(gap))
                 )
         return first
-
-    def _commute(self, one: Threshold, two: Threshold) -> bool:
-        """Whether two events of rising cells may come in any order: the movers are the same."""
-        return False
 
     # Equilibria on given branches, by the travel of one cell or by λ.
 

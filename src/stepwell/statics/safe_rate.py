@@ -91,31 +91,31 @@ def safe_rate(
     mass = tuple([BLOCK] * n if masses is None else map(float, masses))
     damper = tuple([0.0] * n if damping is None else map(float, damping))
 
-    def told(rate: float | None, reason: str, proved: bool = False) -> SafeRate:
+    def result(rate: float | None, reason: str, proved: bool = False) -> SafeRate:
         return SafeRate(rate, reason, mass, damper, gap, slope, proved)
 
     if masses is None and chain.measure is not Measure.TRAVEL:
-        return told(None, f"no {chain.measure.travel} has a usual mass: give masses")
+        return result(None, f"no {chain.measure.travel} has a usual mass: give masses")
     if problem.alpha == 0.0:
-        return told(None, "under a prescribed force the masses decide how long a snap lasts")
+        return result(None, "under a prescribed force the masses decide how long a snap lasts")
     if path.degenerate or not gap > 0.0:
-        return told(None, "a tie: the order is undecided even without masses")
+        return result(None, "a tie: the order is undecided even without masses")
     rate = _balance(path, (mass, damper), gap, slope)
     if math.isinf(rate):
-        return told(rate, "the only cell moves with the actuator", True)
+        return result(rate, "the only cell moves with the actuator", True)
     forces = SortedChain.of(chain) if problem.beta == 0.0 else None
     if forces is not None and proved_by_energy(path, inside):
-        return told(rate, "", True)
+        return result(rate, "", True)
     if not integrate:
-        return told(None, "no proof covers its snaps, safe_rate() of its path integrates them")
+        return result(None, "no proof covers its snaps, safe_rate() of its path integrates them")
     if n > _MOST_INTEGRATED:
-        return told(None, f"{n} cells whose snaps no proof covers: too many to integrate")
+        return result(None, f"{n} cells whose snaps no proof covers: too many to integrate")
     if chain.elements and not any(damper):
-        return told(None, "its elements ring after a snap: give damping")
+        return result(None, "its elements ring after a snap: give damping")
     for share in _SHARES:
         if all(_keeps(path, rate * share * one, mass, damper) for one in (1.0, 0.1)):
-            return told(rate * share, "")
-    return told(None, "with these masses a snap lands elsewhere at any rate")
+            return result(rate * share, "")
+    return result(None, "with these masses a snap lands elsewhere at any rate")
 
 
 def _keeps(path: Path, rate: float, mass: tuple[float, ...], damper: tuple[float, ...]) -> bool:
