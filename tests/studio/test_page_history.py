@@ -57,6 +57,8 @@ def test_a_changed_design_is_kept_and_stands_first_in_the_gallery(page: Page):
     moved = anchors(page, "outer")
     button(page, "Gallery").click()
     card(page, "balloon").click()
+    # The gallery closes once the design is there.
+    expect(page.get_by_role("heading", name="balloon")).to_be_visible()
     settled(page)
     button(page, "Gallery").click()
     kept = page.locator(".card.kept")
