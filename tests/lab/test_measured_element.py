@@ -11,6 +11,7 @@ from accounts.schemas import violations
 from facts import refuses, says
 from lab import known_curves
 from lab.machine import recording
+from sizes import examples
 from stepwell import figures, lab
 from stepwell.accounts import account, card, page, terminal
 from stepwell.accounts.chain import ERROR_BAND
@@ -42,7 +43,7 @@ def turns(measured) -> tuple[float, float]:
     return peak, valley
 
 
-@pytest.mark.parametrize("count", [25, pytest.param(200, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [25, pytest.param(examples(75, 200), marks=pytest.mark.slow)])
 def test_known_phases_come_back_from_white_noise_to_five_percent_of_the_drop(count):
     counts = known_curves.of_snaps(count, 0)
     assert counts.right >= 0.97 * count
@@ -50,7 +51,7 @@ def test_known_phases_come_back_from_white_noise_to_five_percent_of_the_drop(cou
     assert counts.inside >= 0.9 * count
 
 
-@pytest.mark.parametrize("count", [25, pytest.param(200, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [25, pytest.param(examples(75, 200), marks=pytest.mark.slow)])
 def test_white_noise_makes_no_phase(count):
     assert known_curves.invented(count, 1) == (0, 0)
 

@@ -29,8 +29,7 @@ def make():
         env.close()
 
 
-@pytest.mark.parametrize("arena", ["three-walls", None])
-@pytest.mark.parametrize("random_start", [False, True])
+@pytest.mark.parametrize(("arena", "random_start"), [("three-walls", True), (None, False)])
 def test_gymnasiums_own_check_has_no_remark(make, arena, random_start):
     drawn = drawing_system() is not None
     env = make(arena=arena, random_start=random_start, render_mode="rgb_array" if drawn else None)
