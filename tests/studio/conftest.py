@@ -66,9 +66,7 @@ def only(browser: Browser) -> Iterator[Opened]:
     from chromium import Opened
     from studio.browser import FLAT, HASTY, without
 
-    context = browser.new_context(
-        viewport=WIDE, color_scheme="light", reduced_motion="reduce"
-    )
+    context = browser.new_context(viewport=WIDE, color_scheme="light", reduced_motion="reduce")
     # Yields, predictions, motions and spaces keep a core busy for seconds; those who look at one
     # open a page of their own.
     for script in (HASTY, FLAT, without()):

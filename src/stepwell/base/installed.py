@@ -148,7 +148,9 @@ def _extra(name: str, extra: Extra) -> InstalledExtra:
 
 
 def _tools(extras: set[str], probes: Probes, broken: list[Broken]) -> tuple[Tool, ...]:
-    chromium = partial(_path, "chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
+    chromium = partial(
+        _path, "chromium-headless-shell", "chromium", "chromium-browser", "google-chrome"
+    )
     tools: tuple[tuple[str, str, Callable[[], str | None] | None], ...] = (
         ("browser", "opening the studio's page", _browser),
         ("Chromium", "the tests of the page", chromium),
