@@ -237,3 +237,30 @@ def test_wrong_input_ends_in_code_2_with_what_is_allowed(stepwell, arguments, me
     result = stepwell("design", *arguments)
     assert result.exit_code == 2
     assert message in result.output.replace("\n", " ")
+
+
+def test_the_command_writes_a_hopper_that_run_and_jump_open(stepwell, tmp_path):
+    ask = ("design", "jump", "--holes", 10, "--samples", 20, "--out", "out")
+    done = stepwell(*ask)
+    assert done.exit_code == 0, done.stderr
+    says(done.stdout.splitlines()[0], "in one snap", "mm high")
+    record = json.loads((tmp_path / "out" / "design.json").read_text())
+    made = sw.load("out/design.toml")
+    assert record["snap"]["energy_mJ"] == pytest.approx(1e3 * sw.robot.snap_of(made).energy)
+    assert record["bound_mJ"] >= record["snap"]["energy_mJ"]
+    assert stepwell("run", "out/design.toml").exit_code == 0
+    for row, cell in zip(record["cells"], made.chain.levers, strict=True):
+        assert row["q_mm"] == pytest.approx([1e3 * x for x in cell.bands[0].q])
+        assert all(abs(x / 10 - round(x / 10)) < 1e-9 for x in (*row["p_mm"], *row["q_mm"]))
+
+
+def test_a_strike_has_another_load_and_options_of_sequences_are_refused(stepwell):
+    ask = ("--holes", 10, "--samples", 20, "--json")
+    record = json.loads(stepwell("design", "strike", *ask).stdout)
+    assert record["task"] == "strike"
+    assert record["snap"]["load_N"] == pytest.approx(0.170 * 9.81)
+    says(stepwell("design", "jump", "--x", "0:20").stderr, "--x", "throw or strike")
+    says(stepwell("design", "2-1-3", "--stretch", 2).stderr, "--stretch", "jump or throw")
+    failed = stepwell("design", "jump", "--force-limit", 3, *ask)
+    assert failed.exit_code == 3
+    says(json.loads(failed.stdout)["reason"], "none within", "actuator")

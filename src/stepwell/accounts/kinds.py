@@ -36,6 +36,7 @@ FILES = {
     "package": ("Installation Presets Verdicts", "doctor/1 folder/1 paper/1 presets/1"),
     "proof": ("PathProof ProvedRun", "proved_run/1"),
     "robots.behaviour": ("CompiledRobot", "compile/1"),
+    "robots.jump_design": ("JumpDesign", "jump_design/1"),
     "robots.jumps": ("Hopper Jump", "jump/1"),
     "robots.robot": ("Arena AssumedRanges Prediction Robot", "ranges/1 robot/1"),
     "robots.walks": ("Convergence Maze Sweep Walk", "convergence/1 maze/1 sweep/1 walk/1"),

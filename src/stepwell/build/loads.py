@@ -10,8 +10,8 @@ from stepwell.build.layouts import BandPath, Layout
 from stepwell.mechanism import Cell
 from stepwell.statics import Path
 
-# Angles at which lengths and tensions of bands are computed; both are smooth.
-_ANGLES = 721
+# Lengths at which the tension of a band is computed.
+_LENGTHS = 721
 
 
 class BandRange(NamedTuple):
@@ -25,8 +25,9 @@ class BandRange(NamedTuple):
 def band_range(cell: Cell, number: int) -> BandRange:
     """Lengths and tension of a band of a cell over all angles of the cell."""
     band = cell.bands[number]
-    length = band.length(np.linspace(-cell.limit, cell.limit, _ANGLES), cell.lever)
-    return BandRange(float(length.min()), float(length.max()), float(np.max(band.tension(length))))
+    ends = band.lengths(cell.lever, cell.limit)
+    # Rubber can soften, so that the tension is not always largest at the largest length.
+    return BandRange(*ends, float(np.max(band.tension(np.linspace(*ends, _LENGTHS)))))
 
 
 def hook_loads(layout: Layout) -> dict[tuple[int, str], list[tuple[BandPath, float]]]:

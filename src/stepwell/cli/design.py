@@ -13,12 +13,23 @@ import stepwell as sw
 from stepwell.base import REACH, from_unit, to_unit
 from stepwell.cli import tolerances as given
 from stepwell.cli.driving import NewDrive, stiffness_of
-from stepwell.cli.options import Design, Group, Output, argument, by_name, flag, option, read_chain
+from stepwell.cli.options import (
+    Design,
+    Group,
+    Output,
+    argument,
+    by_name,
+    designs,
+    flag,
+    option,
+    read_chain,
+    read_hopper,
+)
 from stepwell.cli.ranges import Point, Range, length, millimetres, point, span
 from stepwell.cli.screen import answered, progress, usable, wrong
 
 if TYPE_CHECKING:
-    from stepwell.design import BandType
+    from stepwell.design import BandType, Means
 
 # Bands with a name: k [N/m] and ℓ0 [mm] of the paper's cells, robots and antennas.
 BANDS = {"paper": (28.5, 10.0), "robot": (30.0, 10.0), "antennas": (47.0, 22.0)}
@@ -28,6 +39,9 @@ _ANYWHERE = "[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n"
 
 # Words of requirements, which no other target has.
 _REQUIREMENTS = re.compile(r"\b(before|first|last|order|state|never|after|cells?)\b")
+
+# Targets of a hopper.
+TASKS = "jump", "throw", "strike"
 
 FORCE_SCALE, TRAVEL_SCALE = Range(0.5, 2.0), Range(1.0, 1.0)
 
@@ -149,6 +163,23 @@ class Parts(Group):
             "unusual": self.unusual,
         }
 
+    def refuse_for_jumps(self) -> None:
+        """Refuse options that have no meaning for a jump."""
+        unused = {"--x": self.x, "--y": self.y, "--origin": self.origin, "--element": self.elements}
+        unused |= {"--mixed-levers": self.mixed_levers, "--free": self.place is not Free.Q}
+        unused |= {"--force-scale": self.force_scale != FORCE_SCALE}
+        unused |= {"--travel-scale": self.travel_scale != TRAVEL_SCALE}
+        _refuse_given(unused)
+        if len(self.levers or ()) > 1:
+            raise wrong("--lever", "must be given once for a jump.")
+
+    def means(self, usual: "Means") -> "Means":
+        """The grid of holes in place of the usual one."""
+        if self.build is not None:
+            grid = self._grid(self.build)
+            return usual._replace(pitch=grid.pitch, depth=grid.depth, side=grid.side)
+        return usual if self.holes is None else usual._replace(pitch=from_unit(self.holes, "mm"))
+
     def _reach(self, grid: Any, usual: Any) -> Any:
         """The box of anchors on the grid of a build file."""
         left, right = (-grid.depth, 0.0) if self.place is Free.P else (0.0, grid.depth)
@@ -195,6 +226,30 @@ class AimOptions(Group):
     )
     force_limit: float | None = option("Maximum force of the actuator [N].", "FORCE", min=0)
     drive: NewDrive = None
+    hopper: str | None = option(
+        "Jump, throw or strike: design file with a table [hopper] of masses, actuator and stretch; "
+        "the preset hopper by default.",
+        "--hopper DESIGN",
+        autocompletion=designs,
+        callback=by_name,
+    )
+    stretch: float | None = option(
+        "Jump, throw or strike: maximum length of a band over its rest length.",
+        "--stretch RATIO",
+        min=1,
+    )
+
+    def refuse_for_jumps(self) -> None:
+        """Refuse options that have no meaning for a jump."""
+        unused = {"--weight": self.weights, "--drive": self.drive}
+        _refuse_given(unused | {"--objective": self.objective is not Objective.YIELD})
+
+
+def _refuse_given(options: dict[str, Any]) -> None:
+    """Refuse options that were given although the target is a jump, a throw or a strike."""
+    for name, value in options.items():
+        if value:
+            raise wrong(name, "cannot be combined with jump, throw or strike.")
 
 
 def design(
@@ -202,7 +257,8 @@ def design(
     target: str = argument(
         "Target: a sequence such as '00>10>11>01>00', an order of loading and unloading such as "
         "2-1-3/1-2-3 or of loading alone such as 2-1-3, reachable states such as 00,10,11, all:N "
-        "for all states of N cells, or requirements such as '2 before 1 loading; state 101'.",
+        "for all states of N cells, or requirements such as '2 before 1 loading; state 101'; or "
+        "jump, throw or strike, for the most energy in one snap.",
         "TARGET",
     ),
     parts: Parts,
@@ -219,10 +275,20 @@ def design(
     design file, a figure of the feasible critical forces and the result as JSON are written into a
     folder.
 
+    With the target jump, throw or strike, the result is a hopper: the pair of cells whose snap sets
+    the most energy free, its yield, and a proved bound.
+
     Example: stepwell design '00>10>11>01>00' --out leg
     """
     from stepwell.design import Impossible, design
 
+    if target in TASKS:
+        _design_jump(target, (parts, aim, within, sampling, output))
+        return
+    if aim.hopper is not None or aim.stretch is not None:
+        raise wrong(
+            "--hopper" if aim.hopper else "--stretch", f"needs TARGET {' or '.join(TASKS)}."
+        )
     goal, spread, allowed = target_of(target), within.tolerances(), parts.allowed()
     output.check_output_folder("design")
     aims = {
@@ -240,6 +306,39 @@ def design(
         answered(False)
     else:
         output.report(result)
+
+
+def _design_jump(
+    task: str, asked: tuple[Parts, AimOptions, given.DesignTolerances, given.Sampling, Output]
+) -> None:
+    """The hopper with the strongest snap, or the reason why there is none."""
+    from stepwell.design import Impossible
+    from stepwell.robot import Task, design_jump, usual_means
+
+    parts, aim, within, sampling, output = asked
+    parts.refuse_for_jumps()
+    aim.refuse_for_jumps()
+    name = aim.hopper or "preset:hopper"
+    _, hopper = read_hopper(name)
+    output.check_output_folder("design")
+    levers = [from_unit(one, "mm") for one in parts.levers or ()]
+    lever = levers[0] if levers else hopper.chain.levers[0].lever
+    means = parts.means(usual_means(hopper, lever))
+    if aim.stretch is not None:
+        means = means._replace(stretch=aim.stretch)
+    if aim.force_limit is not None:
+        means = means._replace(force=aim.force_limit)
+    bands = [one for text in parts.bands or () for one in bands_of(text)]
+    how = {"lever": lever, "sampling": (sampling.samples, sampling.seed)}
+    hopper = replace(hopper, task=Task(task))
+    try:
+        with usable(name, Impossible), progress("design"):
+            made = design_jump(hopper, bands, means, tolerances=within.tolerances(), **how)
+    except Impossible as why:
+        replace(output, out=None).report(why)
+        answered(False)
+    else:
+        output.report(made)
 
 
 class Direction(NamedTuple):

@@ -34,7 +34,12 @@ if TYPE_CHECKING:
         BandType,
         usual_box,
     )
-    from stepwell.design.synthesis.strongest import Means, StrongestSnap, strongest_snap
+    from stepwell.design.synthesis.strongest import (
+        Means,
+        StrongestSnap,
+        strongest_snap,
+        strongest_snaps,
+    )
     from stepwell.design.targets import Reached
     from stepwell.design.tolerances.survival import Survival, survival
     from stepwell.design.tolerances.tally import Fraction, fraction_of
@@ -93,6 +98,7 @@ __all__ = [
     "reprogram",
     "robustness",
     "strongest_snap",
+    "strongest_snaps",
     "fraction_of",
     "survival",
     "transition_map",
@@ -128,7 +134,7 @@ _LATE = {
         "BandType",
         "usual_box",
     ),
-    "synthesis.strongest": ("Means", "StrongestSnap", "strongest_snap"),
+    "synthesis.strongest": ("Means", "StrongestSnap", "strongest_snap", "strongest_snaps"),
     "targets": ("Reached",),
     "tolerances.survival": ("Survival", "survival"),
     "tolerances.tally": ("Fraction", "fraction_of"),

@@ -52,7 +52,6 @@ STRAIN = 5.0
 # Force of a hobby servo of 2 kg cm on a horn of 10 mm [N], air pressure by hand [Pa], and torque of
 # that servo [N m].
 PULLS = {base.Measure.TRAVEL: 20.0, base.Measure.VOLUME: 1e5, base.Measure.ANGLE: 0.2}
-_ANGLES = 91  # at which the length of a band is evaluated, with both ends and the middle
 _EDGE = 1e-9  # of the lever: an anchor this far outside is on the edge
 
 
@@ -74,11 +73,10 @@ def _warnings(chain: Chain, path: Path) -> Iterator[str]:
 
 
 def _band_warnings(name: str, cell: Cell, band: Band) -> Iterator[str]:
-    angles = np.linspace(-cell.limit, cell.limit, _ANGLES)
-    longest = float(np.max(band.length(angles, cell.lever)))
-    if band.rest_length > 0 and longest > (1.0 + STRAIN) * band.rest_length:
+    stretch = band.largest_stretch(cell.lever, cell.limit)
+    if 1.0 + STRAIN < stretch < math.inf:
         yield (
-            f"a band of {name} is stretched to {base.number(longest / band.rest_length, 3)} times "
+            f"a band of {name} is stretched to {base.number(stretch, 3)} times "
             f"its rest length: rubber tears at about {1 + STRAIN:g} to 8 times"
         )
     for which, place in (("p", band.p), ("q", band.q)):

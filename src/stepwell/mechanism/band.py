@@ -1,5 +1,6 @@
 """Rubber bands between the blocks of a unit cell, their laws, and loads along a cell's travel."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -11,7 +12,13 @@ from numpy.typing import ArrayLike
 from stepwell.base import ByValue, Floats, InputError, Vec2, check
 from stepwell.kernels import kernel
 from stepwell.mechanism.cubics import COLUMNS, integral, value, with_integrals
-from stepwell.mechanism.geometry import band_energy, band_force, band_length, length_slope
+from stepwell.mechanism.geometry import (
+    band_energy,
+    band_force,
+    band_length,
+    length_slope,
+    stretch_range,
+)
 
 Numbers = Sequence[float]
 
@@ -210,6 +217,15 @@ class Band(ByValue):
         """Band length ℓ [m] at lever angles θ [rad] of any shape (Kamp et al. 2024, Eq. 2)."""
         theta = np.asarray(theta, float)
         return band_length(np.sin(theta), np.cos(theta), *self.d, lever)
+
+    def lengths(self, lever: float, limit: float) -> tuple[float, float]:
+        """Least and largest length [m] at lever angles up to `limit` [rad] in size; exact."""
+        least, most = stretch_range(*self.d, lever, limit)
+        return float(least), float(most)
+
+    def largest_stretch(self, lever: float, limit: float) -> float:
+        """Largest length over rest length [1] at lever angles up to `limit` [rad] in size."""
+        return self.lengths(lever, limit)[1] / self.rest_length if self.rest_length else math.inf
 
     def tension(self, length: ArrayLike) -> Floats:
         """Tension [N] at band lengths [m] of any shape; zero where slack."""

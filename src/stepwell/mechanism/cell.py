@@ -216,6 +216,11 @@ class Cell(ByValue, Drawn):
         return float(theta[np.argmax(self.energy(theta))])
 
     @property
+    def largest_stretch(self) -> float:
+        """Largest length of any band between the stops over its rest length [1]."""
+        return max(band.largest_stretch(self.lever, self.limit) for band in self.bands)
+
+    @property
     def barrier(self) -> float:
         """Energy [J] from state 0 up to the highest point between the stops."""
         theta = np.linspace(-self.limit, self.limit, _LOOKS)
@@ -289,10 +294,10 @@ def _refuse_meeting_ends(band: Band, lever: float, limit: float) -> None:
     # force is (T/ℓ) g, and T/ℓ has a limit.
     if band.rest_length == 0.0:
         return
-    theta = min(max(math.atan2(-band.d[1], -band.d[0]), -limit), limit)
-    shortest = min(float(band.length(t, lever)) for t in (theta, -limit, limit))
+    shortest, _ = band.lengths(lever, limit)
     taut = band.two_sided or shortest >= band.rest_length
     if taut and shortest < 1e-6 * lever:
+        theta = float(geometry.farthest_angle(-band.d[0], -band.d[1], limit))
         slackens = band.two_sided and shortest < band.rest_length
         way = "let it go slack (two_sided=False)" if slackens else "set rest_length = 0"
         raise InputError(

@@ -44,6 +44,22 @@ def band_length(sin: Any, cos: Any, dx: Any, dy: Any, lever: Any) -> Any:
     return np.sqrt(x * x + y * y + 1e-30)
 
 
+def farthest_angle(dx: Any, dy: Any, limit: Any) -> Any:
+    """Lever angle [rad] between -`limit` and `limit` at which a band is longest; arrays too.
+
+    ℓ² = r² + |d|² + 2 r |d| cos(θ - θmax), so it is the angle nearest to θmax = atan2(d_y, d_x).
+    """
+    return np.clip(np.arctan2(dy, dx), -limit, limit)
+
+
+def stretch_range(dx: Any, dy: Any, lever: Any, limit: Any) -> tuple[Any, Any]:
+    """Least and largest length [m] of a band at angles up to `limit` [rad] in size; exact."""
+    # The shortest is nearest to θmax + π, where d has the other sign.
+    ends = farthest_angle(-dx, -dy, limit), farthest_angle(dx, dy, limit)
+    least, most = (band_length(np.sin(at), np.cos(at), dx, dy, lever) for at in ends)
+    return least, most
+
+
 @kernel
 def turn_at(length: Any, reach: Any, lever: Any) -> Any:
     """The inverse: cos(θ - θmax) of a band with |d| = `reach`, by the law of cosines."""

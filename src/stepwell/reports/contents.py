@@ -136,6 +136,12 @@ def _design(design: Design, account: Account) -> Contents:
     return Contents("design", "design.json", files, draws)
 
 
+def _jump_design(made: sw.robot.JumpDesign, _account: Account) -> Contents:
+    files: dict[str, Content] = {"design.toml": dumps(made.hopper), "yield.csv": made.yield_.to_csv}
+    draws = {"holes": partial(figures.holes, made.hopper.chain, made.means.pitch)}
+    return Contents("design", "design.json", files, draws)
+
+
 def _reprogramming(result: Reprogramming, _account: Account) -> Contents:
     """Contents of a reprogramming: the changed design and the path to it."""
     files: dict[str, Content] = {}
@@ -394,6 +400,7 @@ CONTENTS: dict[str, Callable[..., Contents]] = {
     "CompiledRobot": _compiled,
     "Design": _design,
     "Jump": _jump,
+    "JumpDesign": _jump_design,
     "MapView": _map,
     "Maze": _simulated,
     "MeasuredElement": _measured_element,

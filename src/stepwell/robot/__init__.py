@@ -35,6 +35,7 @@ from stepwell.robot.jump import (
     predicted_stop,
     release,
 )
+from stepwell.robot.jump_design import JumpDesign, design_jump, usual_means
 from stepwell.robot.leg_cycles import TOLERANCE, TRIAL, gait, states
 from stepwell.robot.parts import Antenna, Blocks, Body, Drive, Foot, Leg, Profile
 from stepwell.robot.prediction import (
@@ -70,11 +71,13 @@ __all__ = [
     "Hopper",
     "Impact",
     "JumpBound",
+    "JumpDesign",
     "Release",
     "Springs",
     "Task",
     "after_stop",
     "bound_of",
+    "design_jump",
     "flight",
     "impacts",
     "landing_length",
@@ -84,6 +87,7 @@ __all__ = [
     "predicted_stop",
     "release",
     "snap_of",
+    "usual_means",
     "Inertial",
     "joined_solids",
     "Action",

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stepwell.base import Floats, InputError, to_unit
-from stepwell.mechanism import Band, Cell, Chain
+from stepwell.base import InputError, to_unit
+from stepwell.mechanism import Chain
 from stepwell.robot.hopper import Hopper, Task
 from stepwell.robot.jump import Release, predicted_stop, release
 
@@ -25,34 +25,26 @@ def snap_of(hopper: Hopper) -> Release:
     snap = release(hopper.whole, hopper.foot_after, hopper.load)
     reasons = [*_stretched(hopper), *_too_weak(hopper, snap)]
     if snap is not None:
-        reasons += [*_actuator(hopper, snap), *_foot(hopper, snap), *_losses(hopper, snap)]
+        out = sum(snap.after[: hopper.foot_after])
+        reasons += [*_actuator(hopper, snap), *foot_reasons(hopper, out), *_losses(hopper, snap)]
     if reasons or snap is None:
         raise InputError("\n".join(reasons))
     return snap
 
 
-def largest_stretch(cell: Cell, band: Band) -> float:
-    """Largest length of a band over its rest length [1] on the travel of its cell."""
-    return float(np.max(_lengths(cell, band))) / band.rest_length if band.rest_length else math.inf
-
-
-def _lengths(cell: Cell, band: Band) -> Floats:
-    return band.length(np.linspace(-cell.limit, cell.limit, _LOOKS), cell.lever)
-
-
 def longest_stretch(chain: Chain) -> float:
     """Largest stretch of any band of a chain of lever cells [1]."""
-    return max(largest_stretch(cell, band) for cell in chain.levers for band in cell.bands)
+    return max(cell.largest_stretch for cell in chain.levers)
 
 
 def _stretched(hopper: Hopper) -> Iterator[str]:
     most = hopper.springs.stretch
     for name, cell in zip(hopper.chain.names, hopper.chain.levers, strict=True):
         for band in cell.bands:
-            ratio = largest_stretch(cell, band)
+            ratio = band.largest_stretch(cell.lever, cell.limit)
             if ratio > most:
                 # Rounded up, so that the advice suffices.
-                longest = float(np.max(_lengths(cell, band)))
+                _, longest = band.lengths(cell.lever, cell.limit)
                 rest = math.ceil(10.0 * to_unit(longest / most, "mm")) / 10.0
                 yield (
                     f"cell {name!r}: its band is stretched to {ratio:.3g} times its rest length: "
@@ -122,14 +114,18 @@ def _actuator(hopper: Hopper, snap: Release) -> Iterator[str]:
 
 
 def landing_length(hopper: Hopper, snap: Release) -> float:
-    """Least length of the foot [m] on which a tilted hopper lands and stands.
+    """Least length of the foot [m] on which a tilted hopper lands and stands after a snap.
 
     The line of the landing velocity through the centre of mass meets the floor ahead of the foot's
     middle by twice the height times tan τ, and friction passes on at most µ. Within half the foot
     the floor's force can stop the body without turning it.
     """
-    height = hopper.height + sum(snap.after[: hopper.foot_after])
-    high = height * math.cos(hopper.tilt) * hopper.body_mass / hopper.mass
+    return _least_foot(hopper, sum(snap.after[: hopper.foot_after]))
+
+
+def _least_foot(hopper: Hopper, out: float) -> float:
+    """`landing_length` for a foot that is `out` [m] from its place at the body."""
+    high = (hopper.height + out) * math.cos(hopper.tilt) * hopper.body_mass / hopper.mass
     slope = math.tan(hopper.tilt)
     return 2.0 * high * (slope + min(slope, hopper.friction))
 
@@ -143,10 +139,11 @@ def _losses(hopper: Hopper, snap: Release) -> Iterator[str]:
         )
 
 
-def _foot(hopper: Hopper, snap: Release) -> Iterator[str]:
+def foot_reasons(hopper: Hopper, out: float) -> Iterator[str]:
+    """Reasons why a foot that lands `out` [m] from its place at the body slips or turns over."""
     if hopper.task is not Task.JUMP:
         return
-    slope, least = math.tan(hopper.tilt), landing_length(hopper, snap)
+    slope, least = math.tan(hopper.tilt), _least_foot(hopper, out)
     if slope > hopper.friction:
         yield (
             f"tilt = {math.degrees(hopper.tilt):.3g} deg: must be <= "

@@ -51,11 +51,11 @@ _HOP: Schema = (
     ),
     Quantity("error", "percent", "balance off by", form=".2f"),
 )
-_PREDICTED: Schema = (
+PREDICTED: Schema = (
     *keys(speed_at_stop="m/s", speed="m/s", energy="mJ", height="mm", distance="mm"),
     *keys(efficiency="percent"),
 )
-_RELEASE: Schema = keys(
+RELEASE: Schema = keys(
     stroke="mm",
     energy="mJ",
     of_springs="mJ",
@@ -99,9 +99,9 @@ def _flow(flow: EnergyFlow) -> list[dict[str, object]]:
 JUMP: Schema = (
     *keys(title=(str, "hopper.title"), task=(str, lambda jump: str(jump.hopper.task))),
     *keys(mass=("g", "hopper.mass"), foot_mass=("g", "hopper.foot_mass")),
-    Quantity("snap", holds=_RELEASE, read="bound.release"),
-    Quantity("bound", holds=_PREDICTED),
-    Quantity("model", holds=_PREDICTED, missing=True),
+    Quantity("snap", holds=RELEASE, read="bound.release"),
+    Quantity("bound", holds=PREDICTED),
+    Quantity("model", holds=PREDICTED, missing=True),
     Quantity("stored", "mJ", read="first.flow.stored"),
     Quantity("energy", holds=[_FLOW], read=lambda jump: _flow(jump.first.flow)),
     Quantity("jumps", holds=[_HOP], read=lambda jump: _hops(jump)),

@@ -1,0 +1,158 @@
+"""The table and the figure of docs/theory.md, "Rate": the paper's pair from 0.01 to 100 Hz.
+
+`python tests/docs/rates.py --integrate` integrates the inertial motions (a minute) and writes
+docs/rates.json; without it the figure and the table are made of that file.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import stepwell as sw
+from stepwell.base import number
+from stepwell.figures import svg
+from stepwell.figures.common import legends
+from stepwell.figures.common.sheet import blank, place
+from stepwell.figures.common.style import BLUE, COLUMN, FAINT, GREEN, VERMILLION, styled
+
+ROOT = Path(__file__).parents[2]
+PAGE, FILE = ROOT / "docs" / "theory.md", ROOT / "docs" / "rates.json"
+PICTURE = ROOT / "docs" / "img" / "rates.svg"
+PRESET, MASS = "paper-forward", 0.010
+RATES = [float(f"{x:.3g}") for x in np.geomspace(0.01, 100.0, 33)]
+# Rows of the table.
+SHOWN = (0.01, 0.1, 1.0, 1.67, 5.62, 10.0, 31.6, 100.0)
+STROKES = "loading", "unloading"
+
+
+def pair() -> sw.Path:
+    """The quasi-static cycle of the paper's pair."""
+    return sw.load(f"preset:{PRESET}").cycle().path
+
+
+def motion(path: sw.Path, rate: float) -> dict[str, Any]:
+    """Order, strokes of the snaps and states after each stroke at a rate."""
+    n = len(path.chain)
+    row: dict[str, Any] = {"rate_Hz": rate}
+    try:
+        one = path.at_rate(rate, [MASS] * n, [0.0] * n)
+    except sw.StepwellError as error:
+        return row | {"stopped": str(error)}
+    now, ends = ["0"] * n, list[str]()
+    for cell, phase in one.changes:
+        now[cell] = str(phase)
+        ends.append("".join(now))
+    snaps = [None if math.isnan(at) else round(1e3 * at, 4) for at in one.snap_drives]
+    return row | {"keeps_order": one.keeps_order, "snaps_mm": snaps, "states": ends}
+
+
+def integrated() -> dict[str, Any]:
+    """Every rate, and the quasi-static path."""
+    path = pair()
+    snaps = [1e3 * event.drive for event in path.events if event.released > 0.0]
+    safe = path.safe_rate([MASS] * 2, [0.0] * 2)
+    rows = [motion(path, rate) for rate in sorted({*RATES, *SHOWN})]
+    low, high = 1.0, 100.0
+    # The lowest of 100 rates per decade that changes the order.
+    for rate in np.geomspace(low, high, 201).tolist():
+        if not motion(path, rate).get("keeps_order", True):
+            break
+    return {
+        "mass_g": 1e3 * MASS,
+        "snaps_mm": snaps,
+        "safe_rate_Hz": safe.rate,
+        "critical_Hz": float(f"{rate:.3g}"),
+        "motions": rows,
+    }
+
+
+def record() -> dict[str, Any]:
+    """What was computed."""
+    return json.loads(FILE.read_text("utf-8"))
+
+
+def table() -> str:
+    """Order, snaps and states at a few of the rates."""
+    made = record()
+    lines = [
+        "| rate [Hz] | order kept | snap, loading [mm] | snap, unloading [mm] | states |",
+        "|---" * 5 + "|",
+    ]
+    first, last = (number(at, 4) for at in made["snaps_mm"])
+    lines.append(f"| quasi-static | yes | {first} | {last} | 10, 11, 01, 00 |")
+    for row in made["motions"]:
+        if row["rate_Hz"] not in SHOWN:
+            continue
+        if "stopped" in row:
+            lines.append(f"| {row['rate_Hz']:g} | not followed | | | |")
+            continue
+        snaps = ("none" if at is None else number(at, 4) for at in row["snaps_mm"])
+        kept = "yes" if row["keeps_order"] else "no"
+        lines.append(
+            f"| {row['rate_Hz']:g} | {kept} | {' | '.join(snaps)} | {_few(row['states'])} |"
+        )
+    return "\n".join(lines)
+
+
+def _few(states: list[str], most: int = 6) -> str:
+    more = f" and {len(states) - most} more" if len(states) > most else ""
+    return ", ".join(states[:most]) + more
+
+
+def written(text: str) -> str:
+    """The page with its table as it should be."""
+    begin, end = "<!-- rates: written by tests/docs/rates.py -->", "<!-- end of rates -->"
+    new = f"{begin}\n\n{table()}\n\n{end}"
+    return re.sub(f"{re.escape(begin)}.*?{end}", lambda _: new, text, flags=re.S)
+
+
+@styled
+def picture() -> Any:
+    """Strokes of both snaps against the rate; filled where the order is kept."""
+    made, left, foot, high = record(), 12.0, 24.0, 50.0
+    figure = blank(COLUMN, high + foot + 3.0)
+    ax = place(figure, left, foot, COLUMN - left - 3.0, high)
+    safe, critical = made["safe_rate_Hz"], made["critical_Hz"]
+    ax.axvspan(0.01, safe, color=GREEN, alpha=0.12, linewidth=0)
+    ax.axvline(safe, color=GREEN, linewidth=1.0)
+    ax.axvline(critical, color=FAINT, linewidth=1.0, linestyle=(0, (4, 1.5)))
+    for k, (colour, mark) in enumerate(((BLUE, "o"), (VERMILLION, "s"))):
+        ax.axhline(made["snaps_mm"][k], color=colour, linewidth=0.8)
+        for row in made["motions"]:
+            at = row.get("snaps_mm", (None, None))[k]
+            if at is not None:
+                face = colour if row["keeps_order"] else "white"
+                look = {"markerfacecolor": face, "markeredgecolor": colour, "markersize": 4.0}
+                ax.plot(row["rate_Hz"], at, mark, **look)
+    ax.set_xscale("log")
+    ax.set_xlim(0.01, 100.0)
+    ax.set_ylim(0.0, 40.5)
+    ax.set_xlabel("rate [cycles/s]")
+    ax.set_ylabel("stroke of the snap [mm]")
+    ax.xaxis.set_major_formatter(lambda at, _: f"{at:g}")
+    handles = [
+        legends.line("loading, quasi-static", BLUE, 0.8),
+        legends.line("unloading, quasi-static", VERMILLION, 0.8),
+        legends.line("safe rate", GREEN, 1.0),
+        legends.line("order changes", FAINT, 1.0, linestyle=(0, (4, 1.5))),
+    ]
+    legends.below(figure, handles, 2)
+    return figure
+
+
+def drawn() -> str:
+    return svg(picture())
+
+
+if __name__ == "__main__":
+    if "--integrate" in sys.argv[1:]:
+        FILE.write_text(json.dumps(integrated(), indent=1) + "\n", "utf-8")
+    PICTURE.write_text(drawn(), "utf-8")
+    PAGE.write_text(written(PAGE.read_text("utf-8")), "utf-8")
