@@ -118,6 +118,12 @@ def of_chains() -> dict[str, Any]:
     return {type(value).__name__: value for value in values}
 
 
+def _designed_jump() -> sw.robot.JumpDesign:
+    """Of a few holes."""
+    means = sw.robot.usual_means(hopper(), hopper().chain.levers[0].lever)
+    return sw.robot.design_jump(hopper(), means=means._replace(pitch=0.02), sampling=(20, 0))
+
+
 @cache
 def of_robots() -> dict[str, Any]:
     """Of robots and their runs."""
@@ -131,6 +137,7 @@ def of_robots() -> dict[str, Any]:
         sw.build(sw.preset("robot-forward")),
         hopper(),
         jumped(),
+        _designed_jump(),
         walk,
         robot.maze(arena, limit=4),
         sweep,

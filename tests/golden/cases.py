@@ -229,6 +229,11 @@ DESIGNED = [
         ),
         slow=True,
     ),
+    _one(
+        "design/jump",
+        "design jump --hopper preset:hopper --stretch 2.4 --holes 10 --samples 20",
+        slow=True,
+    ),
     Case(
         "design/impossible",
         (
