@@ -182,8 +182,8 @@ MARKS = {"steel": ("o", BLUE), "rubber": ("s", VERMILLION)}
 @styled
 def picture() -> Any:
     """A panel for each varied quantity: limit, bound, models and simulated jumps."""
-    made, gap, left, foot, high = record(), 13.0, 12.0, 19.0, 42.0
-    wide = (WIDE - 2 * left - gap + 8.0) / 2
+    made, gap, left, foot, high = record(), 18.0, 15.0, 20.0, 42.0
+    wide = (WIDE - left - gap - 4.0) / 2
     figure = blank(WIDE, 2 * high + foot + 17.0)
     for k, (what, (label, _, _)) in enumerate(VARIED.items()):
         x, y = left + (k % 2) * (wide + gap), foot + (1 - k // 2) * (high + 13.0)
@@ -195,15 +195,19 @@ def picture() -> Any:
         for point in (one for one in made["points"] if one["varied"] == what):
             mark, colour = MARKS[point["springs"]]
             look = {"markerfacecolor": "white", "markeredgecolor": colour, "zorder": 5}
-            ax.plot(point["times"], point["height_mm"], mark, markersize=4.5, **look)
+            ax.plot(point["times"], point["height_mm"], mark, markersize=4.5, clip_on=False, **look)
         ax.set_xscale("log")
         ax.set_yscale("log")
         ax.set_xlim(rows[0, 0], rows[-1, 0])
-        ax.set_ylim(1.0, 1e4 if what in ("mass", "stiffness") else 1e3)
+        ax.set_ylim(*((1.0, 5e3) if what in ("mass", "stiffness") else (10.0, 1e3)))
+        if what == "pairs":
+            ax.set_xticks([1, 2, 4, 8, 16, 32])
+            ax.minorticks_off()
         ax.set_xlabel(label)
         ax.set_ylabel("height [mm]")
         for axis in (ax.xaxis, ax.yaxis):
             axis.set_major_formatter(lambda at, _: f"{at:g}")
+            axis.set_minor_formatter(lambda at, _: "")
     handles = [
         legends.line(name, colour, 1.4, linestyle=dashes)
         for name, (_, colour, dashes) in LINES.items()

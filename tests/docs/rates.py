@@ -1,4 +1,4 @@
-"""The table and the figure of docs/theory.md, "Rate": the paper's pair from 0.01 to 100 Hz.
+"""The table and the figure of docs/rates.md: the paper's pair from 0.01 to 100 Hz.
 
 `python tests/docs/rates.py --integrate` integrates the inertial motions (a minute) and writes
 docs/rates.json; without it the figure and the table are made of that file.
@@ -20,16 +20,17 @@ from stepwell.base import number
 from stepwell.figures import svg
 from stepwell.figures.common import legends
 from stepwell.figures.common.sheet import blank, place
-from stepwell.figures.common.style import BLUE, COLUMN, FAINT, GREEN, VERMILLION, styled
+from stepwell.figures.common.style import BLUE, COLUMN, FAINT, GREEN, INK, VERMILLION, styled
 
 ROOT = Path(__file__).parents[2]
-PAGE, FILE = ROOT / "docs" / "theory.md", ROOT / "docs" / "rates.json"
+PAGE, FILE = ROOT / "docs" / "rates.md", ROOT / "docs" / "rates.json"
 PICTURE = ROOT / "docs" / "img" / "rates.svg"
 PRESET, MASS = "paper-forward", 0.010
 RATES = [float(f"{x:.3g}") for x in np.geomspace(0.01, 100.0, 33)]
 # Rows of the table.
 SHOWN = (0.01, 0.1, 1.0, 1.67, 5.62, 10.0, 31.6, 100.0)
-STROKES = "loading", "unloading"
+# States after each arrival at a stop, of the quasi-static order and of the other one.
+LANDINGS = "10, 11, 01, 00", "01, 11, 10, 00"
 
 
 def pair() -> sw.Path:
@@ -115,31 +116,41 @@ def written(text: str) -> str:
 
 @styled
 def picture() -> Any:
-    """Strokes of both snaps against the rate; filled where the order is kept."""
-    made, left, foot, high = record(), 12.0, 24.0, 50.0
-    figure = blank(COLUMN, high + foot + 3.0)
-    ax = place(figure, left, foot, COLUMN - left - 3.0, high)
+    """Delay of both snaps against the rate, and below it the order and the landings."""
+    made, left, foot, high, low = record(), 25.0, 22.0, 42.0, 12.0
+    figure = blank(COLUMN, high + low + foot + 6.0)
+    ax = place(figure, left, foot + low + 3.0, COLUMN - left - 5.0, high)
+    order = place(figure, left, foot, COLUMN - left - 5.0, low)
     safe, critical = made["safe_rate_Hz"], made["critical_Hz"]
-    ax.axvspan(0.01, safe, color=GREEN, alpha=0.12, linewidth=0)
-    ax.axvline(safe, color=GREEN, linewidth=1.0)
-    ax.axvline(critical, color=FAINT, linewidth=1.0, linestyle=(0, (4, 1.5)))
+    for panel in (ax, order):
+        panel.axvspan(0.01, safe, color=GREEN, alpha=0.12, linewidth=0)
+        panel.axvline(safe, color=GREEN, linewidth=1.0)
+        panel.axvline(critical, color=FAINT, linewidth=1.0, linestyle=(0, (4, 1.5)))
+        panel.set_xscale("log")
+        panel.set_xlim(0.01, 100.0)
+        panel.xaxis.set_major_formatter(lambda at, _: f"{at:g}")
     for k, (colour, mark) in enumerate(((BLUE, "o"), (VERMILLION, "s"))):
-        ax.axhline(made["snaps_mm"][k], color=colour, linewidth=0.8)
         for row in made["motions"]:
             at = row.get("snaps_mm", (None, None))[k]
-            if at is not None:
-                face = colour if row["keeps_order"] else "white"
-                look = {"markerfacecolor": face, "markeredgecolor": colour, "markersize": 4.0}
-                ax.plot(row["rate_Hz"], at, mark, **look)
-    ax.set_xscale("log")
-    ax.set_xlim(0.01, 100.0)
-    ax.set_ylim(0.0, 40.5)
-    ax.set_xlabel("rate [cycles/s]")
-    ax.set_ylabel("stroke of the snap [mm]")
-    ax.xaxis.set_major_formatter(lambda at, _: f"{at:g}")
+            if at is not None and row["keeps_order"]:
+                # The drive goes on, forward while loading and backward while unloading.
+                delay = (at - made["snaps_mm"][k]) * (1 - 2 * k)
+                size = 4.5 if k == 0 else 2.5
+                ax.plot(row["rate_Hz"], delay, mark, color=colour, markersize=size)
+    for row in made["motions"]:
+        ways = [_few(row.get("states", [])) == one for one in LANDINGS]
+        for place_of, there in enumerate(ways):
+            if there:
+                order.plot(row["rate_Hz"], place_of, "o", color=INK, markersize=3.0)
+    ax.set_ylim(0.0, 1.6)
+    ax.set_ylabel("delay of the snap [mm]")
+    ax.tick_params(labelbottom=False)
+    order.set_ylim(-0.6, 1.6)
+    order.set_yticks([0, 1], [one.replace(", ", ">") for one in LANDINGS])
+    order.set_xlabel("rate [cycles/s]")
     handles = [
-        legends.line("loading, quasi-static", BLUE, 0.8),
-        legends.line("unloading, quasi-static", VERMILLION, 0.8),
+        legends.mark("loading", "o", color=BLUE),
+        legends.mark("unloading", "s", 2.5, color=VERMILLION),
         legends.line("safe rate", GREEN, 1.0),
         legends.line("order changes", FAINT, 1.0, linestyle=(0, (4, 1.5))),
     ]

@@ -1,4 +1,4 @@
-"""The table of docs/theory.md, "Energy of one snap": the best snap found for each number of cells.
+"""The table of docs/jump-scaling.md: the best snap found for each number of cells.
 
 `python tests/docs/snap_cells.py --search` searches again (two minutes) and writes
 docs/snap-cells.json; without it the table is made of that file.
@@ -19,7 +19,7 @@ import stepwell as sw
 from stepwell.statics import EventKind
 
 ROOT = Path(__file__).parents[2]
-PAGE, FILE = ROOT / "docs" / "theory.md", ROOT / "docs" / "snap-cells.json"
+PAGE, FILE = ROOT / "docs" / "jump-scaling.md", ROOT / "docs" / "snap-cells.json"
 STIFFNESS, REST = 28.5, 0.010
 # Area of d = q - p [m], the differences of the paper's anchors.
 AREA = (0.0, 0.040), (-0.030, 0.030)

@@ -45,7 +45,8 @@ class InertialPath(ByValue):
         keeps_order: whether these are the arrivals of the path in its order, but for a cell that
             strikes another stop and returns before any other cell arrives.
         snap_drives: for each snap of the path the drive at which the cell that jumps farthest is
-            half way [m], or [N] under force control; NaN where it is not.
+            half way [m], or [N] under force control; of two such cells the one that goes with the
+            drive; NaN where it is not.
         drive: (n,) actuator position [m], or its force [N].
         history: travels and speeds over time.
     """
@@ -215,7 +216,11 @@ def snap_drives(events: Sequence[Event], drive: Floats, travel: Floats) -> Itera
     at = 0
     for event in events:
         jumps = [b - a for a, b in zip(event.before, event.after, strict=True)]
-        k = max(range(len(jumps)), key=lambda m: abs(jumps[m]))
+        # Of cells that jump equally far, the one that goes with the drive.
+        size = 1e-9 * max(map(abs, jumps))
+        k = max(
+            range(len(jumps)), key=lambda m: abs(jumps[m]) + size * (jumps[m] * event.direction > 0)
+        )
         middle, sense = 0.5 * (event.before[k] + event.after[k]), math.copysign(1.0, jumps[k])
         beyond = sense * (travel[at:, event.cells[k]] - middle)
         passes = np.flatnonzero((beyond[:-1] < 0.0) & (beyond[1:] >= 0.0))
