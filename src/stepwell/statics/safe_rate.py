@@ -145,10 +145,11 @@ def largest_slope(problem: DrivenChain) -> float:
     """The largest |dF/ds| of any cell [N/m]."""
     # The slope of a piece is monotone, so it is largest at an end.
     pieces, table = problem.pieces, problem.sheets.table
-    first = np.unique(table[:, FIRST])
+    # Not by np.unique, whose import of np.ma takes longer than all else here.
+    first = sorted({*table[:, FIRST].tolist()})
     most = 0.0
     for sheet in range(len(table)):
-        cell = int(np.searchsorted(first, float(table[sheet, FIRST])))
+        cell = first.index(float(table[sheet, FIRST]))
         for p in range(int(pieces.of_sheet[sheet]), int(pieces.of_sheet[sheet + 1])):
             rows = pieces.picked[p].copy()
             for travel in (float(pieces.left[p]), float(pieces.right[p])):
