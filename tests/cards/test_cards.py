@@ -60,7 +60,7 @@ PARTS = {
     "StrongestSnap",
     *("Tolerances", "Transition", "Trial", "Turn", "Wall", "Weighing", "WrongHole"),
     *("Actuator", "EnergyFlow", "HalvedStep", "Hop", "Impact", "JumpBound", "JumpSettings"),
-    *("RecordFactor", "Release", "Springs"),
+    *("RecordFactor", "Release", "Springs", "WireSpring"),
     *("ProofGap", "ProvedEvent"),
 }
 VOID = {"img", "br"}

@@ -16,12 +16,14 @@ from stepwell.robot import (
     Springs,
     Task,
     bound_of,
+    hopper_springs,
     impacts,
     landing_length,
     longest_stretch,
     predicted_stop,
     release,
     snap_of,
+    wire_springs,
 )
 
 
@@ -148,6 +150,18 @@ def test_a_foot_too_small_to_land_on_is_refused():
     assert snap_of(replace(made, foot_length=least * 1.001))
     with refuses(ValueError, "tilt = 45 deg", "slips"):
         snap_of(replace(made, tilt=math.pi / 4, foot_length=1.0))
+
+
+def test_springs_of_steel_have_the_rate_and_the_load_of_the_bands():
+    (latch, _), every = hopper().chain.levers, hopper_springs(hopper().chain.levers)
+    assert 0.0009 in [pytest.approx(one.wire) for one in every]
+    for one in every:
+        turns = 8.0 * one.coil**3 * one.coils
+        assert 81.5e9 * one.wire**4 / turns == pytest.approx(one.rate) == pytest.approx(450.0)
+        assert one.body_length <= 0.040 and one.stress <= one.allowed
+        assert one.load == pytest.approx(450.0 * 0.040 * (latch.largest_stretch - 1.0))
+    # A soft and short band has no room for coils.
+    assert wire_springs(sw.Band((0.0, 0.0), (0.02, 0.0), 28.5, 0.010), 0.050) == ()
 
 
 @pytest.mark.parametrize(

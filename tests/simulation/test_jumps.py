@@ -124,6 +124,7 @@ def test_a_chain_of_three_cells_jumps_too_without_a_model():
     cells = (latch, spring, replace(spring, name="more"))
     jump = simulation.jump(hopper(chain=replace(hopper().chain, cells=cells)), halve=0)
     assert jump.model is None and jump.travels.shape[1] == 3
+    assert "3 cells" in jump.model_reason and not jumped().model_reason
     # The block between both springs has a mass too, which the bound leaves out.
     assert 0.5 * jump.bound.height < jump.first.height < jump.bound.height
     assert jump.balance < 0.01

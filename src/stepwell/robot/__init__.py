@@ -65,6 +65,7 @@ from stepwell.robot.shapes import (
     joined_solids,
     with_parts,
 )
+from stepwell.robot.wire_springs import WireSpring, hopper_springs, wire_springs
 
 __all__ = [
     "Actuator",
@@ -88,6 +89,9 @@ __all__ = [
     "release",
     "snap_of",
     "usual_means",
+    "WireSpring",
+    "hopper_springs",
+    "wire_springs",
     "Inertial",
     "joined_solids",
     "Action",

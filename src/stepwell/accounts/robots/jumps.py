@@ -13,7 +13,7 @@ from stepwell.accounts.robots import robot as of_robot
 from stepwell.base import Quantity, Schema, amount, counted, number, percent
 
 if TYPE_CHECKING:
-    from stepwell.robot import Hopper, JumpBound
+    from stepwell.robot import Hopper, JumpBound, WireSpring
     from stepwell.simulation import EnergyFlow, Jump
 
 _TASK, _STRIKE = robots.Task, robots.Task.STRIKE
@@ -85,6 +85,23 @@ _FACTOR: Schema = (
 )
 
 
+_SPRING: Schema = (
+    Quantity("wire", "mm", "wire"),
+    Quantity("coil", "mm", "mean coil"),
+    Quantity("coils", head="coils", form=".1f", holds=float, left=False),
+    Quantity("rate", "N/m", "rate", form=4),
+    Quantity("body_length", "mm", "body and loops", form=3),
+    Quantity("load", "N", "load", form=3),
+    Quantity("stress", "MPa", "stress", form=3),
+    Quantity("allowed", "MPa", "allowed", form=4),
+    Quantity("mass", "g", "mass", form=3),
+)
+
+
+def _springs(jump: Jump) -> tuple[WireSpring, ...]:
+    return robots.hopper_springs(jump.hopper.chain.levers)
+
+
 def _flow(flow: EnergyFlow) -> list[dict[str, object]]:
     rows = [(words, getattr(flow, name)) for name, words in FLOW.items()]
     return base.rows_of(
@@ -102,11 +119,13 @@ JUMP: Schema = (
     Quantity("snap", holds=RELEASE, read="bound.release"),
     Quantity("bound", holds=PREDICTED),
     Quantity("model", holds=PREDICTED, missing=True),
+    *keys(model_reason=str),
     Quantity("stored", "mJ", read="first.flow.stored"),
     Quantity("energy", holds=[_FLOW], read=lambda jump: _flow(jump.first.flow)),
     Quantity("jumps", holds=[_HOP], read=lambda jump: _hops(jump)),
     *keys(balance="percent", speed_change="percent", time_steps=([_STEP], "halved")),
     Quantity("impacts", holds=[_IMPACT], read=lambda jump: robots.impacts(jump.hopper, jump.bound)),
+    Quantity("springs", holds=[_SPRING], read=_springs),
     *keys(stored_per_spring="J/kg", released_per_spring="J/kg", released_per_robot="J/kg"),
     Quantity("factors", holds=[_FACTOR]),
     *keys(contact_time=("ms", "settings.contact_time"), origin=(str, "hopper.springs.origin")),
@@ -165,6 +184,8 @@ def jump_account(jump: Jump, about: About) -> Account:
         Fact("Specific energy", specific, TERMINAL),
         Fact("Energy balance", _balance(jump), TERMINAL),
         Fact("Convergence", _converged(jump), TERMINAL),
+        Fact("Model", jump.model_reason, TERMINAL),
+        Fact("Steel springs", _steel(jump), TERMINAL),
         Fact("Assumed numbers", _assumed(hopper), TERMINAL),
     )
     flow = "Of the first jump, from the beginning of the snap to the last contact."
@@ -175,6 +196,10 @@ def jump_account(jump: Jump, about: About) -> Account:
     borne = (
         "Energies without losses. The mean force is of parts that give way by 1 mm; forces in the "
         "simulation depend on its contact time and are no design numbers."
+    )
+    wound = (
+        "Extension springs of wire EN 10270-1 SH without initial tension, by EN 13906-2, with the "
+        "rate, length and load of the most loaded band. They are computed and no catalogue parts."
     )
     sections: parts.Sections = {
         "Energy": (
@@ -187,6 +212,7 @@ def jump_account(jump: Jump, about: About) -> Account:
         ),
         "Record": RecordTable(_FACTOR, "factors", record, level=FULL),
         "Impacts": RecordTable(_IMPACT, "impacts", borne, level=FULL),
+        "Steel springs": RecordTable(_SPRING, "springs", wound, level=FULL),
         "Time steps": RecordTable(_STEP, "time_steps", "The first jump again.", level=FULL),
         "Parameters": RecordTable(
             of_robot.PARAMETER, "parameters", "Every number of [hopper].", level=FULL
@@ -268,6 +294,16 @@ def _converged(jump: Jump) -> str:
     first, *_, last = jump.halved
     steps = " to ".join(f"{base.to_unit(one.time_step, 'ms'):g}" for one in (first, last))
     return f"the speed changes by {percent(change)} from steps of {steps} ms"
+
+
+def _steel(jump: Jump) -> str:
+    found = _springs(jump)
+    if not found:
+        return "none of these wires has the rate, length and load of the bands"
+    wires = " to ".join(f"{base.to_unit(one.wire, 'mm'):g}" for one in (found[0], found[-1]))
+    coils = " to ".join(f"{one.coils:.0f}" for one in (found[0], found[-1]))
+    load = amount(found[0].load, "N", 3)
+    return f"wire of {wires} mm, {coils} coils, {load} at the stretch; no catalogue part"
 
 
 def _assumed(hopper: Hopper) -> str:

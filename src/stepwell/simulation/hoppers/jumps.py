@@ -106,6 +106,16 @@ class Jump(base.ByValue, base.Drawn):
         base.write_csv(file, columns)
 
     @property
+    def model_reason(self) -> str:
+        """Why there is no model; empty if there is one."""
+        if self.model is not None:
+            return ""
+        return (
+            f"none for {len(self.hopper.chain)} cells: further blocks have masses of their own, "
+            f"which the bound leaves out too"
+        )
+
+    @property
     def speed_change(self) -> float | None:
         """Change of the speed from the largest time step to the smallest [1]; None for one step."""
         if len(self.halved) < 2:
