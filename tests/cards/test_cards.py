@@ -61,6 +61,7 @@ PARTS = {
     *("Tolerances", "Transition", "Trial", "Turn", "Wall", "Weighing", "WrongHole"),
     *("Actuator", "EnergyFlow", "HalvedStep", "Hop", "Impact", "JumpBound", "JumpSettings"),
     *("RecordFactor", "Release", "Springs", "WireSpring"),
+    *("HopperParts", "ImpactLoad"),
     *("ProofGap", "ProvedEvent"),
 }
 VOID = {"img", "br"}

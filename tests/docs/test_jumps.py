@@ -8,7 +8,7 @@ import pytest
 import docs.jump_scaling as scaling
 import docs.rates as rates
 import docs.snap_cells as cells
-from docs.pages import ROOT
+from docs.pages import ROOT, run
 from hoppers import jumped
 
 PAGES = (scaling, rates, cells)
@@ -85,6 +85,18 @@ def test_the_rates_of_the_page_hold_for_the_pair_today():
     late = {row["rate_Hz"]: row["snaps_mm"][0] - found["snaps_mm"][0] for row in found["motions"]}
     assert max(delay for rate, delay in late.items() if rate <= 0.0316) <= 0.1
     assert max(late.values()) == pytest.approx(1.4, abs=0.05)
+
+
+def test_the_page_of_jumps_prints_what_it_shows_where_nothing_is_simulated(tmp_path, monkeypatch):
+    # The whole page is run with STEPWELL_TESTS=full.
+    monkeypatch.chdir(tmp_path)
+    text = (ROOT / "docs/how-to/jump.md").read_text("utf-8")
+    blocks = re.findall(r"^```python\n.*?^```$|<!-- = .*? -->", text, re.M | re.S)
+    kept = text
+    for block in blocks:
+        if "simulation.jump(" in block or "jump.factors" in block:
+            kept = kept.replace(block, "")
+    assert run("jump.md", kept) >= 8
 
 
 def test_the_best_chains_found_have_the_energy_of_the_table():

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from stepwell.build.limits import ExceededLimit
     from stepwell.build.part import Hole, Part
     from stepwell.build.plates import Fastener
+    from stepwell.build.robots.hopper_parts import HopperParts, ImpactLoad
     from stepwell.build.robots.robot_builds import RobotBuild
     from stepwell.build.robots.robot_layout import RobotLayout, robot_layout
     from stepwell.build.robots.robot_sweep import RobotOverlap, robot_sweep
@@ -41,6 +42,8 @@ __all__ = [
     "FileOptions",
     "ExceededLimit",
     "Hole",
+    "HopperParts",
+    "ImpactLoad",
     "Layout",
     "Part",
     "MotionSweep",
@@ -91,6 +94,7 @@ _LATE = {
     "limits": ("ExceededLimit",),
     "part": ("Hole", "Part"),
     "plates": ("Fastener",),
+    "robots.hopper_parts": ("HopperParts", "ImpactLoad"),
     "robots.robot_builds": ("RobotBuild",),
     "robots.robot_layout": ("RobotLayout", "robot_layout"),
     "robots.robot_sweep": ("RobotOverlap", "robot_sweep"),

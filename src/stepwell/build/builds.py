@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, overload
 
@@ -14,16 +14,18 @@ from stepwell.build.freeing import collision_findings
 from stepwell.build.layouts import Layout, layout as lay
 from stepwell.build.limits import ExceededLimit, findings
 from stepwell.build.loads import band_range
+from stepwell.build.part import Part
 from stepwell.build.plates import STEEL
 from stepwell.build.sweeps import MotionSweep, sweep
 from stepwell.build.tolerances import build_yield
 from stepwell.design import Yield
 from stepwell.mechanism import Cell, Chain
-from stepwell.robot import Robot
+from stepwell.robot import Hopper, Robot
 from stepwell.sequences import Cycle
 from stepwell.statics import StaticsError
 
 if TYPE_CHECKING:
+    from stepwell.build.robots.hopper_parts import HopperParts
     from stepwell.build.robots.robot_builds import RobotBuild
 
 # Samples of the yield of a build: each is followed by the engine if end forces do not decide.
@@ -70,6 +72,7 @@ class Build(base.ByValue, base.Drawn):
         cycle: a full cycle of the design; None if it cannot be followed.
         yield_: the fraction of builds with the errors of the build file that keep the sequence;
             None without a cycle or a sweep free of collisions.
+        of_hopper: parts besides the chain, if it is built for a hopper.
     """
 
     chain: Chain
@@ -79,6 +82,7 @@ class Build(base.ByValue, base.Drawn):
     findings: tuple[ExceededLimit, ...]
     cycle: Cycle | None
     yield_: Yield | None
+    of_hopper: "HopperParts | None" = None
 
     def __repr__(self):
         verdict = "can be built" if self.can_be_built else f"{len(self.findings)} findings"
@@ -89,10 +93,15 @@ class Build(base.ByValue, base.Drawn):
         """Whether its parts move free of each other and no limit is exceeded."""
         return self.sweep.free and not self.findings
 
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """All cut parts: of the chain, then the plates of a hopper."""
+        return (*self.layout.parts, *(self.of_hopper.plates if self.of_hopper else ()))
+
     @cached_property
     def mass(self) -> float:
         """Mass of all cut parts [kg], without fasteners."""
-        return sum(part.mass(self.build_file.sheet.density) for part in self.layout.parts)
+        return sum(part.mass(self.build_file.sheet.density) for part in self.parts)
 
     @cached_property
     def fastener_mass(self) -> float:
@@ -165,7 +174,7 @@ class Build(base.ByValue, base.Drawn):
         ]
         if loaded:
             notes.append(f"The load of {', '.join(loaded)} is no part of the build: attach it.")
-        return tuple(notes)
+        return (*notes, *(self.of_hopper.notes if self.of_hopper else ()))
 
 
 def band_use(cell: Cell, path: Any, build_file: BuildFile) -> BandUse:
@@ -202,7 +211,7 @@ def build(
 
 @overload
 def build(
-    mechanism: Chain,
+    mechanism: Chain | Hopper,
     material: str | os.PathLike[str] | BuildFile = "acrylic-3mm",
     *,
     samples: int = SAMPLES,
@@ -213,7 +222,7 @@ def build(
 
 
 def build(
-    mechanism: Chain | Robot,
+    mechanism: Chain | Hopper | Robot,
     material: str | os.PathLike[str] | BuildFile = "acrylic-3mm",
     *,
     samples: int = SAMPLES,
@@ -221,10 +230,11 @@ def build(
     progress: base.Progress = None,
     swept: MotionSweep | None = None,
 ) -> "Build | RobotBuild":
-    """The solid parts of a chain of lever cells, or of a robot, in layers.
+    """The solid parts of a chain of lever cells, of a hopper, or of a robot, in layers.
 
     Args:
-        mechanism: a chain of 1 to 8 lever cells, or a robot of two legs with two cells each.
+        mechanism: a chain of 1 to 8 lever cells; a hopper, of which one of the equal chains, the
+            frame, the foot bar and the sole are built; or a robot of two legs with two cells each.
         material: a preset such as "acrylic-3mm", a build file, or its value.
         samples: number of samples of the yield, of a chain.
         target: sequence or states that count as success; by default the sequence of the design.
@@ -245,7 +255,7 @@ def build(
         from stepwell.build.robots.robot_builds import build_robot
 
         return build_robot(mechanism, build_file, progress=progress, swept=swept)
-    chain = mechanism
+    chain = mechanism.chain if isinstance(mechanism, Hopper) else mechanism
     layout = lay(chain, build_file)
     swept = swept or sweep(layout, progress)
     try:
@@ -257,4 +267,11 @@ def build(
     sampled = None
     if swept.free and (cycle is not None or target is not None):
         sampled = build_yield(layout, samples=samples, target=target)
-    return Build(chain, build_file, layout, swept, found, cycle, sampled)
+    made = Build(chain, build_file, layout, swept, found, cycle, sampled)
+    if not isinstance(mechanism, Hopper):
+        return made
+    from stepwell.build.robots.hopper_parts import hopper_parts, plate_findings
+
+    others = hopper_parts(made, mechanism)
+    found = (*found, *plate_findings(others, build_file))
+    return replace(made, of_hopper=others, findings=found)

@@ -5,7 +5,7 @@ from typing import Any
 
 import stepwell as sw
 from stepwell.cli.design import bands_of
-from stepwell.cli.options import Design, Group, Output, flag, option, read_design
+from stepwell.cli.options import Design, Group, Output, flag, option, read_buildable
 from stepwell.cli.screen import answered, progress, usable, warn, wrong
 from stepwell.cli.tolerances import BUILD_FILE, materials
 
@@ -57,9 +57,10 @@ def build(
 ) -> None:
     """Compute the solid parts of a design, and check that they move free of each other.
 
-    The design is a chain, or a robot of two legs. The result contains the sweep over all angles,
-    exceeded limits with a way out, masses, bands with their hooks; of a chain the yield within the
-    errors of the build file, of a robot its shortest period. With --out, drawings (DXF, SVG),
+    The design is a chain, a hopper, or a robot of two legs. The result contains the sweep over all
+    angles, exceeded limits with a way out, masses, bands with their hooks; of a chain the yield
+    within the errors of the build file, of a hopper also frame, foot bar and sole, and what its
+    impacts ask of the parts; of a robot its shortest period. With --out, drawings (DXF, SVG),
     meshes (STL, 3MF), nested sheets, coupon, drilling template, parts list and assembly guide are
     written into a folder. If the design cannot be built, nothing is written without --draft and
     the exit code is 3.
@@ -71,7 +72,7 @@ def build(
     if choice.step:
         sw.base.need("step")
     bands = [_named(band, text) for text in choice.bands or () for band in bands_of(text)]
-    text, subject = read_design(design)
+    text, subject = read_buildable(design)
     output.check_output_folder("build", design=text)
     with usable("--material"):
         build_file = load_build_file(material)

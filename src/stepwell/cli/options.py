@@ -324,6 +324,12 @@ def read_design(design: str) -> tuple[str, sw.Chain | sw.robot.Robot]:
     return text, sw.files.loads(text, design).subject
 
 
+def read_buildable(design: str) -> tuple[str, sw.Chain | sw.robot.Robot | sw.robot.Hopper]:
+    """The text of a design file, and the chain, hopper or robot that it describes."""
+    text = sw.files.text_of(design)
+    return text, sw.files.loads(text, design).value
+
+
 def read_robot(robot: str) -> tuple[str, sw.robot.Robot]:
     """The text of a robot's design file, and the robot."""
     name = by_name(robot) or robot

@@ -8,7 +8,7 @@ from typing import Any
 from stepwell import base
 from stepwell.accounts import yields
 from stepwell.accounts.head import About, DesignShape, keys, recorded
-from stepwell.accounts.parts import CARD, FULL, Account, Fact, Notes, Picture, RecordTable
+from stepwell.accounts.parts import CARD, FULL, Account, Fact, Notes, Picture, RecordTable, Sections
 from stepwell.accounts.words import assumed, cells_of
 from stepwell.base import Quantity, Schema, amount, counted, number
 from stepwell.build import (
@@ -40,6 +40,7 @@ def build_schema(shape: DesignShape) -> Schema:
         Quantity("bands", holds=[BAND]),
         Quantity("sweep", holds=_SWEEP),
         Quantity("yield", read="yield_", holds=sampled, missing=True),
+        Quantity("hopper", holds=_HOPPER, read="of_hopper", missing=True),
         *keys(notes=[str]),
     )
 
@@ -91,6 +92,22 @@ def _end(name: str, number: int) -> Callable[[BandUse], float]:
     return lambda one: getattr(one, name)[number]
 
 
+_LOAD: Schema = (
+    Quantity("name", head="impact"),
+    Quantity("energy", "mJ", "energy", form=3),
+    Quantity("force", "N", "force over 1 mm", form=3),
+    Quantity("lever_force", "N", "lever", form=3),
+    Quantity("bearing", "MPa", "holes", form=3),
+    Quantity("web", "MPa", "webs", form=3),
+    Quantity("pin", "MPa", "pins", form=3),
+    Quantity("face", "MPa", "faces", form=3),
+    Quantity("give", "mm", "least give of the pad", form=3),
+)
+_HOPPER: Schema = (
+    *keys(copies=int, body_mass="g", foot_mass="g"),
+    *keys(assumed_body_mass="g", assumed_foot_mass="g"),
+    Quantity("impacts", holds=[_LOAD]),
+)
 BAND: Schema = (
     Quantity("cell", head="cell", read=lambda one: one.cell + 1, holds=int, left=False),
     Quantity("band", head="band", read=lambda one: one.number + 1, holds=int, left=False),
@@ -132,7 +149,7 @@ def _distance_words(millimetres: float) -> str:
 def parts_of(made: Build | RobotBuild) -> list[dict[str, Any]]:
     """Each cut part with its mass [kg]."""
     density = made.build_file.sheet.density
-    return [{"part": part, "mass": part.mass(density)} for part in made.layout.parts]
+    return [{"part": part, "mass": part.mass(density)} for part in made.parts]
 
 
 def fastener_counts(layout: Layout | RobotLayout) -> list[tuple[str, str, int]]:
@@ -147,10 +164,11 @@ def build_account(made: Build, about: About) -> Account:
     # Stops touch, and pins run in slots with their fit.
     fit = made.build_file.pin.lever_fit / 2.0 + 1e-6
     closest: list[Clearance] = [one for one in made.sweep.clearances if one.distance > fit]
-    of_sheet = f"{counted(len(made.layout.parts), 'part')} of {amount(sheet.thickness, 'm')} "
+    of_sheet = f"{counted(len(made.parts), 'part')} of {amount(sheet.thickness, 'm')} "
     of_sheet += sheet.material
+    clear = "which clear" if made.of_hopper is None else "of which those of the chain clear"
     verdict = (
-        f"It can be built: {of_sheet}, {amount(made.mass, 'kg', 3)}, which clear each other at all "
+        f"It can be built: {of_sheet}, {amount(made.mass, 'kg', 3)}, {clear} each other at all "
         "angles"
         if made.can_be_built
         else f"It cannot be built as it is: {counted(len(made.findings), 'finding')}"
@@ -164,6 +182,7 @@ def build_account(made: Build, about: About) -> Account:
         Fact("Errors of a build", "" if sampled is None else yields.sample_words(sampled)),
         Fact("Mass", _mass_words(made)),
         Fact("Actuator", _actuator_words(made)),
+        Fact("Hopper", _hopper_words(made)),
     )
     parts = RecordTable(PART, recorded(PART, parts_of(made)), more="parts", level=FULL)
     scales = [one for one in BAND if one.name.startswith("scale")]
@@ -192,11 +211,38 @@ def build_account(made: Build, about: About) -> Account:
         "Parts": (parts, Picture("layers", "The parts in their layers, all cells at 0")),
         "Fasteners": fasteners,
         "Clearances": close,
+        **_impacts(made),
         **assumed(chain, *_ASSUMED),
     }
     title, origin = chain.title or "A build", f"{cells_of(chain)}."
     seed = None if sampled is None else sampled.seed
     return Account(made, title, "build/1", verdict, facts, sections, (), origin, seed=seed)
+
+
+def _impacts(made: Build) -> Sections:
+    """What the impacts of a hopper ask of its parts."""
+    if made.of_hopper is None:
+        return {}
+    sheet, pin = made.build_file.sheet.strength, made.build_file.pin.strength
+    about = (
+        "Of one chain, from the bound without losses. The force is the mean of an impact over "
+        "1 mm, as of a pad; its levers share it equally and carry no bending. Allowed are "
+        f"{amount(sheet, 'Pa', 3)} in holes, webs and faces of the sheet and "
+        f"{amount(pin, 'Pa', 3)} in pins. The pad has to give way by the last column."
+    )
+    return {"Impacts": RecordTable(_LOAD, recorded(_LOAD, made.of_hopper.impacts), about)}
+
+
+def _hopper_words(made: Build) -> str:
+    if made.of_hopper is None:
+        return ""
+    hopper = made.of_hopper
+    body, foot = (amount(one, "kg", 3) for one in (hopper.body_mass, hopper.foot_mass))
+    least = max((one.give for one in hopper.impacts), default=0.0)
+    return (
+        f"{hopper.copies} such chains with frame, foot bar and sole: body {body} without actuator "
+        f"and springs, foot {foot}; pads that give way by {amount(least, 'm', 2)} or more"
+    )
 
 
 def first_of(made: Build | RobotBuild) -> list[str]:

@@ -63,7 +63,7 @@ def build_files(
     need("build")
     options = options or FileOptions()
     draft = _draft(build, options)
-    parts, sheet = build.layout.parts, build.build_file.sheet
+    parts, sheet = build.parts, build.build_file.sheet
     nested = sheets(parts, sheet.bed, seconds=options.nest, seed=options.seed, progress=progress)
     kerf = sheet.kerf_x, sheet.kerf_y
     files: Files = {}
@@ -165,7 +165,7 @@ def _coupon_files(build: Build | RobotBuild, options: FileOptions, draft: str) -
 
 
 def _template_files(build: Build | RobotBuild, draft: str) -> Files:
-    parts = [part for part in build.layout.parts if part.holes]
+    parts = [part for part in build.parts if part.holes]
     title = _titled("Drilling template", draft)
     files: Files = {}
     for paper in PAPERS:

@@ -41,7 +41,7 @@ def parts_csv(build: Build | RobotBuild, sheets: Sequence[CutSheet] = ()) -> str
 def _part_rows(build: Build | RobotBuild, sheets: Sequence[CutSheet]) -> Iterator[tuple[str, ...]]:
     density = build.build_file.sheet.density
     on = {part.name: sheet.name for sheet in sheets for part in sheet.parts}
-    for part in build.layout.parts:
+    for part in build.parts:
         x0, y0, x1, y1 = (MM * one for one in part.outline.bounds)
         yield (
             "cut part",

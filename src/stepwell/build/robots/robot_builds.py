@@ -7,6 +7,7 @@ from stepwell import base
 from stepwell.build.build_file import BuildFile
 from stepwell.build.builds import BandUse, band_use
 from stepwell.build.limits import ExceededLimit
+from stepwell.build.part import Part
 from stepwell.build.robots.masses import body_mass
 from stepwell.build.robots.robot_layout import RobotLayout, robot_layout
 from stepwell.build.robots.robot_limits import leg_paths, peak_force, robot_findings
@@ -42,6 +43,11 @@ class RobotBuild(base.ByValue, base.Drawn):
     def sweep(self) -> MotionSweep:
         """Overlaps and clearances at all angles of all cells and antennas."""
         return self.swept or robot_sweep(self.layout)
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """All cut parts."""
+        return self.layout.parts
 
     @cached_property
     def findings(self) -> tuple[ExceededLimit, ...]:
