@@ -4,17 +4,18 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from stepwell.base import ByValue
+from stepwell.base import ByValue, from_unit, to_unit
 from stepwell.mechanism import Band, Cell
 
 # Shear modulus [Pa] and density [kg/m³] of spring wire, EN 10270-1.
 SHEAR, DENSITY = 81.5e9, 7850.0
 # Preferred wires [m] of EN 10270-1, and mean diameters of coils over that of the wire.
 WIRES = tuple(
-    1e-3 * mm
+    from_unit(mm, "mm")
     for mm in (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.4, 1.6, 1.8, 2.0, 2.25, 2.5)
 )
 RATIOS = 4.0, 20.0
+_STEP = from_unit(0.5, "mm")  # of mean diameters
 # Shear stress over tensile strength that cold coiled extension springs bear, EN 13906-2.
 ALLOWED = 0.45
 # Length of a loop over the inner diameter of the coils.
@@ -83,11 +84,10 @@ def _of_wire(wire: float, band: Band, longest: float) -> WireSpring | None:
 
 
 def _coils(wire: float, band: Band, longest: float) -> Iterator[WireSpring]:
-    strength = 1e6 * (2220.0 - 820.0 * math.log10(1e3 * wire))
+    strength = from_unit(2220.0 - 820.0 * math.log10(to_unit(wire, "mm")), "MPa")
     load, low, high = float(band.tension(longest)), *RATIOS
-    # Mean diameters in steps of half a millimetre.
-    for halves in range(math.ceil(2e3 * low * wire), math.floor(2e3 * high * wire) + 1):
-        coil = 0.5e-3 * halves
+    for step in range(math.ceil(low * wire / _STEP), math.floor(high * wire / _STEP) + 1):
+        coil = _STEP * step
         index = coil / wire
         coils = SHEAR * wire**4 / (8.0 * coil**3 * band.stiffness)
         if coils < 3.0:
