@@ -78,8 +78,8 @@ def _chain(one: Hopper, change: Any) -> sw.Chain:
 
 def _scaled(cell: Cell, length: float = 1.0, stiffness: float = 1.0, rub: float = 1.0) -> Cell:
     (old,) = cell.bands
-    anchors = [(length * x, length * y) for x, y in (old.p, old.q)]
-    band = Band(*anchors, stiffness * old.stiffness, length * old.rest_length)
+    p, q = ((length * x, length * y) for x, y in (old.p, old.q))
+    band = Band(p, q, stiffness * old.stiffness, length * old.rest_length)
     return replace(cell, band=band, lever=length * cell.lever, friction=rub * cell.friction)
 
 
@@ -103,7 +103,7 @@ def curves() -> dict[str, Any]:
     """Heights of all curves [mm], against the varied value."""
     found: dict[str, Any] = {}
     for what, (_, ends, _) in VARIED.items():
-        values = np.geomspace(*ends, POINTS)
+        values = np.geomspace(ends[0], ends[1], POINTS)
         if what == "pairs":
             values = np.unique(values.round())
         rows = []
@@ -213,7 +213,7 @@ def picture() -> Any:
         for name, (_, colour, dashes) in LINES.items()
     ]
     for springs, (mark, colour) in MARKS.items():
-        look = {"markerfacecolor": "white", "markeredgecolor": colour}
+        look: dict[str, Any] = {"markerfacecolor": "white", "markeredgecolor": colour}
         handles.append(legends.mark(f"simulated, {springs}", mark, **look))
     legends.below(figure, handles, 3)
     return figure

@@ -60,16 +60,14 @@ def integrated() -> dict[str, Any]:
     snaps = [1e3 * event.drive for event in path.events if event.released > 0.0]
     safe = path.safe_rate([MASS] * 2, [0.0] * 2)
     rows = [motion(path, rate) for rate in sorted({*RATES, *SHOWN})]
-    low, high = 1.0, 100.0
     # The lowest of 100 rates per decade that changes the order.
-    for rate in np.geomspace(low, high, 201).tolist():
-        if not motion(path, rate).get("keeps_order", True):
-            break
+    tried = np.geomspace(1.0, 100.0, 201).tolist()
+    critical = next(rate for rate in tried if not motion(path, rate).get("keeps_order", True))
     return {
         "mass_g": 1e3 * MASS,
         "snaps_mm": snaps,
         "safe_rate_Hz": safe.rate,
-        "critical_Hz": float(f"{rate:.3g}"),
+        "critical_Hz": float(f"{critical:.3g}"),
         "motions": rows,
     }
 

@@ -53,7 +53,7 @@ def energy(anchors: Any) -> tuple[float, float]:
 def searched(count: int, first: Any, rng: np.random.Generator) -> dict[str, Any]:
     """The best of random chains, then of random changes of the best one."""
     low, high = np.array(AREA).T
-    best, most = None, 0.0
+    best, most = np.zeros((count, 2)), 0.0
     for _ in range(STARTS):
         one = rng.uniform(low, high, (count, 2))
         if first is not None and rng.random() < 0.5:

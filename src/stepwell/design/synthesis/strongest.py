@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtr
 
-from stepwell.base import ByValue, Floats, InputError, Ints, amount, check, number, to_unit
+from stepwell.base import Bools, ByValue, Floats, InputError, Ints, amount, check, number, to_unit
 from stepwell.design.synthesis.designed import Impossible
 from stepwell.design.synthesis.region import PAPER_LEVER, BandType
 from stepwell.mechanism import Cell, Chain, Linear, Load, geometry
@@ -104,7 +104,7 @@ class _Kinds(NamedTuple):
     d: Floats  # (m, 2) [m]
     force: Floats  # (m, n) of the bands [N]
     energy: Floats  # (m, n) [J]
-    falls: Floats  # (m,) whether the force falls all along
+    falls: Bools  # (m,) whether the force falls all along
     counts: tuple[int, int, int, int]  # of anchors: all, in tension, within the stretch, falling
 
 
@@ -249,7 +249,7 @@ def _kinds(band: BandType, means: Means, lever: float) -> _Kinds:
     falls = np.all(np.diff(force, axis=1) < 0.0, axis=1)
     energy = np.asarray(geometry.band_energy(0.5 * k * (length - rest), length - rest), float)
     counts = len(d), int(taut.sum()), int(short.sum()), int(falls.sum())
-    return _Kinds(d[short], force, energy, falls, counts)
+    return _Kinds(np.asarray(d[short], float), force, energy, falls, counts)
 
 
 def _best_pairs(
@@ -299,7 +299,7 @@ def _best_pairs(
     return np.array(score), np.array(latch, int), np.array(spring, int), count
 
 
-def _goes_on(kinds: _Kinds, able: Ints, begin: Floats, latch: Floats) -> Floats:
+def _goes_on(kinds: _Kinds, able: Ints, begin: Floats, latch: Floats) -> Bools:
     """Whether each spring pulls more than the latch all the way from the beginning of the snap.
 
     `begin` is the share of the latch's travel at which it begins, for each of the `able` springs. A
