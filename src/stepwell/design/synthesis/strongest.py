@@ -8,7 +8,18 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtr
 
-from stepwell.base import Bools, ByValue, Floats, InputError, Ints, amount, check, number, to_unit
+from stepwell.base import (
+    Bools,
+    ByValue,
+    Floats,
+    InputError,
+    Ints,
+    amount,
+    check,
+    counted,
+    number,
+    to_unit,
+)
 from stepwell.design.synthesis.designed import Impossible
 from stepwell.design.synthesis.region import PAPER_LEVER, BandType
 from stepwell.mechanism import Cell, Chain, Linear, Load, geometry
@@ -219,9 +230,13 @@ def _why_none(kinds: _Kinds, means: Means, lever: float, load: float) -> str:
         return f"{why}, and no pair snaps; allow a longer stretch, or more holes"
     if not pairs:
         lifted = f"{amount(load, 'N', 3)} of load"
-        return f"{why}; {free} pairs snap, but none with {lifted}; take a stiffer band"
+        without = f"{counted(free, 'pair')} without a load"
+        return f"{why}; {without}, but none with {lifted}; take a stiffer band"
     limit = amount(means.force, "N", 4)
-    return f"{why}; {pairs} pairs snap, but none within {limit} of the actuator; take a softer band"
+    return (
+        f"{why}; {counted(pairs, 'pair')} with any force, but none within {limit} of the actuator; "
+        f"take a softer band"
+    )
 
 
 def _anchors(d: Floats, means: Means) -> tuple[tuple[float, float], tuple[float, float]]:
