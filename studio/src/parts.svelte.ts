@@ -50,6 +50,13 @@ export interface Shape {
   layer: number;
 }
 
+/** A set with one more, or one less. */
+function turned(held: ReadonlySet<string>, one: string): ReadonlySet<string> {
+  const now = new Set(held);
+  if (!now.delete(one)) now.add(one);
+  return now;
+}
+
 /** What was chosen last stays while another tab is open. */
 class Parts {
   material = $state("acrylic-3mm");
@@ -60,14 +67,19 @@ class Parts {
   exploded = $state(false);
   /** How far the parts of a robot are apart, 0 to 1. */
   apart = $state(0);
+  /** The antennas of a robot that are pressed, by name. */
+  pressed = $state.raw<ReadonlySet<string>>(new Set());
   /** Whether a robot is shown as a whole, not the chain of one leg. */
   robot = $state(true);
 
   /** Shows or hides a layer. */
   turn(role: string): void {
-    const hidden = new Set(this.hidden);
-    if (!hidden.delete(role)) hidden.add(role);
-    this.hidden = hidden;
+    this.hidden = turned(this.hidden, role);
+  }
+
+  /** Presses an antenna, or lets it go. */
+  press(antenna: string): void {
+    this.pressed = turned(this.pressed, antenna);
   }
 }
 

@@ -32,7 +32,7 @@ def built(browser: Browser, empty_address: str) -> Iterator[Page]:
     context = browser.new_context(viewport=WIDE, color_scheme="light")
     opened = Opened(context.new_page())
     opened.page.add_init_script(QUIET)
-    begun(opened.page, empty_address, "robot-forward")
+    begun(opened.page, empty_address, "robot-antennas")
     opened.page.get_by_role("tab", name="Parts").click()
     space(opened.page).wait_for(timeout=PATIENT)
     yield opened.page
@@ -50,6 +50,8 @@ def robot_page(built: Page) -> Iterator[Page]:
         slid(built, name, "0")
     for box in built.get_by_role("group", name="Kinds of parts").get_by_role("checkbox").all():
         box.check()
+    for box in built.get_by_role("checkbox", name="pressed").all():
+        box.uncheck()
 
 
 def space(page: Page) -> Locator:
@@ -78,10 +80,10 @@ def slid(page: Page, name: str, value: str) -> None:
 
 def test_a_robot_is_drawn_in_its_parts_moved_taken_apart_and_named(robot_page: Page, axe: str):
     page = robot_page
-    header, blocks = asked("robot_parts", "robot-forward")
-    bands = len(header["bands"])
-    corners, triangles = len(blocks["corners"]) + 8 * bands, len(blocks["triangles"]) + 12 * bands
-    words = page.get_by_text("in one draw call").inner_text().replace(" ", "")
+    header, blocks = asked("robot_parts", "robot-antennas")
+    bands = len(header["bands"]) + len(header["cords"])
+    corners, triangles = len(blocks["corners"]) + 24 * bands, len(blocks["triangles"]) + 12 * bands
+    words = page.get_by_text("in one batch").inner_text().replace(" ", "")
     assert f"{corners}vertices,{triangles}triangles" in words
     # Laptops draw a hundred times as many in a frame.
     assert corners < 20_000
@@ -92,6 +94,9 @@ def test_a_robot_is_drawn_in_its_parts_moved_taken_apart_and_named(robot_page: P
     slid(page, "Stroke", str(len(blocks["drive"]) // 3))
     moved = picture(page)
     assert (drawn(rest) != drawn(moved)).mean() > 0.005
+    page.get_by_role("checkbox", name="antenna left pressed").check()
+    assert (drawn(moved) != drawn(picture(page))).mean() > 0.002
+    page.get_by_role("checkbox", name="antenna left pressed").uncheck()
     slid(page, "Exploded view", "1")
     apart = picture(page)
     assert np.ptp(np.flatnonzero(drawn(apart).any(axis=1))) > 20 and (apart != moved).mean() > 0.05
@@ -127,16 +132,16 @@ def test_a_robot_is_drawn_in_its_parts_moved_taken_apart_and_named(robot_page: P
 
 def test_bands_have_the_colour_of_their_tension(robot_page: Page):
     page = robot_page
-    header, blocks = asked("robot_parts", "robot-forward")
-    for one in {part["role"] for part in header["parts"]}:
+    header, blocks = asked("robot_parts", "robot-antennas")
+    for one in {"cords", *(part["role"] for part in header["parts"])}:
         page.get_by_role("checkbox", name=one, exact=True).uncheck()
-    for k in (0, int(blocks["tension"][:, 0].argmax())):
+    for k in (0, int(blocks["tension"][0, :, 0].argmax())):
         slid(page, "Stroke", str(k))
         pixels = picture(page)
         seen = pixels[drawn(pixels)]
         # Light makes a face brighter or darker, and keeps its hue.
         seen = seen / seen.max(axis=1, keepdims=True)
-        for share in blocks["tension"][k]:
+        for share in blocks["tension"][0, k]:
             colour = np.array(tension_colour(float(share))[:3])
             off = np.abs(seen - colour / colour.max()).max(axis=1)
             assert (off < 0.05).sum() > 20, (k, share)
@@ -178,10 +183,11 @@ def test_on_a_phone_the_robot_fits_and_two_fingers_come_closer(robot_page: Page)
     space(page).evaluate(
         """(canvas) => {
           const { left, top, width, height } = canvas.getBoundingClientRect();
-          canvas.setPointerCapture = () => {};
+          canvas.setPointerCapture = canvas.releasePointerCapture = () => {};
           const send = (type, pointerId, x) =>
             canvas.dispatchEvent(new PointerEvent(type, {
-              pointerId, bubbles: true, clientX: left + x * width, clientY: top + height / 2 }));
+              pointerId, pointerType: "touch", bubbles: true,
+              clientX: left + x * width, clientY: top + height / 2 }));
           send("pointerdown", 1, 0.4);
           send("pointerdown", 2, 0.6);
           send("pointermove", 1, 0.3);
@@ -204,11 +210,12 @@ def test_without_webgl_and_for_a_robot_that_cannot_be_cut_the_panel_says_why(
     begun(page, empty_address, "robot-forward")
     page.get_by_role("tab", name="Parts").click()
     page.get_by_role("button", name="Whole robot").click()
-    expect(output(page, "robot parts")).to_contain_text("no WebGL")
+    panel = page.get_by_role("tabpanel")
+    expect(panel.get_by_role("status", name="3D view")).to_contain_text("no WebGL")
 
 
 def test_the_colours_of_parts_are_those_of_the_figures():
-    text = (Path(__file__).parents[2] / "studio/src/robot/solids.ts").read_text("utf-8")
+    text = (Path(__file__).parents[2] / "studio/src/robot/roles.ts").read_text("utf-8")
     table = text.split("const ROLES")[1].split("};")[0]
     listed = dict(re.findall(r'"?([a-z][a-z ]*)"?: "(#\w{6})"', table))
     assert {role: colour.upper() for role, colour in listed.items()} == {

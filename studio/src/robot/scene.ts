@@ -1,28 +1,21 @@
-// The robot in space. Only robots load this, and three.js with it.
+// A run of the robot in space.
 
 import {
-  AmbientLight,
   BoxGeometry,
   CapsuleGeometry,
-  Color,
   CylinderGeometry,
-  DirectionalLight,
   GridHelper,
   Group,
   type Material,
   Mesh,
   MeshLambertMaterial,
-  type Object3D,
-  PerspectiveCamera,
   Quaternion,
-  Scene,
   SphereGeometry,
   Vector3,
-  WebGLRenderer,
 } from "three";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { type Arena, GOAL_RADIUS, RADIUS, THICKNESS } from "./arena";
 import { type Line, type Part, type Pose, pointOf } from "./plan";
+import { Space, clear } from "./space";
 
 const UP = new Vector3(0, 1, 0);
 // Of what is a line in the simulation [mm].
@@ -35,38 +28,25 @@ export interface Look {
   cell: (cell: number) => string;
 }
 
-/** A robot in space on a canvas; sizes are in mm, z is up. */
-export class Space {
-  private readonly renderer: WebGLRenderer;
-  private readonly scene = new Scene();
-  private readonly camera = new PerspectiveCamera(35, 1, 10, 20_000);
-  private readonly controls: OrbitControls;
+/** A robot on the floor, at any sample of its run. */
+export class RunScene extends Space {
   private bodies: Group[] = [];
   private lines: { line: Line; mesh: Mesh }[] = [];
-  private robot = new Group();
-  private floor = new Group();
-  private waits = false;
+  private readonly robot = new Group();
+  private readonly floor = new Group();
   private readonly last = new Vector3();
 
-  constructor(private readonly canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true });
-    this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
-    this.camera.up.set(0, 0, 1);
-    this.camera.position.set(-330, -330, 300);
-    this.controls = new OrbitControls(this.camera, canvas);
+  constructor(canvas: HTMLCanvasElement) {
+    super(canvas);
     this.controls.maxPolarAngle = 0.49 * Math.PI;
     this.controls.minDistance = 100;
     this.controls.maxDistance = 6000;
-    // The page scrolls under the wheel; pinching and the keyboard come closer.
-    this.controls.addEventListener("change", () => this.draw());
-    const sun = new DirectionalLight("#ffffff", 1.6);
-    sun.position.set(-300, -500, 900);
-    this.scene.add(new AmbientLight("#ffffff", 1.4), sun, this.robot, this.floor);
+    this.scene.add(this.robot, this.floor);
   }
 
   /** What the robot is made of. */
   build(parts: Part[], lines: Line[], look: Look): void {
-    this.scene.background = new Color(look.dark ? "#13171b" : "#f6f4ef");
+    this.dress(look.dark);
     clear(this.robot);
     this.bodies = [];
     for (const part of parts) {
@@ -143,47 +123,6 @@ export class Space {
     this.controls.update();
     this.draw();
   }
-
-  /** Turns the view about the robot [rad], and comes closer by a factor. */
-  orbit(round: number, up: number, closer = 1): void {
-    const arm = this.camera.position.clone().sub(this.controls.target);
-    const flat = Math.hypot(arm.x, arm.y);
-    const [turn, tilt] = [Math.atan2(arm.y, arm.x) + round, Math.atan2(arm.z, flat) + up];
-    const [far, high] = [arm.length() / closer, Math.min(1.5, Math.max(0.05, tilt))];
-    const across = far * Math.cos(high);
-    arm.set(across * Math.cos(turn), across * Math.sin(turn), far * Math.sin(high));
-    this.camera.position.copy(this.controls.target).add(arm);
-    this.controls.update();
-    this.draw();
-  }
-
-  /** Fits the picture to the canvas. */
-  fit(): void {
-    const { clientWidth: wide, clientHeight: high } = this.canvas;
-    if (!wide || !high) return;
-    this.renderer.setSize(wide, high, false);
-    this.camera.aspect = wide / high;
-    this.camera.updateProjectionMatrix();
-    this.draw();
-  }
-
-  /** Gives back what the graphics card holds. */
-  end(): void {
-    clear(this.robot);
-    clear(this.floor);
-    this.controls.dispose();
-    this.renderer.dispose();
-  }
-
-  // Of all changes between two frames one picture is made.
-  private draw(): void {
-    if (this.waits) return;
-    this.waits = true;
-    requestAnimationFrame(() => {
-      this.waits = false;
-      this.renderer.render(this.scene, this.camera);
-    });
-  }
 }
 
 function shapeOf({ shape, size_mm: [a, b, c] }: Part) {
@@ -199,13 +138,3 @@ function paint(colour: string, opacity: number): MeshLambertMaterial {
 
 // Near black is for light paper only.
 const shade = (hex: string, look: Look): string => (hex === "#333338" && look.dark ? "#c8c6c0" : hex);
-
-function clear(group: Group): void {
-  group.traverse((one: Object3D) => {
-    if (one instanceof Mesh) {
-      one.geometry.dispose();
-      (one.material as Material).dispose();
-    }
-  });
-  group.clear();
-}

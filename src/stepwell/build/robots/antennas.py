@@ -39,6 +39,11 @@ class Cord(ByValue):
     start: tuple[float, float, float]
     end: tuple[float, float, float]
 
+    @property
+    def diameter(self) -> float:
+        """Thickness of the cord [m]."""
+        return 2.0 * CORD
+
 
 def width(one: AntennaPlan) -> float:
     """Width of hubs and cranks [m]: the hole of a joint and a web on both sides."""

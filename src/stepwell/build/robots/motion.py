@@ -7,7 +7,7 @@ STROKE, and the place of an outer block along the carriage's slot [m], as ("acro
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -152,6 +152,15 @@ class Motions:
             across = leg.side * values["across", owner]
             return Moved(np.column_stack([still, across]), still, (0.0, 0.0))
         return self._of_leg(leg, kind or body, self._cells(leg, values, count))
+
+    def table(self, bodies: Sequence[str], values: Mapping[Parameter, Floats]) -> Floats:
+        """(n, bodies, 4) shift x, y, z [m] and turn [rad] about the hinges, see `of`."""
+        each = [self.of(name, values) for name in bodies]
+        found = np.zeros((max(len(one.shift) for one in each), len(each), 4))
+        for k, (name, one) in enumerate(zip(bodies, each, strict=True)):
+            second = 2 if self.upright(name) else 1
+            found[:, k, [0, second]], found[:, k, 3] = one.shift, one.turn
+        return found
 
     def _cells(self, leg: LegPlan, values: Mapping[Parameter, Floats], count: int) -> list[Floats]:
         return [

@@ -17,6 +17,7 @@ from stepwell.build import (
     BuildFile,
     Layout,
     Part,
+    RobotBuild,
     build,
     build_presets,
     contour_path,
@@ -28,7 +29,7 @@ from stepwell.build import (
 )
 from stepwell.files import dumps
 from stepwell.mechanism import Chain
-from stepwell.robot import Robot
+from stepwell.robot import Robot, body_names
 from stepwell.studio.ask import Ask, PageDesign, View
 
 USUAL = "acrylic-3mm"
@@ -95,14 +96,17 @@ def answer_build(design: PageDesign, ask: Ask) -> View:
     """The record of `stepwell build --json`, its `answer`, and `overlaps` with angles.
 
     A first part has the sweep alone; ways out of collisions and the yield take longer. With `whole`
-    the record is that of the robot, whose overlaps have no angles.
+    the record is that of the robot, whose overlaps have `moved`, the table of panel `robot_parts`
+    at the deepest pose, instead of angles; of the first ones, as many as there are findings.
     """
     subject, build_file = _subject(design, ask), material(ask)
     ask.close()
     need("build")
     if isinstance(subject, Robot):
-        swept = build(subject, build_file, progress=ask.report).sweep
-        overlaps: list[dict[str, Any]] = [{"parts": one.parts} for one in swept.collisions]
+        made = build(subject, build_file, progress=ask.report)
+        assert isinstance(made, RobotBuild)
+        swept = made.sweep
+        overlaps = list(_robot_overlaps(made))
     else:
         swept = sweep(layout_of(subject, build_file), ask.report)
         overlaps = [
@@ -112,6 +116,22 @@ def answer_build(design: PageDesign, ask: Ask) -> View:
     ask.show(View({"sweep": {"free": swept.free}, "overlaps": overlaps}))
     account = accounts.account(build(subject, build_file, swept=swept))
     return View({**account.record, "answer": account.answer, "overlaps": overlaps})
+
+
+# Overlaps with a pose: a robot of wrong sizes has hundreds.
+_SHOWN = 12
+
+
+def _robot_overlaps(made: RobotBuild) -> Iterator[dict[str, Any]]:
+    names = body_names(made.drawing)
+    for number, one in enumerate(made.sweep.collisions):
+        found: dict[str, Any] = {"parts": one.parts}
+        if number < _SHOWN:
+            values = {key: np.array([value]) for key, value in one.pose}
+            moved = made.layout.motions.table(names, values)[0]
+            moved[:, :3] = to_unit(moved[:, :3], "mm")
+            found["moved"] = moved.tolist()
+        yield found
 
 
 def _subject(design: PageDesign, ask: Ask) -> Chain | Robot:

@@ -22,11 +22,13 @@ def answer_robot_parts(design: PageDesign, ask: Ask) -> View:
 
     V corners, T triangles, n samples, B bodies, K bands. `corners` (V, 3) [mm] are those at rest,
     `triangles` (T, 3) are counter-clockwise seen from outside, both in the order of `parts`.
-    `moved` (n, B, 4) is the shift x, y, z [mm] of a body after a rotation [rad] about its hinge: in
-    plan from x to y, and of an `upright` body from x to z. `ends` (n, K, 4) are the hooks x, y and
-    x, y [mm] of a band in plan; `tension` (n, K) is a fraction of the greatest tension of any band,
-    0 if slack. The motion is quasi-static without a floor: at each sample of the leg that is shown,
-    the other leg is at the same stroke. Antennas are at rest.
+    `moved` (s, n, B, 4) is the shift x, y, z [mm] of a body after a rotation [rad] about its hinge:
+    in plan from x to y, and of an `upright` body from x to z. Bands and cords lie between points of
+    two bodies, `at_mm` at rest; `tension` (s, n, K) of bands is a fraction of the greatest tension
+    of any band, 0 if slack. s is 1, or 2 for a robot with antennas: first at rest, then with all of
+    them pressed; the `antenna` of a body decides which holds. The motion is quasi-static without a
+    floor: at each sample of the leg that is shown, with its antenna at rest, all others are at the
+    same stroke.
     """
     robot, chain, build_file = design.robot, design.chain, material(ask)
     ask.close()
@@ -35,9 +37,13 @@ def answer_robot_parts(design: PageDesign, ask: Ask) -> View:
     shapes = [one for one in made.made.shapes if not one.collides]
     names = [one.body for one in made.made.masses]
     path = drawn(chain.cycle().path)
-    angles = _angles(robot, path)
+    swings = {one.name: one.swing for one in robot.antennas if one.connected}
+    robots, poses = [robot], [_angles(robot, path)]
+    if swings:
+        robots.append(robot.pressed(swings))
+        swung = {("antenna", name): np.array([swing]) for name, swing in swings.items()}
+        poses.append({**_angles(robots[1], path), **swung})
     first = np.cumsum([0, *(len(one.vertices) for one in shapes)])
-    bodies, moved = _moved(layout, names, angles)
     header = {
         "parts": [
             {
@@ -49,17 +55,28 @@ def answer_robot_parts(design: PageDesign, ask: Ask) -> View:
             }
             for one in shapes
         ],
-        "bodies": bodies,
+        "bodies": _bodies(layout, names),
         "bands": [
             {
                 "name": f"band {one.number + 1} of {words}",
-                "z_mm": to_unit((one.low + one.high) / 2.0, "mm"),
+                "bodies": [names.index(body) for body in one.bodies],
+                "at_mm": [_mm((*end, (one.low + one.high) / 2.0)) for end in (one.p, one.q)],
                 "width_mm": to_unit(one.width, "mm"),
                 "height_mm": to_unit(one.high - one.low, "mm"),
             }
             for one, use in zip(layout.bands, made.bands, strict=True)
             for words in [made.band_words(use)[0]]
         ],
+        "cords": [
+            {
+                "name": f"cord of {one.antenna}",
+                "bodies": [names.index(body) for body in (one.hub, one.crank)],
+                "at_mm": [_mm(end) for end in (one.start, one.end)],
+                "width_mm": to_unit(one.diameter, "mm"),
+            }
+            for one in layout.cords
+        ],
+        "antennas": list(swings),
         "mass_g": to_unit(made.mass, "g"),
         "materials": materials(),
     }
@@ -67,9 +84,8 @@ def answer_robot_parts(design: PageDesign, ask: Ask) -> View:
     faces = [one.faces + start for one, start in zip(shapes, first[:-1], strict=True)]
     tables = {
         "corners": to_unit(vertices, "mm"),
-        "moved": moved,
-        "ends": _ends(layout, angles),
-        "tension": _tensions(layout, angles),
+        "moved": np.stack([moved(layout, names, angles) for angles in poses]),
+        "tension": _tensions(layout, robots, poses),
     }
     blocks = {name: table.astype(np.float32) for name, table in tables.items()}
     return View(
@@ -81,6 +97,10 @@ def answer_robot_parts(design: PageDesign, ask: Ask) -> View:
             "direction": path.direction,
         },
     )
+
+
+def _mm(place: Sequence[float]) -> list[float]:
+    return [to_unit(one, "mm") for one in place]
 
 
 def _angles(robot: Robot, shown: Path) -> Angles:
@@ -104,41 +124,39 @@ def _at(shown: Path, own: Path, travel: Floats) -> Floats:
     return found
 
 
-def _moved(
-    layout: RobotLayout, names: Sequence[str], angles: Angles
-) -> tuple[list[dict[str, Any]], Floats]:
-    """The hinges of all bodies, and their shifts and rotations (n, B, 4)."""
-    bodies, rows = list[dict[str, Any]](), list[Floats]()
+def _bodies(layout: RobotLayout, names: Sequence[str]) -> list[dict[str, Any]]:
+    """The hinge of each body, and the name of the antenna that it depends on; "" for none."""
+    antennas = layout.plan.antennas
+    of_leg = {one.leg.leg.name: one.antenna.name for one in antennas}
+    bodies = list[dict[str, Any]]()
     for name in names:
-        moved, upright = layout.motions.of(name, angles), layout.motions.upright(name)
-        second = 2 if upright else 1
-        hinge, row = np.zeros(3), np.zeros((len(moved.turn), 4))
-        hinge[[0, second]], row[:, [0, second]] = moved.hinge, moved.shift
-        bodies.append({"name": name, "upright": upright, "hinge_mm": to_unit(hinge, "mm").tolist()})
-        row[:, :3] = to_unit(row[:, :3], "mm")
-        row[:, 3] = moved.turn
-        rows.append(row)
-    return bodies, np.stack(rows, axis=1)
+        owner, kind = layout.motions.split(name)
+        upright = layout.motions.upright(name)
+        x, second = layout.motions.of(name, {}).hinge
+        hinge = (x, 0.0, second) if upright else (x, second, 0.0)
+        antenna = owner if kind in ("antenna", "crank") else of_leg.get(owner, "")
+        bodies.append(
+            {"name": name, "upright": upright, "hinge_mm": _mm(hinge), "antenna": antenna}
+        )
+    return bodies
 
 
-def _ends(layout: RobotLayout, angles: Angles) -> Floats:
-    """Hooks of all bands (n, K, 4) [mm]."""
-    ends = [
-        [
-            layout.motions.of(body, angles).of(point)
-            for body, point in zip(band.bodies, (band.p, band.q), strict=True)
-        ]
-        for band in layout.bands
-    ]
-    return to_unit(np.stack([np.column_stack(both) for both in ends], axis=1), "mm")
+def moved(layout: RobotLayout, names: Sequence[str], angles: Angles) -> Floats:
+    """Shifts x, y, z [mm] and rotations [rad] (n, B, 4) of bodies about their hinges."""
+    found = layout.motions.table(names, angles)
+    found[:, :, :3] = to_unit(found[:, :, :3], "mm")
+    return found
 
 
-def _tensions(layout: RobotLayout, angles: Angles) -> Floats:
-    """Tensions of all bands (n, K) as fractions of the greatest of any [1]."""
-    greatest = max(drawing.greatest_tension(layout.cell(band)) for band in layout.bands)
-    columns = []
-    for one in layout.bands:
-        cell = layout.cell(one)
-        band, theta = cell.bands[one.number], angles[one.leg, one.cell % 2]
-        columns.append(np.abs(band.tension(band.length(theta, cell.lever))))
-    return np.stack(columns, axis=1) / (greatest or 1.0)
+def _tensions(layout: RobotLayout, robots: Sequence[Robot], poses: Sequence[Angles]) -> Floats:
+    """Tensions of all bands (s, n, K) as fractions of the greatest of any [1]."""
+    greatest, rows = 0.0, list[Floats]()
+    for robot, angles in zip(robots, poses, strict=True):
+        columns = list[Floats]()
+        for one in layout.bands:
+            cell = robot.leg(one.leg).chain.levers[one.cell % 2]
+            band, theta = cell.bands[one.number], angles[one.leg, one.cell % 2]
+            columns.append(np.abs(band.tension(band.length(theta, cell.lever))))
+            greatest = max(greatest, drawing.greatest_tension(cell))
+        rows.append(np.stack(columns, axis=1))
+    return np.stack(rows) / (greatest or 1.0)
