@@ -78,6 +78,15 @@ def test_twelve_cells_have_twelve_lines_in_the_legend():
     assert len([text for text in legend_of(figure) if text.endswith("mm")]) == 12
 
 
+def test_parts_that_can_be_cut_have_the_same_colours_in_a_drawing_and_in_a_video():
+    pytest.importorskip("mujoco")
+    from stepwell.figures.robots.build import _COLOURS
+    from stepwell.simulation.solids import COLOURS
+
+    for role, colour in COLOURS.items():
+        assert colour[:3] == pytest.approx(to_rgb(_COLOURS[role]), abs=0.006), role
+
+
 @pytest.mark.parametrize("robot", [explorer(), three_cells(), files.preset("robot-explorer")])
 def test_a_robot_has_the_same_colours_in_a_picture_and_in_a_video(robot):
     pytest.importorskip("mujoco")

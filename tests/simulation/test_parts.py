@@ -11,6 +11,7 @@ pytest.importorskip("mujoco")
 import stepwell as sw
 from robot.made import parts
 from robot.robots import BACKWARD, FORWARD, VIA_01, cell, explorer, robot
+from stepwell.build import MotionSweep, RobotBuild
 from stepwell.robot import Arena, Blocks, Drive, Leg, Robot, RobotParts, Wall, with_parts
 from stepwell.simulation import Linkage, Settings, Walk, mjcf, walk
 from stepwell.simulation.live import FRAMES, SLACK, LiveParts, tension_colour
@@ -216,3 +217,32 @@ def test_rail_friction_is_felt_by_the_inner_cell_alone():
     model = spec(acrylic(0.020, rail_friction=0.1)).compile()
     held = {model.joint(int(i)).name for i in np.flatnonzero(model.dof_frictionloss[6:]) + 1}
     assert held == {"left.inner.block", "right.inner.block"}
+
+
+def test_a_robot_of_a_build_shows_cords_and_bands_as_loops_around_hooks_below_their_caps():
+    pytest.importorskip("manifold3d")
+    built = sw.build(sw.preset("robot-antennas"), swept=MotionSweep(True, (), (), (), 0, 0))
+    assert isinstance(built, RobotBuild)
+    one = built.robot
+    model, data = model_of(one)
+    live = LiveParts(model)
+    live.update(data)
+    mujoco.mj_forward(model, data)
+    body = data.xpos[model.body("body").id]
+    assert [*parts_of(one).cords] == ["left", "right"]
+    for antenna, ends in parts_of(one).cords.items():
+        sites = [data.site(f"drawn cord {antenna} {k}").xpos - body for k in (1, 2)]
+        # Anchors slide on a line, cranks turn on an arc.
+        assert np.abs(np.array(sites) - [point for _, point in ends]).max() < 1e-3
+    shapes = parts_of(one).shapes
+    below = min(shape.vertices[:, 2].min() for shape in shapes if shape.part.startswith("cap "))
+    bands = [model.tendon(i).name for i in live.bands]
+    assert len(bands) == len(built.layout.bands) == 4
+    for name, strands in zip(bands, live.drawn, strict=True):
+        assert model.tendon_rgba[model.tendon(name).id, 3] == 0 and len(strands) == 2
+        ends = [[data.site(f"strand of {name} {k}.{end}").xpos for end in "pq"] for k in (1, 2)]
+        assert np.linalg.norm(np.subtract(*ends), axis=1) == pytest.approx(0.005, abs=1e-6)
+        assert np.array(ends)[..., 2].max() - body[2] < below
+        tension = live.tension(model.tendon(name).id, data)
+        for strand in strands:
+            assert model.tendon_rgba[strand] == pytest.approx(tension_colour(tension / live.most))

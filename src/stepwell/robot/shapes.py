@@ -8,7 +8,7 @@ the antennas are at rest.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -138,14 +138,18 @@ class RobotParts(ByValue):
         material: of the sheet, as "acrylic-3mm".
         hinges: a point (3,) [m] on the vertical axis of each lever and crank, by the body's name.
             A lever turns there on the block nearer to the body, a crank on the body.
+        cords: the two ends of each cord from an antenna to its crank, by the antenna's name: a body
+            and a point (3,) [m] of it.
     """
 
     shapes: Sequence[Shape]
     masses: Sequence[BodyMass]
     material: str
     hinges: Mapping[str, Vec3]
+    cords: Mapping[str, tuple[tuple[str, Vec3], tuple[str, Vec3]]] = field(default_factory=dict)
 
     def __post_init__(self):
+        object.__setattr__(self, "cords", ReadOnly(self.cords))
         object.__setattr__(self, "shapes", tuple(self.shapes))
         object.__setattr__(self, "masses", tuple(self.masses))
         names = [one.body for one in self.masses]
@@ -159,6 +163,7 @@ class RobotParts(ByValue):
         for what, given in (
             ("shapes", [shape.body for shape in self.shapes]),
             ("hinges", [*hinges]),
+            ("cords", [body for ends in self.cords.values() for body, _ in ends]),
         ):
             unknown = sorted(set(given) - set(names))
             if unknown:

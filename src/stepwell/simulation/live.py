@@ -10,6 +10,7 @@ import numpy as np
 
 from stepwell.base import Floats
 from stepwell.simulation.simulator import Model, mujoco
+from stepwell.simulation.solids import STRANDS
 
 # Slack to the largest tension: dark blue, grey, yellow of "cividis", the shades of the figures,
 # which also readers who do not see red or green can order.
@@ -48,7 +49,13 @@ class LiveParts:
         mujoco.mj_kinematics(model, data)
         mujoco.mj_tendon(model, data)
         names = [model.tendon(i).name for i in range(model.ntendon)]
-        self.bands = [i for i, name in enumerate(names) if ".band" in name]
+        strands = {i: name for i, name in enumerate(names) if name.startswith(STRANDS)}
+        self.bands = [i for i, name in enumerate(names) if ".band" in name and i not in strands]
+        # What has the colour of each band: its strands, if they are drawn.
+        self.drawn = [
+            [k for k, one in strands.items() if one[len(STRANDS) :].rpartition(" ")[0] == names[i]]
+            for i in self.bands
+        ]
         self.most = max((self.tension(i, data) for i in self.bands), default=0.0) or 1.0
         mujoco.mj_resetDataKeyframe(model, data, 0)
         mujoco.mj_kinematics(model, data)
@@ -97,8 +104,9 @@ class LiveParts:
             )
             data.mocap_pos[mocap], data.mocap_quat[mocap] = at, turn
         mujoco.mj_kinematics(model, data)
-        for band in self.bands:
-            model.tendon_rgba[band] = tension_colour(self.tension(band, data) / self.most)
+        for band, strands in zip(self.bands, self.drawn, strict=True):
+            colour = tension_colour(self.tension(band, data) / self.most)
+            model.tendon_rgba[strands or band] = colour
         self._light(data)
 
     def _light(self, data: Any) -> None:

@@ -169,8 +169,8 @@ def _options(model: Any, robot: Robot, settings: Settings) -> None:
 
 def scenery(model: Any) -> None:
     """Add the floor, named "floor", the sky, and the look of a picture."""
-    model.visual.headlight.ambient = (0.42, 0.42, 0.43)
-    model.visual.headlight.diffuse = (0.18, 0.18, 0.18)
+    model.visual.headlight.ambient = (0.48, 0.48, 0.49)
+    model.visual.headlight.diffuse = (0.20, 0.20, 0.20)
     model.visual.headlight.specular = (0.0, 0.0, 0.0)
     model.visual.quality.shadowsize, model.visual.quality.offsamples = 4096, 4
     model.visual.global_.offwidth, model.visual.global_.offheight = 1920, 1080
@@ -189,8 +189,8 @@ def scenery(model: Any) -> None:
         width=256,
         height=256,
         builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
-        rgb1=(0.96, 0.96, 0.95),
-        rgb2=(0.91, 0.92, 0.92),
+        rgb1=(0.93, 0.93, 0.92),
+        rgb2=(0.88, 0.89, 0.89),
     )
     role = mujoco.mjtTextureRole
     layers = ["floor" if i == role.mjTEXROLE_RGB else "" for i in range(role.mjNTEXROLE)]
@@ -211,7 +211,7 @@ def _light(body: Any) -> None:
         dir=towards,
         mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACKCOM,
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
-        diffuse=(0.45, 0.45, 0.44),
+        diffuse=(0.55, 0.55, 0.54),
         specular=(0.2, 0.2, 0.2),
         castshadow=True,
     )

@@ -13,27 +13,31 @@ import numpy as np
 from stepwell.base import Floats
 from stepwell.robot import BodyMass, PartRole, Robot, Shape, joined_solids
 from stepwell.simulation import parts
-from stepwell.simulation.leg import cell_joints, in_body, sides
+from stepwell.simulation.leg import band_height, cell_joints, in_body, sides
 from stepwell.simulation.simulator import Linkage, Model, Settings, mujoco
 
-# The colours of the layers of a build: blocks, carriage and links differ, also for readers who do
-# not see red or green.
+# The colours of the figures, which a test compares: readers who do not see red or green can tell
+# blocks, carriage and links apart.
 COLOURS: dict[PartRole, parts.Colour] = {
-    PartRole.BODY: (0.80, 0.81, 0.83, 1.0),
+    PartRole.BODY: (0.66, 0.66, 0.66, 1.0),
     PartRole.CARRIAGE: (0.84, 0.37, 0.00, 1.0),
     PartRole.MIDDLE_BLOCK: (0.00, 0.45, 0.70, 1.0),
     PartRole.OUTER_BLOCK: (0.00, 0.62, 0.45, 1.0),
     PartRole.LEVER: parts.LEVER,
-    PartRole.LINK: (0.33, 0.31, 0.60, 1.0),
-    PartRole.FOOT: (0.05, 0.05, 0.05, 1.0),
+    PartRole.LINK: (0.80, 0.47, 0.65, 1.0),
+    PartRole.FOOT: parts.LEVER,
     PartRole.ANTENNA: parts.ANTENNA,
     PartRole.CRANK: parts.ANTENNA,
-    PartRole.PIN: (0.60, 0.60, 0.62, 1.0),
-    PartRole.ACTUATOR: (0.30, 0.31, 0.34, 1.0),
-    PartRole.BATTERY: (0.20, 0.26, 0.33, 1.0),
-    PartRole.SUPPORT: (0.62, 0.64, 0.67, 1.0),
+    PartRole.PIN: (0.54, 0.54, 0.54, 1.0),
+    PartRole.ACTUATOR: (0.30, 0.30, 0.30, 1.0),
+    PartRole.BATTERY: (0.30, 0.30, 0.30, 1.0),
+    PartRole.SUPPORT: (0.66, 0.66, 0.66, 1.0),
 }
+CORD = 0.0005  # radius of a drawn cord [m]
+STRAND = 0.0010  # radius of a drawn strand of a band [m]
 FLOOR = parts.STANDS["conaffinity"]
+# Beginning of the names of lines that only draw a strand of a band.
+STRANDS = "strand of "
 # A point mass has this radius of gyration [m], since MuJoCo refuses bodies without inertia.
 POINT = 1e-3
 
@@ -158,6 +162,40 @@ def _draw(
         )
         look = {"rgba": COLOURS[shape.colour], "mass": 0.0, **parts.SEEN}
         _add_mesh(spec, body, f"part {number + 1}", shape, vertices, **look)
+    for antenna, ends in robot.made.cords.items():
+        for number, (name, point) in enumerate(ends):
+            at = np.array(point) - _near(robot, name) if name in followers else None
+            holder = followers.get(name) or where[name][0].name
+            x, y, z = poses.inside(holder, np.array(point)) if at is None else at
+            parts.site(spec.body(holder), f"drawn cord {antenna} {number + 1}", (x, y, z))
+        sites = [f"drawn cord {antenna} {number}" for number in (1, 2)]
+        parts.between(spec, f"drawn cord {antenna}", sites, width=CORD, rgba=parts.LEVER)
+    _add_strands(spec, robot)
+
+
+def _add_strands(spec: Any, robot: Robot) -> None:
+    """Draw each band as the two strands of a loop around its hooks, below their caps.
+
+    The strands lie beside the hooks along the stroke, since bands are across it midway.
+    """
+    assert robot.made is not None
+    hooks = [shape for shape in robot.made.shapes if shape.part.startswith("hook ")]
+    caps = [shape for shape in robot.made.shapes if shape.part.startswith("cap ")]
+    if not hooks or not caps:
+        return
+    below = min(float(shape.vertices[:, 2].min()) for shape in caps)
+    beside = float(np.ptp(hooks[0].vertices[:, 0])) / 2.0 + STRAND
+    down = below - STRAND - band_height(robot)
+    for band in [tendon for tendon in spec.tendons if ".band" in tendon.name]:
+        for number, side in enumerate((beside, -beside)):
+            name = f"{STRANDS}{band.name} {number + 1}"
+            for end in "pq":
+                own = spec.site(f"{band.name}.{end}")
+                x, y, z = own.pos + np.array((side, 0.0, down))
+                parts.site(own.parent, f"{name}.{end}", (x, y, z))
+            look = {"width": STRAND, "rgba": band.rgba}
+            parts.between(spec, name, [f"{name}.p", f"{name}.q"], **look)
+        band.rgba = parts.HIDDEN
 
 
 def _set_masses(

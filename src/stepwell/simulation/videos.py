@@ -35,7 +35,8 @@ GIF_WIDTH = 480
 GIF_COLOURS = 192
 EDGE = 0.25  # reach of the antennas beyond the body's origin [m]
 LIFTED = 0.06  # height of the labels over the floor [m] ...
-OUTSIDE = 0.06  # ... and their distance from the leg [m]
+OUTSIDE = 0.06  # ... and their distance from the leg [m] ...
+FURTHER = 0.02  # ... beyond blocks that are made of parts [m]
 INSET = 0.36  # width of the inset over that of the picture [1]
 INCH = 0.0254  # [m]
 
@@ -225,7 +226,8 @@ def _reach(model: Model) -> float:
 def _outline(model: Model, walk: Walk) -> base.Floats:
     """(n, 3) points round a robot and its labels [m], in all directions that it takes."""
     x, y, z = _corners(model).T
-    beside = [label_place(leg, out) for leg in walk.robot.legs for out in (0.0, OUTSIDE)]
+    robot = walk.robot
+    beside = [point for leg in robot.legs for point in (label_place(robot, leg), (*leg.at, LIFTED))]
     x, y, z = np.concatenate([[x, y, z], np.array(beside).T], axis=1)
     turns = walk.yaw - walk.yaw[0]
     turned = [
@@ -235,8 +237,9 @@ def _outline(model: Model, walk: Walk) -> base.Floats:
     return np.concatenate(turned)
 
 
-def label_place(leg: Leg, outside: float = OUTSIDE) -> parts.Vec3:
+def label_place(robot: Robot, leg: Leg) -> parts.Vec3:
     """Place of a leg's label in the frame of the body [m]."""
+    outside = OUTSIDE + (FURTHER if robot.made else 0.0)
     return leg.at[0] - 0.02, leg.at[1] + leg.side * outside, LIFTED
 
 
@@ -313,7 +316,7 @@ class Labels:
         points = []
         for leg in self.robot.legs:
             turned = np.empty(3)
-            mujoco.mju_rotVecQuat(turned, np.array(label_place(leg)), pose[3:7])
+            mujoco.mju_rotVecQuat(turned, np.array(label_place(self.robot, leg)), pose[3:7])
             points.append(turned + pose[:3] * [1.0, 1.0, 0.0])
         places = self._apart(camera.pixels(np.array(points), pose[:3]))
         for leg, (x, y), each in zip(self.robot.legs, places, fractions, strict=True):

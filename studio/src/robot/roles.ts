@@ -14,8 +14,8 @@ const ROLES: Record<string, string> = {
   antenna: "#e69f00",
   crank: "#e69f00",
   pin: "#8a8a8a",
-  actuator: "#8a8a8a",
-  battery: "#8a8a8a",
+  actuator: "#4d4d4d",
+  battery: "#4d4d4d",
   support: "#a8a8a8",
 };
 const [INK, WHITE] = ["#222222", "#e8e6e1"];

@@ -267,7 +267,7 @@ def carriage(make: Maker, legs: list[LegMaker]) -> None:
             "rod",
             "",
             "carriage",
-            PartRole.ACTUATOR,
+            PartRole.PIN,
             (plan.bar_middle - 4e-3, -half, axis - half),
             (inside, half, axis + half),
             actuator.rod_mass,

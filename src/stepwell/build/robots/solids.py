@@ -33,7 +33,8 @@ def robot_parts(layout: RobotLayout, material: str) -> RobotParts:
     names = body_names(layout.robot)
     shapes = [*_drawn(layout), *_colliding(layout)]
     masses = [body_mass(layout, name) for name in names]
-    return RobotParts(shapes, masses, material, _hinges(layout, names))
+    cords = {one.antenna: ((one.hub, one.start), (one.crank, one.end)) for one in layout.cords}
+    return RobotParts(shapes, masses, material, _hinges(layout, names), cords)
 
 
 def _hinges(layout: RobotLayout, names: Sequence[str]) -> dict[str, tuple[float, float, float]]:

@@ -27,6 +27,8 @@ YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 
 LOADING, UNLOADING = BLUE, VERMILLION
 INK, FAINT, BLOCK, FIXED_BLOCK = "#222222", "#8A8A8A", "#DCDCDC", "#A8A8A8"
+# Bought boxes of a robot: actuator, battery, board.
+BOUGHT = "#4D4D4D"
 # Shade of the phases of an element.
 PHASE = "#E9E9E9"
 

@@ -31,8 +31,8 @@ _COLOURS: dict[str, str] = {
     PartRole.FOOT: style.INK,
     PartRole.ANTENNA: style.ORANGE,
     PartRole.CRANK: style.ORANGE,
-    PartRole.ACTUATOR: style.FAINT,
-    PartRole.BATTERY: style.FAINT,
+    PartRole.ACTUATOR: style.BOUGHT,
+    PartRole.BATTERY: style.BOUGHT,
     PartRole.PIN: style.FAINT,
 }
 _PALE = 0.25
