@@ -16,8 +16,8 @@ from stepwell.simulation import parts
 from stepwell.simulation.leg import band_height, cell_joints, in_body, sides
 from stepwell.simulation.simulator import Linkage, Model, Settings, mujoco
 
-# The colours of the figures, which a test compares: readers who do not see red or green can tell
-# blocks, carriage and links apart.
+# The colours of the figures, which a test compares: blocks, carriage and links differ, also for
+# readers who do not see red or green.
 COLOURS: dict[PartRole, parts.Colour] = {
     PartRole.BODY: (0.66, 0.66, 0.66, 1.0),
     PartRole.CARRIAGE: (0.84, 0.37, 0.00, 1.0),
