@@ -24,6 +24,8 @@ const FOLLOW_MS = 120;
 const REST_MS = 400;
 // After the answer to a move, when the hand counts as still: panels wait for it.
 const STILL_MS = 150;
+// So long a move waits to be drawn together with its answer, which most often is there before.
+const TOGETHER_MS = 50;
 
 /** What is asked of a design whenever it has changed. */
 export interface Follower {
@@ -140,6 +142,11 @@ class Studio {
   private resting = 0;
   private following = 0;
   private stopping = 0;
+  /** The design of a move that is asked and not drawn yet, and when it is drawn at the latest. */
+  private ahead: Design | null = null;
+  private drawing = 0;
+  /** Number of the last request whose design is drawn. */
+  private drawn = 0;
   private readonly wire: Wire;
 
   constructor() {
@@ -264,8 +271,17 @@ class Studio {
     return { design: this.design!, leg: this.leg, opened: this.opened };
   }
 
+  /** Draws the design of the last move, whether its answer is there or not. */
+  private catchUp(): void {
+    window.clearTimeout(this.drawing);
+    if (this.ahead) this.design = this.ahead;
+    this.ahead = null;
+    this.drawn = this.asked;
+  }
+
   /** Remembers the present design for undo; changes of one name in quick succession are one step. */
   mark(run = ""): void {
+    this.catchUp();
     if (!this.design) return;
     this.history.mark(this.step, run);
     this.counted();
@@ -283,17 +299,22 @@ class Studio {
     if (!this.marked) this.mark();
     this.marked = true;
     this.moving = true;
-    this.show(design);
+    if (!this.ahead) this.drawing = window.setTimeout(() => this.catchUp(), TOGETHER_MS);
+    this.ahead = design;
+    this.changed();
+    this.evaluate(design);
   }
 
   /** Ends a drag; the design stays as it is. */
   endDrag(): void {
+    this.catchUp();
     this.dragging = null;
     this.moving = false;
   }
 
   /** Ends a drag; the design is the one before it. */
   cancelDrag(): void {
+    this.catchUp();
     this.dragging = null;
     this.moving = false;
     const before = this.marked && this.history.cancel();
@@ -324,12 +345,18 @@ class Studio {
 
   /** The design while it is dragged; what was marked before is what undo comes back to. */
   show(design: Design): void {
+    this.catchUp();
     this.design = design;
     this.counted();
+    this.changed();
+    this.evaluate(design);
+  }
+
+  /** The present design is kept after a rest. */
+  private changed(): void {
     this.busy = this.unsaved = true;
     window.clearTimeout(this.saving);
     this.saving = window.setTimeout(() => this.save(), 250);
-    this.evaluate();
   }
 
   /** Of a robot, another leg. */
@@ -338,7 +365,7 @@ class Studio {
     this.at = 0;
     this.views = {};
     this.plan = null;
-    this.evaluate();
+    this.evaluate(this.design);
   }
 
   /** Asks what follows the design and is not known of it yet. */
@@ -477,21 +504,24 @@ class Studio {
     follow();
   }
 
-  private evaluate(): void {
+  private evaluate(design: Design | null): void {
     if (this.way) this.leave();
-    this.fresh = new Set();
+    if (this.fresh.size) this.fresh = new Set();
     this.underWay.clear();
     window.clearTimeout(this.resting);
     window.clearTimeout(this.stopping);
     for (const { type } of this.followers()) this.wire.cancel(type);
     this.busy = true;
-    this.asked = this.wire.ask("evaluate", this.design, this.leg, this.moving ? { moves: true } : {}, (view) =>
-      this.answered(view),
+    this.asked = this.wire.ask("evaluate", design, this.leg, this.moving ? { moves: true } : {}, (view) =>
+      this.answered(view, design),
     );
   }
 
-  private answered(view: View): void {
+  private answered(view: View, design: Design | null): void {
     this.known = view.seq;
+    // Each move is drawn with its own answer.
+    if (view.seq === this.asked) this.catchUp();
+    else if (this.ahead && view.seq > this.drawn) this.design = design;
     this.calm();
     window.clearTimeout(this.stopping);
     if (this.moving) this.stopping = window.setTimeout(() => (this.moving = false), STILL_MS);
