@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
-from itertools import zip_longest
+from itertools import pairwise, zip_longest
 from typing import NamedTuple
 
 import numpy as np
@@ -177,52 +177,43 @@ class _Moved(NamedTuple):
     before: tuple[float, ...]
     after: tuple[float, ...]
 
-    @classmethod
-    def of(cls, movers: Floats) -> "_Moved":
-        """Columns of rows of the log."""
-        whole = logged.CELL, logged.SHEET_0, logged.SHEET_1
-        numbers = (tuple(column) for column in movers[:, whole].astype(int).T.tolist())
-        travels = (tuple(movers[:, one].tolist()) for one in (logged.TRAVEL_0, logged.TRAVEL_1))
-        return cls(*numbers, *travels)
-
 
 def segments_of(
     log: logged.Log, start: tuple[float, ...], problem: Callable[[], state.DrivenChain]
 ) -> Iterator[Segment]:
     """Segments of a log in order; `problem` is called where cells follow without a row."""
-    for row, moved, _ in _walk(log, start, problem):
-        yield _segment(row, moved)
+    for row, moved in zip(log.segments.tolist(), _moved(log, start, problem), strict=True):
+        kind, cause, near = _KINDS[int(row[logged.KIND])], None, (math.inf, math.inf, 0.0)
+        if kind is SegmentKind.SNAP:
+            cause = _CAUSES.get(int(row[logged.CAUSE]), Cause.FOLD)
+            near = row[logged.NEAR_FORCE], row[logged.NEAR_TRAVEL], row[logged.ERROR]
+        drive = row[logged.DRIVE_0], row[logged.DRIVE_1]
+        force = row[logged.FORCE_0], row[logged.FORCE_1]
+        moves = moved.cells, moved.before, moved.after
+        sheets = moved.sheets_before, moved.sheets_after
+        direction = int(row[logged.DIRECTION])
+        heat, tie, decided = row[logged.RELEASED], row[logged.TIE_A] >= 0, int(row[logged.DECIDED])
+        what = kind, direction, drive, force
+        yield Segment(*what, *moves, *sheets, heat, tie, cause, *near, _DECIDED.get(decided))
 
 
-def _walk(
+def _moved(
     log: logged.Log, start: tuple[float, ...], problem: Callable[[], state.DrivenChain]
-) -> Iterator[tuple[list[float], _Moved, Floats]]:
-    """The row of every segment, what moves, and (N,) travels before it [m], which then change."""
+) -> Iterator[_Moved]:
+    """What moves in every segment."""
+    rows, first = log.movers, log.first
+    if follow := int(np.count_nonzero(log.segments[:, logged.FOLLOW])):
+        rows = np.empty((len(rows) + follow * len(start), logged.MOVER_COLUMNS))
+        first = np.empty_like(first)
+        rows = rows[: state.all_moved(problem(), log, np.array(start), rows, first)]
     # Slices of lists: most segments have one mover or two, for which arrays take longer.
-    named, first, now = _Moved.of(log.movers), log.first.tolist(), np.array(start)
-    for k, row in enumerate(log.segments.tolist()):
-        if row[logged.FOLLOW]:
-            moved = _Moved.of(state.moved(problem(), log, k, now))
-        else:
-            moved = _Moved._make(column[first[k] : first[k + 1]] for column in named)
-        yield row, moved, now
-        for cell, travel in zip(moved.cells, moved.after, strict=True):
-            now[cell] = travel
-
-
-def _segment(row: list[float], moved: _Moved) -> Segment:
-    kind, cause, near = _KINDS[int(row[logged.KIND])], None, (math.inf, math.inf, 0.0)
-    if kind is SegmentKind.SNAP:
-        cause = _CAUSES.get(int(row[logged.CAUSE]), Cause.FOLD)
-        near = row[logged.NEAR_FORCE], row[logged.NEAR_TRAVEL], row[logged.ERROR]
-    drive = row[logged.DRIVE_0], row[logged.DRIVE_1]
-    force = row[logged.FORCE_0], row[logged.FORCE_1]
-    moves = moved.cells, moved.before, moved.after
-    sheets = moved.sheets_before, moved.sheets_after
-    direction = int(row[logged.DIRECTION])
-    heat, tie, decided = row[logged.RELEASED], row[logged.TIE_A] >= 0, int(row[logged.DECIDED])
-    what = kind, direction, drive, force
-    return Segment(*what, *moves, *sheets, heat, tie, cause, *near, _DECIDED.get(decided))
+    whole = logged.CELL, logged.SHEET_0, logged.SHEET_1
+    columns = rows[:, whole].astype(int).T.tolist()
+    columns += [rows[:, one].tolist() for one in (logged.TRAVEL_0, logged.TRAVEL_1)]
+    cells, on, onto, before, after = map(tuple, columns)
+    ends = first.tolist()
+    for a, b in pairwise(ends):
+        yield _Moved(cells[a:b], on[a:b], onto[a:b], before[a:b], after[a:b])
 
 
 # The phase of a cell that is in transit.
@@ -276,40 +267,50 @@ def events_of(
     chain: Chain,
 ) -> Iterator[Event]:
     """Switches and snaps of a log; `problem` is called where cells follow without a row."""
-    stretches = chain.stretches
-    for k, (row, moved, travels) in enumerate(_walk(log, start, problem)):
+    stretches, travels = chain.stretches, np.array(start)
+    moves = zip(log.segments.tolist(), _moved(log, start, problem), strict=True)
+    for k, (row, moved) in enumerate(moves):
         arrived = [change for change in changes.get(k, ()) if change[1] != TRANSIT]
-        if int(row[logged.KIND]) == logged.SNAP:
-            stroke = float(travels.sum())
-            yield _snap(_segment(row, moved), stroke, tuple(arrived), chain.measure)
-        elif arrived:
-            now = travels.copy()
-            now[[*moved.cells]] = moved.after
-            for cell, phase in arrived:
-                _, low, high = stretches[cell][phase]
-                cause = Cause.STOP if low == high else Cause.TURN
-                what = (cell, phase), cause, chain.measure
-                yield _switch(_segment(row, moved), float(now.sum()), *what)
+        snaps = int(row[logged.KIND]) == logged.SNAP
+        if snaps:
+            yield _snap(row, moved, float(travels.sum()), tuple(arrived), chain.measure)
+        for cell, travel in zip(moved.cells, moved.after, strict=True):
+            travels[cell] = travel
+        for cell, phase in () if snaps else arrived:
+            _, low, high = stretches[cell][phase]
+            what = (cell, phase), Cause.STOP if low == high else Cause.TURN, chain.measure
+            yield _switch(row, moved, float(travels.sum()), *what)
 
 
 def _snap(
-    segment: Segment, stroke: float, arrived: tuple[tuple[int, int], ...], measure: Measure
+    row: list[float],
+    moved: _Moved,
+    stroke: float,
+    arrived: tuple[tuple[int, int], ...],
+    measure: Measure,
 ) -> Event:
-    assert segment.cause is not None
-    what = EventKind.SNAP, segment.cause, segment.drive[0], stroke, segment.direction
-    moves = segment.cells, segment.before, segment.after
-    sheets = segment.sheets_before, segment.sheets_after
-    rest = segment.released, arrived, segment.tie, measure
-    near = segment.distance_force, segment.distance_travel, segment.error, segment.decided
-    return Event(*what, *moves, *sheets, *segment.force, *rest, *near)
+    cause = _CAUSES.get(int(row[logged.CAUSE]), Cause.FOLD)
+    direction, tie = int(row[logged.DIRECTION]), row[logged.TIE_A] >= 0
+    what = EventKind.SNAP, cause, row[logged.DRIVE_0], stroke, direction
+    moves = moved.cells, moved.before, moved.after, moved.sheets_before, moved.sheets_after
+    forces = row[logged.FORCE_0], row[logged.FORCE_1]
+    rest = row[logged.RELEASED], arrived, tie, measure
+    near = row[logged.NEAR_FORCE], row[logged.NEAR_TRAVEL], row[logged.ERROR]
+    return Event(*what, *moves, *forces, *rest, *near, _DECIDED.get(int(row[logged.DECIDED])))
 
 
 def _switch(
-    segment: Segment, stroke: float, arrived: tuple[int, int], cause: Cause, measure: Measure
+    row: list[float],
+    moved: _Moved,
+    stroke: float,
+    arrived: tuple[int, int],
+    cause: Cause,
+    measure: Measure,
 ) -> Event:
-    m = segment.cells.index(arrived[0])
-    sheet = (segment.sheets_after[m],)
-    what = EventKind.SWITCH, cause, segment.drive[1], stroke, segment.direction
-    moves = (arrived[0],), (segment.before[m],), (segment.after[m],)
-    forces = segment.force[1], segment.force[1]
-    return Event(*what, *moves, sheet, sheet, *forces, 0.0, (arrived,), segment.tie, measure)
+    m = moved.cells.index(arrived[0])
+    sheet = (moved.sheets_after[m],)
+    direction, tie = int(row[logged.DIRECTION]), row[logged.TIE_A] >= 0
+    what = EventKind.SWITCH, cause, row[logged.DRIVE_1], stroke, direction
+    moves = (arrived[0],), (moved.before[m],), (moved.after[m],)
+    forces = row[logged.FORCE_1], row[logged.FORCE_1]
+    return Event(*what, *moves, sheet, sheet, *forces, 0.0, (arrived,), tie, measure)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import Floats, Ints
-from stepwell.kernels import kernel, leaf, record
+from stepwell.kernels import entry, kernel, leaf, record
 from stepwell.mechanism import BEFORE, BEYOND, FIRST, HIGH, LOW, Laws, Sheets, beyond, law, summed
 from stepwell.statics.following import log as logged, pieces as cutting
 from stepwell.statics.following.log import Pair, add_mover, add_row
@@ -220,6 +220,22 @@ def moved(problem: DrivenChain, log: logged.Log, k: int, travel: Floats) -> Floa
         rows[count, logged.TRAVEL_1] = cutting.invert(problem.laws, pieces, i, piece, force)
         count += 1
     return rows[np.argsort(rows[:, logged.CELL])]
+
+
+@entry()
+def all_moved(
+    problem: DrivenChain, log: logged.Log, travel: Floats, rows: Floats, first: Ints
+) -> int:
+    """Fill the rows of `moved` of all segments, and where each begins; (N,) `travel` then ends."""
+    at = 0
+    for k in range(log.used[0]):
+        first[k] = at
+        for row in moved(problem, log, k, travel):
+            rows[at] = row
+            travel[int(row[logged.CELL])] = row[logged.TRAVEL_1]
+            at += 1
+    first[log.used[0]] = at
+    return at
 
 
 @leaf
