@@ -108,7 +108,9 @@ class Studies {
 
   private again(after: number): void {
     window.clearTimeout(this.timer);
-    if (this.watching) this.timer = window.setTimeout(() => this.look(), after);
+    // A hand that moves the design comes first.
+    const next = (): void => (studio.moving ? this.again(SOON) : this.look());
+    if (this.watching) this.timer = window.setTimeout(next, after);
   }
 }
 
