@@ -163,7 +163,7 @@ def test_a_session_answers_without_its_process(monkeypatch):
 
     async def answers() -> list[dict[str, Any]]:
         with ThreadPoolExecutor(1) as threads:
-            one = session.Session(sent.put, threads, None)
+            one = session.Session(sent.put, threads, aside.Workers(), None)
             answering = asyncio.create_task(one.answer())
             headers: list[dict[str, Any]] = []
             for kind in ("evaluate", "graph"):
@@ -178,3 +178,16 @@ def test_a_session_answers_without_its_process(monkeypatch):
         evaluated, drawn = apart.submit(asyncio.run, answers()).result()
     assert evaluated["sequence"] == "00>10>11>01>00"
     assert drawn["ended"]
+
+
+def test_a_process_that_waits_is_left_to_the_next_page_and_one_that_works_is_ended(monkeypatch):
+    ended: list[aside.WorkerProcess] = []
+    monkeypatch.setattr(aside.WorkerProcess, "close", lambda self: ended.append(self))
+    workers = aside.Workers()
+    waiting, working = workers.take("yield"), workers.take("yield")
+    monkeypatch.setattr(aside.WorkerProcess, "waits", property(lambda self: self is waiting))
+    for worker in (working, waiting):
+        workers.leave("yield", worker)
+    assert ended == [working]
+    assert workers.take("yield") is waiting
+    assert workers.take("yield") not in (waiting, working)

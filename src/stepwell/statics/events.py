@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, Measure, display_unit, grouped, number, to_unit
+from stepwell.base import ByValue, Measure, display_unit, grouped, number, to_unit
 from stepwell.mechanism import Chain, Stretch, phase_at
 from stepwell.statics.following import log as logged, state
 

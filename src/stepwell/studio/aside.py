@@ -113,12 +113,17 @@ class WorkerProcess:
         self._pipe: Connection | None = None
         # Starting a process and waiting for it block a thread.
         self._thread = ThreadPoolExecutor(1, "worker")
-        self._ended = False
+        self._ended = self._works = False
+
+    @property
+    def waits(self) -> bool:
+        """Whether the process is there and has nothing to do."""
+        return not self._works and self._process is not None and self._process.is_alive()
 
     async def run(self, message: Message, report: Callable[[bytes], None]) -> bytes | None:
         """The answer to a message, None if the work was ended; `report` is called with progress."""
         loop = asyncio.get_running_loop()
-        self._ended = False
+        self._ended, self._works = False, True
         try:
             pipe = await loop.run_in_executor(self._thread, self._started)
             if self._ended:  # meanwhile
@@ -128,6 +133,7 @@ class WorkerProcess:
             while True:
                 last, data = await loop.run_in_executor(self._thread, pipe.recv)
                 if last:
+                    self._works = False
                     return data
                 report(data)
         except (EOFError, OSError):
@@ -157,6 +163,29 @@ class WorkerProcess:
         self._process, self._pipe = process, ours
         theirs.close()
         return ours
+
+
+class Workers:
+    """Processes that closed pages leave to the next one, for each type one that waits for work."""
+
+    def __init__(self) -> None:
+        self._kept: dict[str, WorkerProcess] = {}
+
+    def take(self, kind: str, nice: int = 5) -> WorkerProcess:
+        """A process for this type, with what the last page had it load."""
+        return self._kept.pop(kind, None) or WorkerProcess(nice)
+
+    def leave(self, kind: str, worker: WorkerProcess) -> None:
+        """Keep the process if it waits, and end it otherwise."""
+        if worker.waits and kind not in self._kept:
+            self._kept[kind] = worker
+        else:
+            worker.close()
+
+    def close(self) -> None:
+        """End all."""
+        while self._kept:
+            self._kept.popitem()[1].close()
 
 
 def prepare() -> None:

@@ -19,7 +19,7 @@ import platformdirs
 
 from stepwell.base import need
 from stepwell.kernels import interpret
-from stepwell.studio.aside import prepare, warm
+from stepwell.studio.aside import Workers, prepare, warm
 from stepwell.studio.guard import App, Guard, kept_token
 from stepwell.studio.message import LONGEST_MESSAGE
 from stepwell.studio.session import Session
@@ -103,7 +103,7 @@ def application(
     """The studio as an ASGI application; `ready` is called once it can answer."""
     applications = _needed("starlette.applications")
     responses, routing = _needed("starlette.responses"), _needed("starlette.routing")
-    threads = ThreadPoolExecutor(1, "studio")
+    threads, workers = ThreadPoolExecutor(1, "studio"), Workers()
     kept = Path(studies).absolute() if studies is not None else usual_studies()
 
     @asynccontextmanager
@@ -114,11 +114,12 @@ def application(
         ready()
         yield
         await asyncio.to_thread(end_studies)
+        workers.close()
         threads.shutdown(wait=False, cancel_futures=True)
 
     async def talk(websocket: Any) -> None:
         await websocket.accept()
-        await _talked(websocket, Session(websocket.send_bytes, threads, design, kept))
+        await _talked(websocket, Session(websocket.send_bytes, threads, workers, design, kept))
 
     def route(path: str, name: str) -> Any:
         kind, tag = _TYPES[name.rpartition(".")[2]], f'W/"{_digest(held[name])}"'

@@ -6,7 +6,16 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
-from stepwell.studio.aside import LONG, OWN, WorkerProcess, answered, broken, types, typical
+from stepwell.studio.aside import (
+    LONG,
+    OWN,
+    WorkerProcess,
+    Workers,
+    answered,
+    broken,
+    types,
+    typical,
+)
 from stepwell.studio.ask import View
 from stepwell.studio.message import (
     Message,
@@ -19,6 +28,7 @@ from stepwell.studio.message import (
 )
 
 CANCEL, START = "cancel", "start"
+_FAST = "fast"  # the process for all fast requests
 Send = Callable[[bytes], Awaitable[None]]  # of the socket
 
 
@@ -55,21 +65,24 @@ class Session:
     """The work for one socket.
 
     Fast requests are answered by a process with compiled code, and until it is ready in `threads`;
-    `start` has the tables of the design given to the command.
+    `start` has the tables of the design given to the command; `workers` are taken over from closed
+    pages and left to later ones.
     """
 
     def __init__(
         self,
         send: Send,
         threads: Executor,
+        workers: Workers,
         start: dict[str, Any] | None,
         studies: Path | None = None,
     ):
         self._send, self._threads = send, threads
         self._start, self._studies = start, studies
-        self._quick, self._fast = Waiting(), WorkerProcess(nice=0)
+        self._workers, self._quick = workers, Waiting()
+        self._fast = workers.take(_FAST, nice=0)
         # One process per slow type: an inverse design of minutes must not delay a yield.
-        self._long = {kind: LongWork(send) for kind in LONG}
+        self._long = {kind: LongWork(send, workers.take(kind)) for kind in LONG}
         self._types = (*types(), START, CANCEL)
 
     async def hear(self, text: str) -> None:
@@ -90,21 +103,25 @@ class Session:
 
     async def answer(self) -> None:
         """Answer queued messages until cancelled."""
-        starting = asyncio.create_task(self._fast.run(typical(), lambda _: None))
+        # Loading compiled code takes longer than the first answers without it.
+        starting = None
+        if not self._fast.waits:
+            starting = asyncio.create_task(self._fast.run(typical(), lambda _: None))
         try:
             lanes = [lane.answer() for lane in self._long.values()]
             await asyncio.gather(self._answer_quick(starting), *lanes)
         finally:
-            starting.cancel()
-            for worker in (self._fast, *(lane.aside for lane in self._long.values())):
-                worker.close()
+            if starting is not None:
+                starting.cancel()
+            self._workers.leave(_FAST, self._fast)
+            for kind, lane in self._long.items():
+                self._workers.leave(kind, lane.aside)
 
-    async def _answer_quick(self, starting: asyncio.Task[bytes | None]) -> None:
+    async def _answer_quick(self, starting: asyncio.Task[bytes | None] | None) -> None:
         loop = asyncio.get_running_loop()
         while True:
             message = await self._quick.take()
-            # Loading compiled code takes longer than the first answers without it.
-            ready = starting.done() and starting.result() is not None
+            ready = starting is None or (starting.done() and starting.result() is not None)
             if ready and message.type not in OWN:
                 data = await self._fast.run(message, lambda _: None) or broken(message)
             else:
@@ -123,8 +140,8 @@ class Session:
 class LongWork:
     """Slow requests of one type, in a separate process."""
 
-    def __init__(self, send: Send):
-        self.waiting, self.aside = Waiting(), WorkerProcess()
+    def __init__(self, send: Send, aside: WorkerProcess):
+        self.waiting, self.aside = Waiting(), aside
         self.running: Message | None = None
         self._send = send
         self._told: list[asyncio.Future[None]] = []
