@@ -11,13 +11,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from stepwell import mechanism as mech
 from stepwell.base import Floats
 from stepwell.mechanism import Laws
 from stepwell.proof import balls
 from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull, low
+from stepwell.proof.slopes import Sloped
 from stepwell.statics import DrivenChain
 
 # Half the width of the ball of a turning point, as a fraction of the travel.
@@ -37,7 +38,7 @@ class EnclosedReach(NamedTuple):
 class EnclosedCurve:
     """T of an extension: a cubic on each row, zero below the first one if it can be slack."""
 
-    def __init__(self, rows: Floats, scale: float, slack: bool):
+    def __init__(self, rows: Floats, scale: float | Ball, slack: bool):
         self._starts: list[float] = rows[:, 0].tolist()
         self._first = -1 if slack else 0
         self._k = ball(scale)
@@ -84,6 +85,13 @@ class EnclosedCurve:
             scale * (2 * c2 + 6 * c3 * x),
         )
 
+    def tension(self, e: Any) -> Any:
+        """T alone, of a ball or of one with slopes."""
+        if not isinstance(e, Sloped):
+            return self.at(e)[0]
+        value, slope, _ = self.at(e.value)
+        return e.by(value, slope)
+
     def area(self, e: Ball) -> Ball:
         """∫ T from the first row on."""
         one, two = self.rows_at(e)
@@ -101,16 +109,20 @@ def _area(row: Sequence[Ball], x: Ball) -> Ball:
 
 
 class EnclosedBand:
-    """One band of a lever cell."""
+    """One band of a lever cell; its numbers are balls, for `force` alone maybe with slopes.
 
-    def __init__(self, band: Floats, rows: Floats, two_sided: bool, lever: tuple[Ball, Ball]):
-        dx, dy, stiffness, rest = band.tolist()
-        self._r, self._sine = lever
-        self._dx, self._dy, self._rest = ball(dx), ball(dy), ball(rest)
-        r = self._r
+    Args:
+        d: q - p [m].
+        rest: ℓ0 [m].
+        lever: r [m].
+        curve: tension by extension.
+    """
+
+    def __init__(self, d: tuple[Any, Any], rest: Any, lever: Any, curve: EnclosedCurve):
+        self._dx, self._dy = dx, dy = d
+        self._r, self._rest, self.curve = lever, rest, curve
         # The 1e-30 m² are those of the engine's length.
-        self._square = r * r + self._dx * self._dx + self._dy * self._dy + ball(1e-30)
-        self.curve = EnclosedCurve(rows, stiffness, not two_sided)
+        self._square = lever * lever + dx * dx + dy * dy + ball(1e-30)
 
     def reach(self, sin: Ball, cos: Ball) -> EnclosedReach:
         """Length and slopes."""
@@ -139,6 +151,11 @@ class EnclosedBand:
         square = first * first
         bend = first * (t2 * square + 3 * h * (g1 - square)) + ratio * g2
         return ratio * g, h * first * g + ratio * g1, bend, one < two
+
+    def force(self, sin: Any, cos: Any) -> Any:
+        """F alone, with slopes where numbers have them."""
+        length, g, _, _ = self.reach(sin, cos)
+        return self.curve.tension(length - self._rest) * g / length
 
     def energy(self, sin: Ball, cos: Ball) -> Ball:
         """Stored energy."""
@@ -330,16 +347,13 @@ _ROWS, _ROWS_END, _BELOW, _ABOVE = 4, 5, 6, 7
 
 
 def _bands_of(laws: Laws, cell: int) -> list[EnclosedBand]:
-    lever = ball(float(laws.lever[cell])), ball(float(laws.sin_limit[cell]))
-    return [
-        EnclosedBand(
-            laws.band[b],
-            laws.rows[laws.band_rows[b] : laws.band_rows[b + 1]],
-            bool(laws.two_sided[b]),
-            lever,
-        )
-        for b in range(int(laws.band_first[cell]), int(laws.band_first[cell + 1]))
-    ]
+    lever, bands = ball(float(laws.lever[cell])), []
+    for b in range(int(laws.band_first[cell]), int(laws.band_first[cell + 1])):
+        dx, dy, stiffness, rest = map(ball, laws.band[b].tolist())
+        rows = laws.rows[laws.band_rows[b] : laws.band_rows[b + 1]]
+        curve = EnclosedCurve(rows, stiffness, not laws.two_sided[b])
+        bands.append(EnclosedBand((dx, dy), rest, lever, curve))
+    return bands
 
 
 def turns_of(problem: DrivenChain, sheet: int) -> tuple[list[float], list[int]]:

@@ -1,0 +1,172 @@
+"""Values with slopes by several parameters, in balls, and the largest value over a box.
+
+The bound over a box is that of the mean value form (Moore 1966). A parameter whose slope has one
+sign stands at one end of its span.
+"""
+
+import heapq
+from collections.abc import Callable, Sequence
+from itertools import count
+from typing import NamedTuple
+
+from stepwell.proof import balls
+from stepwell.proof.balls import Ball, ball, hull
+
+Span = tuple[Ball, Ball]
+# Largest number of boxes of one search.
+_MOST_BOXES = 3000
+
+
+class Sloped:
+    """A ball with balls of its slopes by parameters."""
+
+    __slots__ = ("slopes", "value")
+
+    def __init__(self, value: Ball, slopes: list[Ball]):
+        self.value, self.slopes = value, slopes
+
+    def __add__(self, other):
+        if isinstance(other, Sloped):
+            pairs = zip(self.slopes, other.slopes, strict=True)
+            return Sloped(self.value + other.value, [a + b for a, b in pairs])
+        return Sloped(self.value + other, self.slopes)
+
+    __radd__ = __add__
+
+    def __neg__(self):
+        return Sloped(-self.value, [-a for a in self.slopes])
+
+    def __sub__(self, other):
+        return self + (-other)
+
+    def __rsub__(self, other):
+        return -self + other
+
+    def __mul__(self, other):
+        if isinstance(other, Sloped):
+            a, b = self.value, other.value
+            pairs = zip(self.slopes, other.slopes, strict=True)
+            return Sloped(a * b, [x * b + a * y for x, y in pairs])
+        return Sloped(self.value * other, [a * other for a in self.slopes])
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other):
+        if isinstance(other, Sloped):
+            ratio = self.value / other.value
+            pairs = zip(self.slopes, other.slopes, strict=True)
+            return Sloped(ratio, [(x - ratio * y) / other.value for x, y in pairs])
+        return Sloped(self.value / other, [a / other for a in self.slopes])
+
+    def __rtruediv__(self, other):
+        ratio = other / self.value
+        return Sloped(ratio, [-ratio * a / self.value for a in self.slopes])
+
+    def by(self, value: Ball, slope: Ball) -> "Sloped":
+        """A function of it, by the value and the slope of the function."""
+        return Sloped(value, [slope * a for a in self.slopes])
+
+    def sqrt(self) -> "Sloped":
+        """Its square root."""
+        root = self.value.sqrt()
+        return self.by(root, 1 / (2 * root))
+
+    def cos(self) -> "Sloped":
+        """Its cosine."""
+        return self.by(self.value.cos(), -self.value.sin())
+
+    def sin(self) -> "Sloped":
+        """Its sine."""
+        return self.by(self.value.sin(), self.value.cos())
+
+
+def parameters_in(values: Sequence[Ball]) -> list[Sloped]:
+    """Each of the values as a parameter of its own."""
+    n = len(values)
+    ones = [[ball(float(k == i)) for k in range(n)] for i in range(n)]
+    return [Sloped(value, slopes) for value, slopes in zip(values, ones, strict=True)]
+
+
+class Extreme(NamedTuple):
+    """The largest value of a function over a box."""
+
+    bound: Ball  # no value is above it
+    attained: Ball  # a value, a ball around it
+    at: list[float]  # the parameters there
+
+
+Function = Callable[[Sequence[Ball]], Sloped | Ball]
+
+
+def largest(f: Function, spans: Sequence[Span], enough: float) -> Extreme:
+    """The largest value of a function of parameters over spans, to `enough` where boxes suffice.
+
+    Args:
+        f: balls of the parameters to a value, with slopes by all parameters if it is `Sloped`.
+        spans: the ends of each parameter, exact.
+        enough: difference of bound and attained value at which the search ends.
+    """
+    number = count()
+    best, at = None, [balls.number((a + b) / 2) for a, b in spans]
+    waiting: list[tuple[float, int, Ball, list[Span], int]] = []
+
+    def look(box: list[Span]) -> None:
+        nonlocal best, at
+        box, value = _collapsed(f, box)
+        middles = [balls.middle((a + b) / 2) for a, b in box]
+        centre = f(middles)
+        inside = centre.value if isinstance(centre, Sloped) else centre
+        if best is None or inside > best or balls.number(inside) > balls.number(best):
+            best, at = inside, [balls.number(middle) for middle in middles]
+        top, widest, steps = balls.high(_value(value)), -1, 0.0
+        if isinstance(value, Sloped):
+            mean = inside
+            for k, (a, b) in enumerate(box):
+                step = value.slopes[k] * ((b - a) / 2) * ball(0.0, 1.0)
+                mean = mean + step
+                size = float(step.rad()) if step.is_finite() else float("inf")
+                if size > steps:
+                    widest, steps = k, size
+            if mean.is_finite():
+                top = min(top, balls.high(mean))
+        if widest < 0:
+            widths = [float((b - a) / (q - p)) if q > p else 0.0 for (a, b), (p, q) in whole(box)]
+            widest = max(range(len(box)), key=widths.__getitem__) if box else -1
+        heapq.heappush(waiting, (-float(top), next(number), top, box, widest))
+
+    def whole(box: list[Span]):
+        return zip(box, spans, strict=True)
+
+    look(list(spans))
+    assert best is not None
+    while True:
+        _, _, top, box, widest = waiting[0]
+        spare = widest < 0 or not box[widest][1] > box[widest][0]
+        if spare or top - balls.low(best) <= enough or next(number) > _MOST_BOXES:
+            tops = [one[2] for one in waiting]
+            return Extreme(max([*tops, balls.high(best)]), best, at)
+        heapq.heappop(waiting)
+        a, b = box[widest]
+        centre = balls.middle((a + b) / 2)
+        for half in ((a, centre), (centre, b)):
+            look([*box[:widest], half, *box[widest + 1 :]])
+
+
+def _value(value: Sloped | Ball) -> Ball:
+    return value.value if isinstance(value, Sloped) else value
+
+
+def _collapsed(f: Function, box: list[Span]) -> tuple[list[Span], Sloped | Ball]:
+    """The part of a box that holds its largest value, by the signs of slopes, and f there."""
+    while True:
+        value = f([hull(a, b) for a, b in box])
+        if not isinstance(value, Sloped):
+            return box, value
+        ends: list[Span] = []
+        for (a, b), slope in zip(box, value.slopes, strict=True):
+            ends.append(
+                (b, b) if b > a and slope >= 0 else (a, a) if b > a and slope <= 0 else (a, b)
+            )
+        if ends == box:
+            return box, value
+        box = ends
