@@ -276,10 +276,12 @@ class CellBox:
     def _falls_in(self, box: list[Span]) -> bool:
         assert isinstance(self.cell, Cell)
         numbers = [hull(a, b) for a, b in box]
-        bands, lever = list[tuple[EnclosedBand, Ball]](), numbers[-1]
+        bands, lever = list[tuple[EnclosedBand, Any]](), numbers[-1]
         for b, curve in enumerate(self._curves):
             dx, dy, rest, factor = numbers[4 * b : 4 * b + 4]
-            bands.append((EnclosedBand((dx, dy), rest, lever, curve), factor))
+            # A factor of all of the force does not change its sign.
+            alone = len(self._curves) == 1 and self._load is None
+            bands.append((EnclosedBand((dx, dy), rest, lever, curve), 1 if alone else factor))
         waiting = [(-self._sine, self._sine)]
         while waiting:
             a, b = waiting.pop()
@@ -291,7 +293,7 @@ class CellBox:
             waiting += [(centre, b), (a, centre)]
         return True
 
-    def _falls_on(self, bands: list[tuple[EnclosedBand, Ball]], lever: Ball, sine: Ball) -> bool:
+    def _falls_on(self, bands: list[tuple[EnclosedBand, Any]], lever: Ball, sine: Ball) -> bool:
         cos, total = (1 - sine * sine).sqrt(), ball(0.0)
         for band, factor in bands:
             total = total + band.law(sine, cos, 0)[1] * factor

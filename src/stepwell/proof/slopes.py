@@ -5,6 +5,7 @@ sign stands at one end of its span.
 """
 
 import heapq
+import math
 from collections.abc import Callable, Sequence
 from itertools import count
 from typing import NamedTuple
@@ -118,20 +119,21 @@ def largest(f: Function, spans: Sequence[Span], enough: float) -> Extreme:
         inside = centre.value if isinstance(centre, Sloped) else centre
         if best is None or inside > best or balls.number(inside) > balls.number(best):
             best, at = inside, [balls.number(middle) for middle in middles]
-        top, widest, steps = balls.high(_value(value)), -1, 0.0
+        plain = _value(value)
+        top = balls.high(plain) if plain.is_finite() else ball(math.inf)
+        steps: list[float] = []
         if isinstance(value, Sloped):
-            mean = inside
-            for k, (a, b) in enumerate(box):
-                step = value.slopes[k] * ((b - a) / 2) * ball(0.0, 1.0)
-                mean = mean + step
-                size = float(step.rad()) if step.is_finite() else float("inf")
-                if size > steps:
-                    widest, steps = k, size
+            pieces = [
+                slope * ((b - a) / 2) * ball(0.0, 1.0)
+                for (a, b), slope in zip(box, value.slopes, strict=True)
+            ]
+            mean = sum(pieces, inside)
             if mean.is_finite():
                 top = min(top, balls.high(mean))
-        if widest < 0:
-            widths = [float((b - a) / (q - p)) if q > p else 0.0 for (a, b), (p, q) in whole(box)]
-            widest = max(range(len(box)), key=widths.__getitem__) if box else -1
+                steps = [float(piece.rad()) for piece in pieces]
+        if not any(steps):
+            steps = [float((b - a) / (q - p)) if q > p else 0.0 for (a, b), (p, q) in whole(box)]
+        widest = max(range(len(box)), key=steps.__getitem__) if box else -1
         heapq.heappush(waiting, (-float(top), next(number), top, box, widest))
 
     def whole(box: list[Span]):

@@ -14,8 +14,8 @@ from stepwell.sequences import Cycle, cycle
 
 # Part of a margin up to which its proof is attempted: at the margin itself two cells tie.
 UP_TO = 1.0 - 1e-5
-# A change that no search found is looked at up to this factor of a number.
-_MOST = 8.0
+# A change that no search found is looked at between these factors of a number.
+_LEAST, _MOST = 1e-6, 8.0
 # Samples that the engine follows in search of a counterexample.
 _SAMPLES = 100
 
@@ -223,7 +223,8 @@ def _changes_of(chain: Chain, change: Change, up_to: float) -> list[Part]:
     if change.parameter == "friction":
         least = max(0.0, cell.friction - up_to * cell.largest_force)
         return [Part("friction", ALL, least, cell.friction + up_to * cell.largest_force)]
-    return [Part(change.parameter, ALL, max(0.0, 1.0 - up_to), 1.0 + up_to)]
+    # A factor is above zero.
+    return [Part(change.parameter, ALL, max(_LEAST, 1.0 - up_to), 1.0 + up_to)]
 
 
 def _largest_proved(decide: Callable[[float], Decision], size: float) -> float:
