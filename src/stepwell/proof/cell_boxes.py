@@ -12,7 +12,7 @@ from stepwell.mechanism import Band, Cell, Element
 from stepwell.proof import balls
 from stepwell.proof.balls import Ball, ball, hull
 from stepwell.proof.laws import EnclosedBand, EnclosedCell, EnclosedCurve
-from stepwell.proof.slopes import Extreme, Sloped, Span, largest, parameters_in
+from stepwell.proof.slopes import Extreme, Span, largest, parameters_in
 
 # Standard deviations at which the normal distributions of `Tolerances` end.
 _CUT = 4.0

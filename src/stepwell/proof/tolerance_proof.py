@@ -1,7 +1,6 @@
 """Proofs about all machines within tolerances, and within the margin of one parameter."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -16,6 +15,8 @@ from stepwell.sequences import Cycle, cycle
 UP_TO = 1.0 - 1e-5
 # A change that no search found is looked at between these factors of a number.
 _LEAST, _MOST = 1e-6, 8.0
+# Halvings of a change that is not proved as a whole.
+_HALVINGS = 6
 # Samples that the engine follows in search of a counterexample.
 _SAMPLES = 100
 
@@ -81,20 +82,25 @@ class ProvedChange(ByValue):
     """What is proved of a change of one parameter.
 
     Attributes:
-        change: the smallest change that alters the sequence.
-        up_to: the sequence is proved for every smaller change up to this one: displacement [m] in
-            any direction, or fraction of the number either way; 0 if nothing is proved.
-        cause: what is not proved; "" if all is.
+        change: the smallest change that alters the sequence, as computed.
+        outcome: proved that every smaller change keeps the sequence, refuted by a smaller one that
+            does not, or not decided.
+        up_to: the sequence is proved for every change up to this one: displacement [m] in any
+            direction, or fraction of the number either way; 0 if nothing is proved.
+        refuted_from: size of a change with another sequence, as simulated; infinite without one.
+        cause: what is not decided, or the two cells that change places; "" if all is proved.
     """
 
     change: Change
+    outcome: Outcome
     up_to: float
+    refuted_from: float
     cause: str
 
     @property
     def proved(self) -> bool:
         """Whether every change smaller than the smallest one is proved to keep the sequence."""
-        return not self.cause
+        return self.outcome is Outcome.PROVED
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,9 +122,11 @@ class MarginProof(ByValue):
 
     def __str__(self):
         done = sum(change.proved for change in self.changes)
-        causes = "; ".join(dict.fromkeys(one.cause for one in self.changes if one.cause))
-        text = f"{done} of {counted(len(self.changes), 'margin')} proved"
-        return f"{text}; not decided: {causes}" if causes else text
+        words = [f"{done} of {counted(len(self.changes), 'margin')} proved"]
+        for outcome in (Outcome.REFUTED, Outcome.UNDECIDED):
+            causes = dict.fromkeys(one.cause for one in self.changes if one.outcome is outcome)
+            words += [f"{outcome}: {', '.join(causes)}"] * bool(causes)
+        return "; ".join(words)
 
     def __repr__(self):
         return f"MarginProof({self})"
@@ -211,8 +219,15 @@ def _proved_change(nominal: Cycle, margin: Margin, change: Change) -> ProvedChan
 
     decision = decide(size)
     if decision.proved:
-        return ProvedChange(change, size, "")
-    return ProvedChange(change, _largest_proved(decide, size), decision.cause)
+        return ProvedChange(change, Outcome.PROVED, size, math.inf, "")
+    low, high, refuted = 0.0, size, size if decision.machine is not None else math.inf
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        found = decide(middle)
+        low, high = (middle, high) if found.proved else (low, middle)
+        refuted = middle if found.machine is not None else refuted
+    outcome = Outcome.UNDECIDED if math.isinf(refuted) else Outcome.REFUTED
+    return ProvedChange(change, outcome, low, refuted, decision.cause)
 
 
 def _changes_of(chain: Chain, change: Change, up_to: float) -> list[Part]:
@@ -225,19 +240,3 @@ def _changes_of(chain: Chain, change: Change, up_to: float) -> list[Part]:
         return [Part("friction", ALL, least, cell.friction + up_to * cell.largest_force)]
     # A factor is above zero.
     return [Part(change.parameter, ALL, max(_LEAST, 1.0 - up_to), 1.0 + up_to)]
-
-
-def _largest_proved(decide: Callable[[float], Decision], size: float) -> float:
-    """A size up to which the sequence is proved, by halving; 0 if there is none."""
-    low, high = 0.0, size
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        if decide(middle).proved:
-            low = middle
-        else:
-            high = middle
-    return low
-
-
-# Halvings of a change that is not proved as a whole.
-_HALVINGS = 6
