@@ -142,4 +142,4 @@ def margin_account(margin: Margin, about: About) -> Account:
     """What a notebook shows of a margin."""
     method = "Every change is in closed form." if margin.method == "exact" else margin.resolution
     answer, sections = margin_words(margin), margin_section(margin)
-    return Account(margin, "Robustness margin", origin=method, answer=answer, sections=sections)
+    return Account(margin, "Robustness margin", "margin/1", answer, (), sections, origin=method)

@@ -31,7 +31,7 @@ from stepwell.crash import leave
 _GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
     "Analysis": (motion.run, motion.map_, motion.graph, motion.program),
     "Design": (about.new, about.presets, design.design, design.reprogram, build.build),
-    "Tolerances and measurements": (checks.check, checks.yield_, lab.commands),
+    "Tolerances and measurements": (checks.check, checks.yield_, checks.margin, lab.commands),
     "Robots": (
         *(robots.commands, robots.walk, robots.maze, robots.jump, behaviour.compile_),
         *(robots.export, robots.view),

@@ -5,7 +5,17 @@ from typing import Any
 import stepwell as sw
 from stepwell.cli import tolerances as given
 from stepwell.cli.driving import program_in_file
-from stepwell.cli.options import Design, Group, Output, Robust, flag, option, read_chain
+from stepwell.cli.options import (
+    Design,
+    Display,
+    Group,
+    Output,
+    Prove,
+    Robust,
+    flag,
+    option,
+    read_chain,
+)
 from stepwell.cli.screen import answered, progress, usable, wrong
 from stepwell.cli.tolerances import Data, calibrated_on
 
@@ -107,3 +117,23 @@ def yield_(
             asked: dict[str, Any] = {"sensitivity": counted.sensitivity, "robust": counted.robust}
             result = yields(chain, spread, target=states, **asked, **how)
     output.report(result, text, design, calibrated)
+
+
+def margin(
+    design: Design, within: given.BuildTolerances, prove: Prove = False, *, display: Display
+) -> None:
+    """Compute the margin: the smallest change of each parameter that changes the sequence.
+
+    With --prove, the result contains a proof: no smaller change of one parameter changes the
+    sequence, and every machine within the tolerances has it, or one machine that has not.
+
+    Example: stepwell margin preset:paper-forward --prove --anchor 0.5
+    """
+    text, chain = read_chain(design)
+    spread = within.of(chain)
+    with usable(design), progress("margin") as tell:
+        result: Any = sw.design.margin(chain, progress=tell)
+    if prove:
+        with usable("--prove"), progress("proof") as tell:
+            result = result.prove(spread, progress=tell)
+    display.report(sw.accounts.account(result, sw.accounts.About(text, design)))

@@ -17,6 +17,7 @@ from stepwell.cli.options import (
     Design,
     Group,
     Output,
+    Prove,
     argument,
     by_name,
     designs,
@@ -265,6 +266,7 @@ def design(
     aim: AimOptions,
     within: given.DesignTolerances,
     sampling: given.Sampling,
+    prove: Prove = False,
     output: Output,
 ) -> None:
     """Search anchors for a target sequence or a target set of states.
@@ -301,6 +303,9 @@ def design(
     try:
         with usable("TARGET", Impossible), progress("design") as tell:
             result = design(**how, tolerances=spread, progress=tell)
+        if prove:
+            with usable("--prove"), progress("proof") as tell:
+                result = result.prove(tell)
     except Impossible as why:
         replace(output, out=None).report(why)
         answered(False)

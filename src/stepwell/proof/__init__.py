@@ -9,14 +9,48 @@ from typing import TYPE_CHECKING
 from stepwell.base import late
 
 if TYPE_CHECKING:
+    from stepwell.proof.box_proofs import (
+        BoxOutcome,
+        MarginProof,
+        ProvedChange,
+        ProvedDesign,
+        ProvedImpossible,
+        ToleranceProof,
+    )
+    from stepwell.proof.box_prover import prove_design, prove_margin, prove_tolerances
     from stepwell.proof.certificates import certificate
+    from stepwell.proof.exclusions import prove_impossible
     from stepwell.proof.path_proof import PathProof, ProofGap, ProvedEvent, ProvedRun, Theorem
     from stepwell.proof.prover import prove
 
-__all__ = ["certificate", "PathProof", "ProofGap", "ProvedEvent", "ProvedRun", "Theorem", "prove"]
+__all__ = [
+    "BoxOutcome",
+    "MarginProof",
+    "PathProof",
+    "ProofGap",
+    "ProvedChange",
+    "ProvedDesign",
+    "ProvedEvent",
+    "ProvedImpossible",
+    "ProvedRun",
+    "Theorem",
+    "ToleranceProof",
+    "certificate",
+    "prove",
+    "prove_design",
+    "prove_impossible",
+    "prove_margin",
+    "prove_tolerances",
+]
 
 _LATE = {
+    "box_proofs": (
+        *("BoxOutcome", "MarginProof", "ProvedChange", "ProvedDesign", "ProvedImpossible"),
+        "ToleranceProof",
+    ),
+    "box_prover": ("prove_design", "prove_margin", "prove_tolerances"),
     "certificates": ("certificate",),
+    "exclusions": ("prove_impossible",),
     "path_proof": ("PathProof", "ProofGap", "ProvedEvent", "ProvedRun", "Theorem"),
     "prover": ("prove",),
 }

@@ -30,8 +30,8 @@ class Part(NamedTuple):
     """A number of a cell that lies within a span.
 
     Attributes:
-        what: "radius" and "angle" of the displacement of q - p, factors "stiffness",
-            "rest_length", "force_scale", or values "lever" [m], "friction" [N].
+        what: "radius" and "angle", or "x" and "y", of the displacement of q - p; factors
+            "stiffness", "rest_length", "force_scale"; or values "lever" [m], "friction" [N].
         band: number of the band, or ALL.
         low, high: its ends.
     """
@@ -153,7 +153,9 @@ class CellBox:
         radius: Any = None
         for part, value in zip(self.parts, parameters_in(values), strict=True):
             for band in at.bands if part.band == ALL else [at.bands[part.band]]:
-                if part.what == "angle":
+                if part.what in ("x", "y"):
+                    setattr(band, part.what, value + getattr(band, part.what))
+                elif part.what == "angle":
                     band.x, band.y = radius * value.cos() + band.x, radius * value.sin() + band.y
                 elif part.what == "stiffness":
                     band.stiffness = value
@@ -247,6 +249,9 @@ class CellBox:
                 if part.what == "radius":
                     for one in box[4 * b : 4 * b + 2]:
                         one[:] = one[0] - part.high, one[0] + part.high
+                elif part.what in ("x", "y"):
+                    one = box[4 * b + (part.what == "y")]
+                    one[:] = one[0] + part.low, one[0] + part.high
                 elif part.what in ("stiffness", "rest_length"):
                     one = box[4 * b + (2 if part.what == "rest_length" else 3)]
                     one[:] = one[0] * part.low, one[0] * part.high

@@ -296,6 +296,8 @@ class EnclosedCell:
 
     def invert(self, branch: MonotoneBranch, force: Ball, near: Ball | None = None) -> Ball:
         """The travels on a branch at which its force takes the values of a ball."""
+        if branch.sign == 0:
+            raise UndecidedError(f"cell {self.cell + 1} has a constant force")
         least, most = (branch.force_left, branch.force_right)[:: branch.sign]
         if force < least or force > most:
             raise UndecidedError(f"cell {self.cell + 1} leaves its branch")

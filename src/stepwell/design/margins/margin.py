@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +18,10 @@ from stepwell.design.tolerances.draws import refuse_reach
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.sequences import Sequence, cycle
 from stepwell.statics import StaticsError
+
+if TYPE_CHECKING:
+    from stepwell.design.tolerances.draws import Tolerances
+    from stepwell.proof import MarginProof
 
 # Longest chain whose sequence after each change is always computed, which takes a cycle.
 LONGEST_FOLLOWED = 12
@@ -122,6 +127,27 @@ class Margin(ByValue, Drawn):
     def stiffness(self) -> Floats:
         """Smallest relative change of the stiffness of each lever cell [1]."""
         return self._distances("stiffness")
+
+    def prove(
+        self, tolerances: "Tolerances | None" = None, progress: Progress = None
+    ) -> "MarginProof":
+        """Prove that no change of one parameter below its margin alters the sequence.
+
+        Needs python-flint, the extra `proof`.
+
+        Args:
+            tolerances: prove the sequence for all machines within them too.
+            progress: called with (done, total) changes.
+
+        Raises:
+            ValueError: tolerances of mobilities, which no proof covers.
+            ExtraError: python-flint is not installed.
+
+        Source: ours (theory page, "Proofs within tolerances").
+        """
+        from stepwell import proof
+
+        return proof.prove_margin(self, tolerances, progress)
 
     def _distances(self, parameter: str) -> Floats:
         return np.array([c.distance for c in self.changes if c.parameter == parameter])

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from stepwell.design.margins.robustness import Robustness, robustness
 from stepwell.design.orders import short
 from stepwell.design.switches import are_relays, switching_forces
 from stepwell.design.synthesis.attempt import Attempt
+from stepwell.design.synthesis.evidence import Evidence
 from stepwell.design.synthesis.region import HoleGrid, fits_grid, shown_mm
 from stepwell.design.synthesis.slack import RegionsOf, slack_advice
 from stepwell.design.targets import Reached, Target, reached
@@ -21,6 +23,9 @@ from stepwell.design.tolerances.draws import levers_of
 from stepwell.design.tolerances.yields import Critical, Yield
 from stepwell.mechanism import Chain, Element
 from stepwell.sequences import Cycle
+
+if TYPE_CHECKING:
+    from stepwell.proof import ProvedDesign, ProvedImpossible
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +101,23 @@ class Design(ByValue, Drawn):
         """Largest deviation of all anchors, or forces, at once; None without a closed form."""
         relays = self.chain.elements and are_relays(self.chain)
         return robustness(self.chain) if relays or SortedChain.of(self.chain) else None
+
+    def prove(self, progress: base.Progress = None) -> "ProvedDesign":
+        """Prove the cycle, the margin, and the sequence of all machines within the tolerances.
+
+        Needs python-flint, the extra `proof`.
+
+        Args:
+            progress: called with (done, total) changes of the margin.
+
+        Raises:
+            ExtraError: python-flint is not installed.
+
+        Source: ours (theory page, "Proofs").
+        """
+        from stepwell import proof
+
+        return proof.prove_design(self, progress)
 
     @property
     def off_grid(self) -> str:
@@ -176,6 +198,7 @@ class Impossible(Shown, StepwellError, ValueError):
             they are in the other order; NaN without cells to compare.
         gap_needed: the gap has to be larger than this, or the engine reports a tie [N].
         measure: kind of the forces.
+        evidence: what was excluded, for a proof; None if nothing was as a whole.
     """
 
     def __init__(
@@ -189,27 +212,50 @@ class Impossible(Shown, StepwellError, ValueError):
         largest_gap: float = math.nan,
         gap_needed: float = math.nan,
         measure: Measure = Measure.TRAVEL,
+        evidence: Evidence | None = None,
     ):
         self.target, self.proved, self.measure = target, proved, measure
+        self.evidence = evidence
         self.region = tuple(region)
         self.largest_gap, self.gap_needed = largest_gap, gap_needed
         verdict = ("impossible" if proved else "not found") + (allowed and f" with {allowed}")
         super().__init__(f"{short(target)}: {verdict}: {why}.")
 
+    def prove(self, progress: base.Progress = None) -> "ProvedImpossible":
+        """Prove with enclosures that no allowed design reaches the target.
+
+        Needs python-flint, the extra `proof`.
+
+        Args:
+            progress: called with (done, total) choices.
+
+        Raises:
+            ExtraError: python-flint is not installed.
+
+        Source: ours (theory page, "Proofs within tolerances").
+        """
+        from stepwell import proof
+
+        return proof.prove_impossible(self, progress)
+
 
 def explained(
     target: Target,
     attempts: list[Attempt],
-    mismatch: str,
-    rest: str,
-    allowed: str,
+    words: tuple[str, str, str],
     regions_of: RegionsOf,
+    evidence: Evidence | None,
     *,
     proved: bool,
 ) -> Impossible:
-    """The error that states why no attempt brings the critical forces into the target orders."""
+    """The error that states why no attempt brings the critical forces into the target orders.
+
+    The words are those on what a better candidate does, on the rest, and on what is allowed.
+    """
+    mismatch, rest, allowed = words
     if not attempts:
-        return Impossible(target.text, _and_rest(target.orders.why, rest, proved), proved=proved)
+        why = _and_rest(target.orders.why, rest, proved)
+        return Impossible(target.text, why, proved=proved, evidence=evidence)
     nearest = max(attempts, key=lambda attempt: attempt.quality[1])
     kind = "lattice places" if nearest.holes is None else "holes"
     region: Sequence[Floats] = ()
@@ -243,15 +289,15 @@ def explained(
                 nodes = sum(attempt.nodes for attempt in attempts)
                 holes = f"{nearest.candidates} hole{'s' * (nearest.candidates != 1)}"
                 how = f"no choice among {holes} and bands proved concave gives"
-                evidence = f"complete search, {nodes} partial choices; the smallest gap is at most"
+                found = f"complete search, {nodes} partial choices; the smallest gap is at most"
             else:
                 largest = max(attempt.smallest_gap() for attempt in attempts)
                 how = f"a search from {nearest.candidates} {kind} and bands has not found"
-                evidence = "not a proof; the smallest gap found is"
+                found = "not a proof; the smallest gap found is"
             rising = nearest.orders.rising
             first, second = (" < ".join(str(cell + 1) for cell in order) for order in rising)
             why = (
-                f"{how} F0 in the order {first} and F1 in the order {second} of cells ({evidence} "
+                f"{how} F0 in the order {first} and F1 in the order {second} of cells ({found} "
                 f"{base.to_unit(largest, 'mN'):.4g} mN; more than "
                 f"{base.to_unit(needed, 'mN'):.2g} mN is needed)"
             )
@@ -267,6 +313,7 @@ def explained(
         region=region,
         largest_gap=largest,
         gap_needed=needed,
+        evidence=evidence,
     )
 
 

@@ -11,6 +11,7 @@ from stepwell.base import Floats, InputError, Ints, Progress, bisected, display_
 from stepwell.design.orders import checked_cycle, of_states, order_of, orders_of, short
 from stepwell.design.switches import Switches, is_relay, switching_forces
 from stepwell.design.synthesis.designed import Impossible
+from stepwell.design.synthesis.evidence import ScaleEvidence, StateEvidence
 from stepwell.design.targets import reachable_states, state_differences
 from stepwell.design.tolerances.draws import Tolerances
 from stepwell.design.tolerances.yields import yields
@@ -205,7 +206,8 @@ def scaled(
     sets = _fitting(goal, allowed.elements)
     relays = actuator_stiffness == 0 and all(map(is_relay, allowed.elements))
     if not goal.orders:
-        raise Impossible(goal.text, goal.why, proved=goal.never or relays)
+        states = StateEvidence(goal.states or frozenset(), ()) if goal.never else None
+        raise Impossible(goal.text, goal.why, proved=goal.never or relays, evidence=states)
     rng = np.random.default_rng(seed)
     whole = math.prod(map(len, sets)) <= _MOST_CHOICES
     choices = list(product(*sets)) if whole else _random_choices(sets, rng)
@@ -226,7 +228,7 @@ def scaled(
     other = None if relays else _at_random(goal, allowed, sets, actuator_stiffness, rng)
     if other is None:
         proved = complete and not candidates
-        raise _refusal(goal, allowed, sets, closest, proved, len(choices))
+        raise _refusal(goal, allowed, sets, closest, proved, choices)
     return other
 
 
@@ -323,7 +325,12 @@ def _at_random(
 
 
 def _refusal(
-    goal: ElementTarget, allowed: Allowed, sets: Sets, closest: float, proved: bool, choices: int
+    goal: ElementTarget,
+    allowed: Allowed,
+    sets: Sets,
+    closest: float,
+    proved: bool,
+    choices: Sequence[tuple[int, ...]],
 ) -> Impossible:
     elements, scale = allowed.elements, allowed.force_scale
     pair, scales = _clash(goal, allowed, sets), f"scales from {scale[0]:g} to {scale[1]:g}"
@@ -336,8 +343,8 @@ def _refusal(
         )
     else:
         why = (
-            f"for none of {choices} choices of elements do {scales} bring the switching forces "
-            f"into the target orders (linear programming)"
+            f"for none of {len(choices)} choices of elements do {scales} bring the switching "
+            f"forces into the target orders (linear programming)"
         )
     if not proved:
         why += "; random choices of elements and scales were simulated: none reaches the target"
@@ -358,7 +365,16 @@ def _refusal(
         largest_gap=gap,
         gap_needed=needed,
         measure=measure,
+        evidence=_excluded(goal, allowed, choices) if proved else None,
     )
+
+
+def _excluded(
+    goal: ElementTarget, allowed: Allowed, choices: Sequence[tuple[int, ...]]
+) -> ScaleEvidence:
+    pairs = product(goal.orders, choices)
+    programs = ((tuple(allowed.elements[k] for k in shapes), orders) for orders, shapes in pairs)
+    return ScaleEvidence(tuple(programs), allowed.force_scale, allowed.most_force)
 
 
 def _clash(goal: ElementTarget, allowed: Allowed, sets: Sets) -> tuple[int, int] | None:

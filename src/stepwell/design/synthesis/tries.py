@@ -16,6 +16,7 @@ from stepwell.concave import TIED, closed
 from stepwell.design.synthesis.attempt import Attempt, from_lattice, named_chain
 from stepwell.design.synthesis.candidates import Candidates, Rule, joined
 from stepwell.design.synthesis.designed import Impossible, explained
+from stepwell.design.synthesis.evidence import Evidence, HoleEvidence, StateEvidence, rectangles
 from stepwell.design.synthesis.placement import all_proved, measured
 from stepwell.design.synthesis.region import HoleGrid, Region, allowed_text, drilled, usual_box
 from stepwell.design.targets import Behaviour, Target
@@ -355,13 +356,17 @@ class TargetSearch:
             )
             report = f"{placed.others} random choices in the target orders were simulated"
             report *= placed.others > 0
-            raise self._impossible(placed, report, proved=target.orders.never or concave)
+            excluded = self._excluded_states(rules) if target.orders.never or concave else None
+            proved = target.orders.never or concave
+            raise self._impossible(placed, report, excluded, proved=proved)
         if target.orders.never or (not target.orders.orders and target.states is None):
-            raise self._impossible(placed, "", proved=target.orders.never)
+            excluded = self._excluded_states(rules) if target.orders.never else None
+            raise self._impossible(placed, "", excluded, proved=target.orders.never)
         decided = placed.complete and target.states is None
         chains, whole, report = self._simulated_choices(rules, self.holes, decided=decided)
         if not chains:
-            raise self._impossible(placed, report, proved=whole)
+            excluded = self._excluded_holes(rules, self.holes) if whole else None
+            raise self._impossible(placed, report, excluded, proved=whole)
         counted = None if tolerances.friction else target.states
 
         def fraction(chain: Chain) -> float:
@@ -389,12 +394,36 @@ class TargetSearch:
             all_proved(rule, region) for rule in rules for region in set(self.regions)
         )
 
-    def _impossible(self, placed: Placed, rest: str, *, proved: bool) -> Impossible:
+    def _excluded_states(self, rules: list[Rule]) -> StateEvidence | None:
+        states, never = self.target.orders.states, self.target.orders.never
+        if states is None:
+            return None
+        return StateEvidence(states, () if never else rectangles(rules, self.regions))
+
+    def _excluded_holes(self, rules: list[Rule], holes: HoleGrid) -> HoleEvidence:
+        tables: list[tuple[tuple[Cell, ...], ...]] = []
+        for rule in rules:
+            ways = {
+                region: _buildable(rule, region, holes) for region in dict.fromkeys(self.regions)
+            }
+            tables.append(tuple(tuple(way.cell for way in ways[one]) for one in self.regions))
+        orders = tuple(one.rising for one in self.target.orders.orders)
+        whole = self.target.states is None and self.target.orders.complete
+        return HoleEvidence(orders, tuple(tables), whole, self.actuator_stiffness)
+
+    def _impossible(
+        self, placed: Placed, rest: str, evidence: Evidence | None = None, *, proved: bool
+    ) -> Impossible:
         allowed = allowed_text(self.regions, self.holes, self.free)
         allowed += " and taut bands" * (self.holes is not None)
         attempts, mismatch = placed.attempts, placed.mismatch
         return explained(
-            self.target, attempts, mismatch, rest, allowed, self._regions_of, proved=proved
+            self.target,
+            attempts,
+            (mismatch, rest, allowed),
+            self._regions_of,
+            evidence,
+            proved=proved,
         )
 
     def _regions_of(self, lever: float) -> tuple[Region, ...]:

@@ -21,6 +21,8 @@ from stepwell.mechanism import Chain
 if TYPE_CHECKING:
     import xarray as xr
 
+    from stepwell.proof import ToleranceProof
+
 
 _SHOWN = 4  # outcomes printed
 _COMPARED = 1000  # samples whose gap is compared with the simulation
@@ -97,6 +99,29 @@ class Yield(Counted, base.Drawn):
         if not 0 <= number < self.samples:
             raise base.InputError(f"number = {number}: must be between 0 and {self.samples - 1}.")
         return Draws(self.chain, self.tolerances, self.seed).sample(number)
+
+    def prove(self, progress: base.Progress = None) -> "ToleranceProof":
+        """Prove that every machine within the tolerances reaches the target; or refute it by one.
+
+        Needs python-flint, the extra `proof`.
+
+        Args:
+            progress: called with (done, total) samples, where no theorem decides.
+
+        Raises:
+            ValueError: the target is a set of states, or mobilities have a tolerance.
+            ExtraError: python-flint is not installed.
+
+        Source: ours (theory page, "Proofs within tolerances").
+        """
+        from stepwell import proof
+
+        if self.states is not None:
+            raise base.InputError(
+                "states: the proof is about a sequence; leave the target states out, and the "
+                "target is the cycle of the nominal design."
+            )
+        return proof.prove_tolerances(self.chain, self.tolerances, self.target, progress)
 
     def end_forces(self, n: int = 1000) -> base.Floats:
         """Critical forces of the cells of the first n samples, for a cloud around each cell.
