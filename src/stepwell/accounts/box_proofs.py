@@ -6,10 +6,17 @@ from typing import Any
 from stepwell import base
 from stepwell.accounts import changes, design, proof
 from stepwell.accounts.chain import cell_columns, cell_schema, named
-from stepwell.accounts.head import About, DesignShape, keys, recorded
+from stepwell.accounts.head import About, DesignShape, keys, of_class, recorded
 from stepwell.accounts.parts import CARD, Account, Fact, Part, RecordTable, Text
 from stepwell.base import Column, Quantity, Schema
-from stepwell.proof import BoxOutcome, MarginProof, ProvedChange, ProvedDesign, ToleranceProof
+from stepwell.proof import (
+    BoxOutcome,
+    MarginProof,
+    ProvedChange,
+    ProvedDesign,
+    ProvedImpossible,
+    ToleranceProof,
+)
 
 _ABOUT = (
     "Machines within the tolerances: anchors anywhere in their discs, levers and friction within "
@@ -72,9 +79,12 @@ def proved_margin_schema(shape: DesignShape) -> Schema:
 
 def proved_design_schema(shape: DesignShape) -> Schema:
     """What is reported of a design with its proof."""
-    inner = keys(path=proof.path_proof_schema(shape), margin=margin_proof_schema(shape))
-    places = {"path": "path_proof", "margin": "margin_proof"}
-    inner = tuple(replace(one, read=places[one.key]) for one in inner)
+    path = Quantity("path", read="path_proof", holds=proof.path_proof_schema(shape))
+    margin = Quantity("margin", read="margin_proof", holds=margin_proof_schema(shape))
+    inner = (
+        *of_class(ProvedDesign, (path, margin)),
+        *of_class(ProvedImpossible, keys(outcome=str, covers=str, theorem=str, cause=str)),
+    )
     return (*design.design_schema(shape), *keys(proof=(inner, lambda one: one)))
 
 
@@ -161,4 +171,14 @@ def proved_design_account(value: ProvedDesign, about: About) -> Account:
         facts=[*account.facts, cycle, *_facts(value.margin_proof)],
         sections=sections,
         packages=["python-flint"],
+    )
+
+
+def proved_impossible_account(value: ProvedImpossible, about: About) -> Account:
+    """What is reported of a refusal with its proof."""
+    account = design.impossible_account(value, about)
+    schema = proved_design_schema(DesignShape(value.measure))
+    facts = [Fact("Proof", value.proof)]
+    return replace(
+        account, kind="proved_design/1", facts=facts, schema=schema, packages=["python-flint"]
     )

@@ -19,7 +19,10 @@ FILES = {
     "builds.chain": ("Build", "build/1"),
     "builds.robot": ("RobotBuild", "robot_build/1"),
     "chain": ("Cell Chain Element", ""),
-    "box_proofs": ("MarginProof ProvedDesign ToleranceProof", "proved_design/1 proved_margin/1"),
+    "box_proofs": (
+        "MarginProof ProvedDesign ProvedImpossible ToleranceProof",
+        "proved_design/1 proved_margin/1",
+    ),
     "changes": ("Margin", "margin/1"),
     "check": ("Check", "check/2"),
     "design": ("Design Impossible Reprogramming", "design/2 reprogram/2"),

@@ -307,6 +307,9 @@ def design(
             with usable("--prove"), progress("proof") as tell:
                 result = result.prove(tell)
     except Impossible as why:
+        if prove:
+            with usable("--prove"), progress("proof") as tell:
+                why = why.prove(tell)
         replace(output, out=None).report(why)
         answered(False)
     else:

@@ -54,7 +54,7 @@ def monostable_pair() -> Cycle:
 
 
 # F0/(k r) and F1/(k r) from the paper's equations and parameters, by q [mm].
-_FORCES = {
+FORCES = {
     "(10, 0)": (0.967, -0.967),
     "(20, 0)": (1.607, -1.607),
     "(0, 0)": (0.391, -0.391),
@@ -62,9 +62,9 @@ _FORCES = {
     "(20, 15)": (2.393, -0.836),
     "(0, -15)": (-0.243, -0.910),
 }
-_FORCE_TOLERANCE = 0.001
-_MONOSTABLE = ("(0, -15)",)
-_PEAK_TOLERANCE = 0.001  # degrees
+FORCE_TOLERANCE = 0.001
+MONOSTABLE = ("(0, -15)",)
+PEAK_TOLERANCE = 0.001  # degrees
 _CURVE_TOLERANCE = 1e-6  # of k r² and k r
 
 
@@ -75,8 +75,8 @@ def _scale(cell: Cell) -> float:
 def _ends(q: str) -> Finding:
     cell = six_cells()[q]
     ours = (cell.force_0 / _scale(cell), cell.force_1 / _scale(cell))
-    off = max(abs(a - b) for a, b in zip(ours, _FORCES[q], strict=True))
-    return finding_of(off <= _FORCE_TOLERANCE, _two(ours))
+    off = max(abs(a - b) for a, b in zip(ours, FORCES[q], strict=True))
+    return finding_of(off <= FORCE_TOLERANCE, _two(ours))
 
 
 def _two(forces: tuple[float, float]) -> str:
@@ -131,12 +131,12 @@ def falls(cell: Cell) -> bool:
     return plain is not None and bool(certify(plain, 0.0))
 
 
-@claim("Eq. 3, Fig. 1E", "atan2(d_y, d_x)", f"{_PEAK_TOLERANCE:g}°")
+@claim("Eq. 3, Fig. 1E", "atan2(d_y, d_x)", f"{PEAK_TOLERANCE:g}°")
 def theta_max() -> Finding:
     """The energy is highest at θmax = atan2(d_y, d_x), or at the stop nearer to it."""
     off = max(abs(_highest(cell) - _eq_3(cell)) for cell in six_cells().values())
     degrees = math.degrees(off)
-    ok = degrees <= _PEAK_TOLERANCE
+    ok = degrees <= PEAK_TOLERANCE
     return finding_of(ok, f"{'below 0.001' if ok else f'{degrees:.2g}'}° off in all six")
 
 
@@ -162,24 +162,29 @@ def bistable() -> Finding:
     by_force = [q for q, cell in cells.items() if not (cell.force_0 > 0 > cell.force_1)]
     by_rule = [q for q, c in cells.items() if not abs(math.atan2(*c.bands[0].d[::-1])) < c.limit]
     return finding_of(
-        tuple(by_force) == tuple(by_rule) == _MONOSTABLE,
+        tuple(by_force) == tuple(by_rule) == MONOSTABLE,
         f"all but {', '.join(by_force)} mm",
         note="By the forces that hold each state, and by Eq. 3.",
         otherwise=f"The forces at the stops say {by_force}, Eq. 3 says {by_rule}.",
     )
 
 
+def force_id(q: str) -> str:
+    """Id of the claim about the critical forces of the unit cell with an anchor q [mm]."""
+    return f"force-{q.strip('()').replace(', ', '-').replace('--', '-m')}"
+
+
 CELL_CLAIMS = (
     *(
         Claim(
-            f"force-{q.strip('()').replace(', ', '-').replace('--', '-m')}",
+            force_id(q),
             f"F0/(kr) and F1/(kr) of the unit cell with q = {q} mm.",
             "Fig. 1D, from its equations and parameters",
             _two(forces),
-            f"{_FORCE_TOLERANCE:g}",
+            f"{FORCE_TOLERANCE:g}",
             partial(_ends, q),
         )
-        for q, forces in _FORCES.items()
+        for q, forces in FORCES.items()
     ),
     curves,
     force_falls,
@@ -212,7 +217,7 @@ def anchor_unit() -> Finding:
     in_cm = cell.with_anchors(p=(10 * px, 10 * py), q=(10 * qx, 10 * qy))
     as_mm, as_cm = cell.force_0 / scale, in_cm.force_0 / scale
     return finding_of(
-        abs(as_cm - _FORCES["(10, 0)"][0]) <= _FORCE_TOLERANCE,
+        abs(as_cm - FORCES["(10, 0)"][0]) <= FORCE_TOLERANCE,
         "mm",
         otherwise=f"Read as mm the numbers give F0/(kr) = {as_mm:.3f} for q = (10, 0), as in "
         f"Fig. 1D; read as cm they give {as_cm:.1f}.",

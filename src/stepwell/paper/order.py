@@ -22,7 +22,7 @@ _SAME = 1e-9  # of the peak force
 @claim("Fig. 2C (rule: our reading)", "always", f"{_COUNT} random pairs, seed {_SEED}")
 def order_two_cells() -> Finding:
     """Two cells load by rising F0 and unload by falling F1, so four forces give the pathway."""
-    cycles = [chain.cycle() for chain in _chains(_COUNT, 2, 2, _SEED)]
+    cycles = random_pairs()
     right = sum(map(_sorted, cycles))
     snapping = sum(bool(cycle.snaps) == _is_directed(cycle) for cycle in cycles)
     return finding_of(
@@ -42,7 +42,7 @@ def order_two_cells() -> Finding:
 )
 def order_many_cells() -> Finding:
     """More than two cells follow the same rule."""
-    cycles = [chain.cycle() for chain in _chains(_COUNT, 3, 8, _SEED + 1)]
+    cycles = random_chains()
     right = sum(map(_sorted, cycles))
     snaps = [(cycle, snap) for cycle in cycles for snap in cycle.snaps]
     released = [(cycle, snap, _weakest_held(snap, cycle)) for cycle, snap in snaps]
@@ -59,6 +59,16 @@ def order_many_cells() -> Finding:
         otherwise=f"{len(cycles) - right} chains run in another order; in "
         f"{len(snaps) - at_its_force} snaps another cell lets go.",
     )
+
+
+def random_pairs() -> list[Cycle]:
+    """Cycles of random pairs of concave cells."""
+    return [chain.cycle() for chain in _chains(_COUNT, 2, 2, _SEED)]
+
+
+def random_chains() -> list[Cycle]:
+    """Cycles of random chains of 3 to 8 concave cells."""
+    return [chain.cycle() for chain in _chains(_COUNT, 3, 8, _SEED + 1)]
 
 
 def _chains(count: int, shortest: int, longest: int, seed: int) -> tuple[Chain, ...]:

@@ -18,13 +18,13 @@ from stepwell.sequences import Cycle, Pathway
 
 # Fractions of area from the paper's equations and parameters, with q_out over x 0 to 20 and
 # y -15 to 15 mm.
-_SHARES = {
+SHARES = {
     Pathway.COUNTERCLOCKWISE: 0.261,
     Pathway.VIA_01: 0.262,
     Pathway.VIA_10: 0.262,
     Pathway.CLOCKWISE: 0.215,
 }
-_SHARE_TOLERANCE = 0.001
+SHARE_TOLERANCE = 0.001
 _PLACES = 400  # each way
 _BAND = 0.005  # m
 
@@ -69,7 +69,7 @@ def paper_map() -> PaperMap:
 
 def _share(pathway: Pathway) -> Finding:
     share = float(np.mean(paper_map().takes(pathway)))
-    return finding_of(abs(share - _SHARES[pathway]) <= _SHARE_TOLERANCE, f"{share:.3f}")
+    return finding_of(abs(share - SHARES[pathway]) <= SHARE_TOLERANCE, f"{share:.3f}")
 
 
 @claim("Fig. 2C", "rises with |q_y|", "rises from band to band")
@@ -130,10 +130,10 @@ MAP_CLAIMS = (
             f"Share of the map's area that runs {pathway.label}.",
             "Fig. 2C, from its equations and parameters",
             f"{share:.3f}",
-            f"{_SHARE_TOLERANCE:g}",
+            f"{SHARE_TOLERANCE:g}",
             partial(_share, pathway),
         )
-        for pathway, share in _SHARES.items()
+        for pathway, share in SHARES.items()
     ),
     large_qy_undirected,
     large_qx_directed,
@@ -141,7 +141,7 @@ MAP_CLAIMS = (
 
 
 _STILL = 1e-9  # of the full travel
-_NEAR = 0.005  # m: an eighth of the full stroke
+NEAR = 0.005  # m: an eighth of the full stroke
 
 
 def _taken(pathway: Pathway) -> Finding:
@@ -193,7 +193,7 @@ def undirected_boundary() -> Finding:
 @claim(
     "Figs. 2D to 2G",
     "near (no number)",
-    f"{to_unit(_NEAR, 'mm'):g} mm of 40 mm (our reading of near)",
+    f"{to_unit(NEAR, 'mm'):g} mm of 40 mm (our reading of near)",
 )
 def directed_snaps() -> Finding:
     """Directed pathways snap near 11 while loading and near 00 while unloading."""
@@ -214,12 +214,12 @@ def directed_snaps() -> Finding:
     far = np.maximum(shown.full_stroke - shown.snap_loading, shown.snap_unloading)[shown.directed]
     lone = max(*_distances(monostable_pair(), 1), *_distances(monostable_pair(), -1))
     return finding_of(
-        worst <= _NEAR,
+        worst <= NEAR,
         "; ".join(parts),
         note=f"Stroke left to 11 while loading, to 00 while unloading. Over the whole map the "
         f"farther of the two snaps is {to_unit(np.median(far), 'mm'):.1f} mm away in the median "
-        f"and up to {to_unit(np.max(far), 'mm'):.1f} mm, beyond {to_unit(_NEAR, 'mm'):g} mm in "
-        f"{np.mean(far > _NEAR):.0%} of the directed designs; with the monostable outer cell (0, "
+        f"and up to {to_unit(np.max(far), 'mm'):.1f} mm, beyond {to_unit(NEAR, 'mm'):g} mm in "
+        f"{np.mean(far > NEAR):.0%} of the directed designs; with the monostable outer cell (0, "
         f"-15) it is {to_unit(lone, 'mm'):.2f} mm.",
         otherwise=f"A snap is {to_unit(worst, 'mm'):.2f} mm from its corner.",
     )

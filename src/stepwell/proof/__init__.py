@@ -22,9 +22,17 @@ if TYPE_CHECKING:
     from stepwell.proof.exclusions import prove_impossible
     from stepwell.proof.path_proof import PathProof, ProofGap, ProvedEvent, ProvedRun, Theorem
     from stepwell.proof.prover import prove
+    from stepwell.proof.ranges import (
+        CriticalRange,
+        critical_ranges,
+        falling,
+        force_range,
+        sorted_as,
+    )
 
 __all__ = [
     "BoxOutcome",
+    "CriticalRange",
     "MarginProof",
     "PathProof",
     "ProofGap",
@@ -36,11 +44,15 @@ __all__ = [
     "Theorem",
     "ToleranceProof",
     "certificate",
+    "critical_ranges",
+    "falling",
+    "force_range",
     "prove",
     "prove_design",
     "prove_impossible",
     "prove_margin",
     "prove_tolerances",
+    "sorted_as",
 ]
 
 _LATE = {
@@ -53,6 +65,7 @@ _LATE = {
     "exclusions": ("prove_impossible",),
     "path_proof": ("PathProof", "ProofGap", "ProvedEvent", "ProvedRun", "Theorem"),
     "prover": ("prove",),
+    "ranges": ("CriticalRange", "critical_ranges", "falling", "force_range", "sorted_as"),
 }
 
 __getattr__, __dir__ = late(__name__, _LATE, __all__)

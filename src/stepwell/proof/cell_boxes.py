@@ -138,6 +138,10 @@ class CellBox:
             )
         return cell
 
+    def force(self, values: Sequence[Ball], sine: Ball) -> Any:
+        """F of a lever cell at sin θ, with slopes by its parts where it has any."""
+        return self._force(self._at(values), sine)
+
     # Its numbers as balls, with slopes by its parts.
 
     def _at(self, values: Sequence[Ball]) -> "_Numbers":
