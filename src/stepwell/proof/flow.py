@@ -6,22 +6,41 @@ of first order, with all forces λ that either case gives.
 """
 
 import math
+from dataclasses import replace
+from functools import reduce
 
 from stepwell.proof import balls
 from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull, low
 from stepwell.proof.walk import FREE, HELD, EnclosedWalk, Stand
 
-# Step as a fraction of the shortest time scale 1/(m |κ|), and the largest number of steps.
-_STEP, _MOST_STEPS = 0.04, 600
+# Steps as a fraction of the shortest time scale 1/(m |κ|), one after the other where a flow is not
+# enclosed, and the number of steps of the first one.
+_STEPS, _MOST_STEPS = (0.04, 0.01), 600
 # A box wider than this fraction of the travel leads nowhere.
 _WIDE = 0.2
+
+
+def land(walk: EnclosedWalk, places: dict[int, Ball]) -> None:
+    """Follow the flow of a snap from enclosed travels, and put the walk at its landing.
+
+    Raises:
+        UndecidedError: its landing is not proved.
+    """
+    for step in _STEPS:
+        stands = [replace(stand) for stand in walk.stands]
+        try:
+            EnclosedFlow(walk, dict(places), step).land()
+            return
+        except UndecidedError as why:
+            walk.stands, cause = stands, why
+    raise cause
 
 
 class EnclosedFlow:
     """Cells in a snap: those that move or may move, each with a ball of travel; others are held."""
 
-    def __init__(self, walk: EnclosedWalk, places: dict[int, Ball]):
-        self.walk, self.s = walk, places
+    def __init__(self, walk: EnclosedWalk, places: dict[int, Ball], step: float):
+        self.walk, self.s, self.step = walk, places, step
         self.total = ball(0.0)
         for i, stand in enumerate(walk.stands):
             self.total = self.total + places.get(i, stand.travel)
@@ -29,7 +48,7 @@ class EnclosedFlow:
 
     def land(self) -> None:
         """Follow the flow until its landing is proved, and put the walk there."""
-        for step in range(_MOST_STEPS):
+        for step in range(round(_MOST_STEPS * _STEPS[0] / self.step)):
             if len(self.s) == 1:
                 self._put_last()
                 return
@@ -53,8 +72,16 @@ class EnclosedFlow:
         laws = {i: self.walk.cells[i].law(s) for i, s in at.items()}
         sure = [i for i, s in at.items() if not self._touches(i, s)]
         unsure = [i for i in at if i not in sure]
-        if not sure:
-            raise UndecidedError("which cells move in a snap")
+        force = self._level(at, laws, sure, unsure) if sure else _hull_of(laws)
+        rates = {}
+        for i, (own, _, _) in laws.items():
+            rate = self.mobility[i] * (force - own)
+            # One that is pressed against its stop moves up to it, and stays there.
+            rates[i] = rate if i in sure or rate > 0 or rate < 0 else hull(rate, ball(0.0))
+        return rates, {i: law[1] for i, law in laws.items()}, force, len(sure) == len(at)
+
+    def _level(self, at, laws, sure: list[int], unsure: list[int]) -> Ball:
+        """λ in a box in which some cells move for certain; more of these are added to them."""
         mass = sum((self.mobility[i] for i in sure), ball(0.0))
         force = sum((self.mobility[i] * laws[i][0] for i in sure), ball(0.0)) / mass
         for i in list(unsure):
@@ -69,12 +96,7 @@ class EnclosedFlow:
             # λ with the cell lies between λ without it and the cell's own force.
             share = self.mobility[i] / (mass + self.mobility[i])
             force = hull(force, force + share * (laws[i][0] - force))
-        rates = {}
-        for i, (own, _, _) in laws.items():
-            rate = self.mobility[i] * (force - own)
-            # One that is pressed against its stop moves up to it, and stays there.
-            rates[i] = rate if i in sure or rate > 0 or rate < 0 else hull(rate, ball(0.0))
-        return rates, {i: law[1] for i, law in laws.items()}, force, len(sure) == len(at)
+        return force
 
     def _step(self) -> None:
         rates, slopes, _, _ = self._rates(self.s)
@@ -85,7 +107,7 @@ class EnclosedFlow:
             pace = max(pace, float(high(abs(slopes[i] * self.mobility[i]))), way)
         if not 0.0 < pace < math.inf:
             raise UndecidedError("the pace of the flow of a snap")
-        h = ball(_STEP / pace)
+        h = ball(self.step / pace)
         h = self._short_of_stops(h, rates)
         for _ in range(40):
             around = self._around(h)
@@ -308,3 +330,9 @@ class EnclosedFlow:
         if force is None:
             raise UndecidedError("no rest")
         return {i: walk.cells[i].invert(walk.branch(i), force) for i in moving}
+
+
+def _hull_of(laws: dict[int, tuple[Ball, Ball, Ball]]) -> Ball:
+    """The forces that λ may have if it is not known which cells move: it is a mean of theirs."""
+    forces = [law[0] for law in laws.values()]
+    return reduce(hull, forces)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from stepwell.proof import balls
 from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull, low
-from stepwell.proof.flow import EnclosedFlow
+from stepwell.proof.flow import land
 from stepwell.proof.walk import FOLD, FREE, HELD, TURN, Enclosed, EnclosedWalk, Stand, _root
 
 LINE, RISING, RACE, FLOW = "line", "rising", "race", "flow"
@@ -175,7 +175,7 @@ def _flow(walk: EnclosedWalk, d: int, pair: tuple[int, int], begun, begin: Ball)
             way = balls.middle(way / 4)
     else:
         raise UndecidedError("a third cell is released at the beginning of the snap")
-    EnclosedFlow(walk, {j: s0 + d * way, p: p0 - d * way}).land()
+    land(walk, {j: s0 + d * way, p: p0 - d * way})
     _settle(walk)
     return FLOW
 
