@@ -63,6 +63,8 @@ PARTS = {
     *("RecordFactor", "Release", "Springs", "WireSpring"),
     *("HopperParts", "ImpactLoad"),
     *("ProofGap", "ProvedEvent"),
+    *("RecordFactor", "Release", "Springs"),
+    *("ProofGap", "ProvedChange", "ProvedEvent"),
 }
 VOID = {"img", "br"}
 HOSTILE = '<script>alert("1")</script>&amp;\x1b[1m\u202e'
@@ -98,7 +100,7 @@ def public() -> dict[str, type]:
         offered = vars(import_module(f"stepwell.{room}"))
         names = import_module(f"stepwell.{room}").__dict__.get("__all__") or offered
         for name in names:
-            if name == "prove":
+            if room == "proof" and name[0].islower():
                 continue  # no class, and behind an extra
             value = getattr(import_module(f"stepwell.{room}"), name)
             if isinstance(value, type) and is_dataclass(value):

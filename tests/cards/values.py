@@ -16,9 +16,9 @@ from lab.values import of_recordings
 from stepwell import simulation
 from stepwell.accounts import account
 from stepwell.base import Installation, StepwellError, have, installation
-from stepwell.design import DEFAULT_TOLERANCES, Run, fraction_of
+from stepwell.design import DEFAULT_TOLERANCES, Impossible, Run, fraction_of
 from stepwell.paper import AssumedRange, AssumedRanges
-from stepwell.proof import PathProof, ProvedRun
+from stepwell.proof import ProvedRun
 from stepwell.sequences import Machine, realise
 from stepwell.studies import Atlas, Axis, GraphClass, SampledGraphs, Space, Status, sweep
 
@@ -46,10 +46,13 @@ def _atlas(chain: sw.Chain) -> Atlas:
     )  # fmt: skip
 
 
-def _proofs(cycle: sw.Cycle) -> tuple[PathProof, ProvedRun]:
-    """Of a path, and of a run with it."""
+def _proofs(cycle: sw.Cycle, design: sw.design.Design, why: StepwellError) -> tuple[Any, ...]:
+    """Of a path, of a run with it, of a margin, a box, a design and a refusal."""
     proof = cycle.path.prove()
-    return proof, ProvedRun.proved(Run.of(cycle.chain), proof)
+    margin = cycle.chain.margin().prove(sw.design.Tolerances(anchor=0.0001))
+    run = ProvedRun.proved(Run.of(cycle.chain), proof)
+    assert isinstance(why, Impossible)
+    return proof, run, margin, margin.within, design.prove(), why.prove()
 
 
 def _installation() -> Installation:
@@ -81,6 +84,8 @@ def of_chains() -> dict[str, Any]:
     chain = sw.preset("paper-forward")
     cycle, graph = chain.cycle(), chain.graph()
     axis = np.linspace(0.0, 0.020, 4)
+    designed = sw.design("00>01>11>10>00", samples=40)
+    impossible = _refused(lambda: sw.design("00>01>11>10>00", holes=0.040))
     values = (
         chain,
         chain.cells[0],
@@ -110,10 +115,10 @@ def of_chains() -> dict[str, Any]:
         committed(),
         sw.presets(),
         _installation(),
-        sw.design("00>01>11>10>00", samples=40),
-        _refused(lambda: sw.design("00>01>11>10>00", holes=0.040)),
+        designed,
+        impossible,
         sw.transition_map(chain, "outer", x=axis, y=axis).stepwell,
-        *(_proofs(cycle) if have("proof") else ()),
+        *(_proofs(cycle, designed, impossible) if have("proof") else ()),
     )
     return {type(value).__name__: value for value in values}
 

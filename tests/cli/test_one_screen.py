@@ -33,6 +33,7 @@ QUICK = {
     "yield paper-forward --sensitivity --samples 200": "100 %",
     "yield paper-identical --samples 200": "%",
     "yield used-before --program --samples 20": "%",
+    "margin paper-forward": "8.002 mm",
     "build paper-forward --samples 200": "can be built",
     "doctor": "installed",
 }

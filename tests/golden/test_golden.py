@@ -28,6 +28,10 @@ _EVERYWHERE = {"--force", "--full"}
 # has tests of its own: the demo, and the claims as JSON.
 # Options of a reading beside the keys that a design has.
 _READING = ("force_column", "save_reading")
+_WITHIN = (
+    *("anchor", "stiffness-tolerance", "rest-length-tolerance", "lever-tolerance", "friction"),
+    *("travel-tolerance", "build"),
+)
 _NOT_FROZEN = {
     "build --step",  # needs build123d
     # Half a minute; tests/paper/test_buildable.py has two of the numbers.
@@ -41,7 +45,10 @@ _NOT_FROZEN = {
     "paper --json",
     "doctor",
     "doctor --json",
-    "run --prove",  # needs python-flint; tests/proof has its numbers
+    # They need python-flint; tests/proof has their numbers.
+    *("run --prove", "design --prove", "margin --prove"),
+    # Read with --prove only; those of yield are frozen.
+    *(f"margin --{one}" for one in _WITHIN),
     "sweep WHAT --estimate",
     "sweep WHAT --scheduler",
     "atlas build --scheduler",
