@@ -1,34 +1,101 @@
-"""The table of the presets' proofs, and the page that shows it: `python tests/docs/proofs.py`."""
+"""The tables of proofs, and the page that shows them: `python tests/docs/proofs.py`."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import stepwell as sw
+from stepwell.base import percent
+from stepwell.design import DEFAULT_TOLERANCES
 from stepwell.mechanism import Chain
+from stepwell.paper import ClaimProof, claim_proofs
+from stepwell.proof import BoxOutcome
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "certificates.md"
-_BEGIN, _END = "<!-- proofs of the presets -->\n", "<!-- end -->\n"
+# Samples of each preset, of which the engine follows some one by one.
+SAMPLES = 1000
+_END = "<!-- end -->\n"
+
+
+def chains() -> Iterator[tuple[str, Chain]]:
+    """The presets of chains by name."""
+    for name in sw.presets():
+        chain = sw.preset(name)
+        if isinstance(chain, Chain):
+            yield name, chain
 
 
 def table() -> str:
     """For each preset of a chain the enclosed events of its cycle, and what is not proved."""
     lines = ["| preset | enclosed events | its cycle |", "|---|---|---|"]
-    for name in sw.presets():
-        chain = sw.preset(name)
-        if isinstance(chain, Chain):
-            path = chain.cycle().path
-            proof = path.prove()
-            causes = "; ".join(dict.fromkeys(gap.cause for gap in proof.gaps))
-            outcome = "proved" if proof.proved else f"not decided: {causes}"
-            lines.append(f"| `{name}` | {len(proof.events)} of {len(path.events)} | {outcome} |")
+    for name, chain in chains():
+        path = chain.cycle().path
+        proof = path.prove()
+        causes = "; ".join(dict.fromkeys(gap.cause for gap in proof.gaps))
+        outcome = "proved" if proof.proved else f"not decided: {causes}"
+        lines.append(f"| `{name}` | {len(proof.events)} of {len(path.events)} | {outcome} |")
     return "\n".join(lines) + "\n"
 
 
-def shown() -> str:
-    """The table as the page has it."""
-    return PAGE.read_text("utf-8").split(_BEGIN)[1].split(_END)[0]
+def box_row(name: str, chain: Chain) -> str:
+    """What samples show of a preset within the default tolerances, and what is proved."""
+    counted = chain.yields(samples=SAMPLES)
+    proof = counted.prove()
+    outcome = str(proof.outcome)
+    if proof.counterexample is not None:
+        outcome += f": {proof.cause}"
+    elif not proof.proved:
+        outcome += f" in {percent(proof.undecided or 0.0)} of the box: {proof.cause}"
+    return f"| `{name}` | {percent(counted.fraction)} | {outcome} |"
+
+
+def boxes() -> str:
+    """`box_row` of each preset of a chain."""
+    lines = ["| preset | yield by samples | all machines within the tolerances |", "|---|---|---|"]
+    return "\n".join([*lines, *(box_row(*one) for one in chains())]) + "\n"
+
+
+def margin_row(name: str, chain: Chain) -> str:
+    """How many margins of a preset are proved, and what the others are."""
+    proof = chain.margin().prove()
+    done = sum(one.proved for one in proof.changes)
+    rest: list[str] = []
+    for outcome in (BoxOutcome.REFUTED, BoxOutcome.UNDECIDED):
+        causes = dict.fromkeys(one.cause for one in proof.changes if one.outcome is outcome)
+        rest += [f"{outcome}: {', '.join(causes)}"] * bool(causes)
+    return f"| `{name}` | {done} of {len(proof.changes)} | {'; '.join(rest)} |"
+
+
+def margins() -> str:
+    """`margin_row` of each preset of a chain."""
+    lines = ["| preset | margins proved | others |", "|---|---|---|"]
+    return "\n".join([*lines, *(margin_row(*one) for one in chains())]) + "\n"
+
+
+def claim_row(one: ClaimProof) -> str:
+    """What is proved of a claim of the paper."""
+    return f"| {one.claim.claim} | {one.outcome} | {one.statement} |"
+
+
+def claims() -> str:
+    """`claim_row` of each claim about cells, pairs and chains."""
+    lines = ["| claim | outcome | what is proved, or why it is not |", "|---|---|---|"]
+    return "\n".join([*lines, *map(claim_row, claim_proofs())]) + "\n"
+
+
+TABLES = {"presets": table, "machines": boxes, "margins": margins, "claims": claims}
+
+
+def shown(name: str = "presets") -> str:
+    """A table as the page has it."""
+    return PAGE.read_text("utf-8").split(_begin(name))[1].split(_END)[0]
+
+
+def _begin(name: str) -> str:
+    return f"<!-- proofs of the {name} -->\n"
 
 
 if __name__ == "__main__":
-    text = PAGE.read_text("utf-8")
-    head, rest = text.split(_BEGIN)
-    PAGE.write_text(head + _BEGIN + table() + _END + rest.split(_END)[1], "utf-8")
+    for one, made in TABLES.items():
+        text = PAGE.read_text("utf-8")
+        head, rest = text.split(_begin(one))
+        PAGE.write_text(head + _begin(one) + made() + _END + rest.split(_END, 1)[1], "utf-8")

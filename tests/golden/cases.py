@@ -270,6 +270,7 @@ YIELDS = [
 ]
 
 CHECKS = [
+    _one("margin/cell", "margin preset:paper-cell-10-0"),
     _one("check/robust", "check preset:paper-forward --samples 100"),
     _one("check/fails", "check preset:paper-forward --target '00>01>11>10>00' --samples 50"),
     _folder(

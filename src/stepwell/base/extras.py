@@ -47,7 +47,7 @@ EXTRAS: MappingProxyType[str, Extra] = MappingProxyType(
         ),
         "proof": Extra(
             {"python-flint": "flint"},
-            "Path.prove, `stepwell run --prove`",
+            "Path.prove, Margin.prove, `stepwell run --prove`",
             "Proofs need ball arithmetic: python-flint",
         ),
         "robot": Extra(

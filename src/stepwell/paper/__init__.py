@@ -2,6 +2,7 @@
 
 from stepwell.paper.cells import PAIRS, monostable_pair, outer_anchor, pair_cycle, six_cells
 from stepwell.paper.claims import Claim, ClaimVerdict, Finding, Judgement, Verdicts, markdown
+from stepwell.paper.proofs import ClaimProof, claim_proofs
 from stepwell.paper.ranges import AssumedRange, AssumedRanges, assumed_ranges
 from stepwell.paper.run import claims, others, run, validate
 from stepwell.paper.sensitivity import Effect, Sensitivity, sensitivities
@@ -11,6 +12,7 @@ __all__ = [
     "AssumedRange",
     "AssumedRanges",
     "Claim",
+    "ClaimProof",
     "Effect",
     "Finding",
     "Judgement",
@@ -18,6 +20,7 @@ __all__ = [
     "ClaimVerdict",
     "Verdicts",
     "assumed_ranges",
+    "claim_proofs",
     "claims",
     "markdown",
     "others",

@@ -11,19 +11,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from stepwell import proof as proving
 from stepwell.base import ByValue, Floats, Progress, to_unit, tracked
 from stepwell.mechanism import Cell
 from stepwell.paper import cells, order, pathways
 from stepwell.paper.claims import Claim
-from stepwell.proof import (
-    BoxOutcome,
-    CriticalRange,
-    PathProof,
-    critical_ranges,
-    falling,
-    force_range,
-    sorted_as,
-)
 from stepwell.sequences import Cycle, Pathway
 
 # Narrowest rectangle of the map [m], and the number of bands of the claims on its shares.
@@ -41,22 +33,23 @@ class ClaimProof(ByValue):
     """
 
     claim: Claim
-    outcome: BoxOutcome
+    outcome: proving.BoxOutcome
     statement: str
 
 
-Proof = tuple[BoxOutcome, str]
+Proof = tuple[proving.BoxOutcome, str]
+Ranges = tuple[tuple[float, float], ...]
 
 
 def _decided(holds: bool, statement: str) -> Proof:
-    return (BoxOutcome.PROVED if holds else BoxOutcome.UNDECIDED), statement
+    return (proving.BoxOutcome.PROVED if holds else proving.BoxOutcome.UNDECIDED), statement
 
 
 def _forces(q: str) -> Proof:
     cell = cells.six_cells()[q]
     scale = cell.bands[0].stiffness * cell.lever
     limit = cells.FORCE_TOLERANCE * scale
-    ranges = critical_ranges(cell)
+    ranges = proving.critical_ranges(cell)
     near = all(
         abs(end - number * scale) <= limit
         for one, number in zip(ranges, cells.FORCES[q], strict=True)
@@ -66,7 +59,7 @@ def _forces(q: str) -> Proof:
 
 
 def _force_falls() -> Proof:
-    done = sum(map(falling, cells.six_cells().values()))
+    done = sum(map(proving.falling, cells.six_cells().values()))
     return _decided(done == 6, f"κ < 0 on boxes that cover the travel, {done} of 6 cells")
 
 
@@ -78,19 +71,19 @@ def _theta_max() -> Proof:
 
 
 def _peak_is_near(cell: Cell) -> bool:
-    (low_0, high_0), (low_1, high_1) = critical_ranges(cell)
+    (low_0, high_0), (low_1, high_1) = proving.critical_ranges(cell)
     angle = math.atan2(*cell.bands[0].d[::-1])
-    if not falling(cell):
+    if not proving.falling(cell):
         return False
     if abs(angle) >= cell.limit:
         return high_0 < 0 if angle < 0 else low_1 > 0
     off = math.radians(cells.PEAK_TOLERANCE)
-    before, after = (force_range(cell, math.sin(angle + way * off)) for way in (-1, 1))
+    before, after = (proving.force_range(cell, math.sin(angle + way * off)) for way in (-1, 1))
     return before[0] > 0 > after[1] and low_0 > 0 > high_1
 
 
 def _bistable() -> Proof:
-    signs = {q: critical_ranges(cell) for q, cell in cells.six_cells().items()}
+    signs = {q: proving.critical_ranges(cell) for q, cell in cells.six_cells().items()}
     stable = [q for q, ((low, _), (_, high)) in signs.items() if low > 0 > high]
     decided = [q for q, ends in signs.items() if all(low > 0 or high < 0 for low, high in ends)]
     holds = len(decided) == 6 and set(signs) - set(stable) == set(cells.MONOSTABLE)
@@ -98,7 +91,7 @@ def _bistable() -> Proof:
 
 
 @cache
-def _path_proof(pathway: Pathway) -> PathProof:
+def _path_proof(pathway: Pathway) -> "proving.PathProof":
     return cells.pair_cycle(pathway).path.prove()
 
 
@@ -109,7 +102,7 @@ def _pathway(pathway: Pathway) -> Proof:
 
 def _sequential() -> Proof:
     pairs = [cells.pair_cycle(one).chain for one in cells.PAIRS]
-    falls = all(falling(cell) for chain in pairs for cell in chain.cells)
+    falls = all(proving.falling(cell) for chain in pairs for cell in chain.cells)
     proved = all(_path_proof(one).proved for one in cells.PAIRS)
     return _decided(
         falls and proved, "the four cycles; two cells of falling force between stops are unstable"
@@ -142,7 +135,7 @@ def _directed_snaps() -> Proof:
     )
 
 
-def _corner(proof: PathProof, direction: int) -> float:
+def _corner(proof: "proving.PathProof", direction: int) -> float:
     return proof.path.chain.full_stroke if direction > 0 else 0.0
 
 
@@ -150,8 +143,8 @@ def _wells() -> Proof:
     held = 1
     chain = cells.monostable_pair().chain
     for cell in chain.levers:
-        (low_0, high_0), (low_1, high_1) = critical_ranges(cell)
-        if not falling(cell) or low_0 <= 0 <= high_0 or low_1 <= 0 <= high_1:
+        (low_0, high_0), (low_1, high_1) = proving.critical_ranges(cell)
+        if not proving.falling(cell) or low_0 <= 0 <= high_0 or low_1 <= 0 <= high_1:
             return _decided(False, "a cell at a stop with no force")
         held *= (low_0 > 0) + (high_1 < 0)
     return _decided(held == 2, "two wells: both cells fall, and the signs of four enclosed forces")
@@ -159,7 +152,7 @@ def _wells() -> Proof:
 
 def _orders(chains: Callable[[], list[Cycle]]) -> Proof:
     cycles = chains()
-    done = sum(sorted_as(cycle) for cycle in cycles)
+    done = sum(proving.sorted_as(cycle) for cycle in cycles)
     return _decided(
         done == len(cycles), f"the theorem's conditions, {done} of {len(cycles)} chains"
     )
@@ -175,7 +168,7 @@ def map_areas() -> tuple[Floats, Floats]:
     The number is that of `Pathway`; -1 where it is not decided.
     """
     inner = cells.pair_cycle(Pathway.CLOCKWISE).chain.levers[0]
-    own = critical_ranges(inner)
+    own = proving.critical_ranges(inner)
     codes = {one: k for k, one in enumerate(Pathway)}
     waiting = [(0.0, 0.020, -0.015, 0.015, False)]
     boxes: list[tuple[float, float, float, float]] = []
@@ -185,8 +178,8 @@ def map_areas() -> tuple[Floats, Floats]:
         place = (left + right) / 2, (bottom + top) / 2
         cell = inner.with_anchors(q=place)
         reach = (right - left) / 2, (top - bottom) / 2
-        taken = _taken(own, critical_ranges(cell, reach))
-        falls = falls or falling(cell, reach)
+        taken = _taken(own, proving.critical_ranges(cell, reach))
+        falls = falls or proving.falling(cell, reach)
         if taken is not None and falls:
             boxes.append((left, right, bottom, top))
             found.append(codes[taken])
@@ -200,7 +193,7 @@ def map_areas() -> tuple[Floats, Floats]:
     return np.array(boxes), np.array(found)
 
 
-def _taken(inner: tuple[CriticalRange, ...], outer: tuple[CriticalRange, ...]) -> Pathway | None:
+def _taken(inner: Ranges, outer: Ranges) -> Pathway | None:
     """The pathway of two cells by their enclosed F0 and F1; None where these overlap."""
     first: list[bool] = []
     for (a, b), (c, d) in zip(inner, outer, strict=True):
@@ -263,7 +256,7 @@ def _directed_by_x() -> Proof:
     shares = [_shares(_clipped(0, x, x + 0.005), *codes) for x in (0.0, 0.005, 0.010, 0.015)]
     refuted = any(a[0] > b[1] for a, b in pairwise(shares))
     outcome, text = _decided(_rises(shares), f"enclosed shares {_listed(shares)}")
-    return (BoxOutcome.REFUTED if refuted else outcome), text
+    return (proving.BoxOutcome.REFUTED if refuted else outcome), text
 
 
 def _listed(shares: list[tuple[float, float]]) -> str:
