@@ -5,7 +5,6 @@ from pathlib import Path
 
 import stepwell as sw
 from stepwell.base import percent
-from stepwell.design import DEFAULT_TOLERANCES
 from stepwell.mechanism import Chain
 from stepwell.paper import ClaimProof, claim_proofs
 from stepwell.proof import BoxOutcome
@@ -73,7 +72,8 @@ def margins() -> str:
 
 def claim_row(one: ClaimProof) -> str:
     """What is proved of a claim of the paper."""
-    return f"| {one.claim.claim} | {one.outcome} | {one.statement} |"
+    claim = one.claim.claim.replace("|", "\\|")
+    return f"| {claim} | {one.outcome} | {one.statement} |"
 
 
 def claims() -> str:

@@ -120,6 +120,7 @@ _USUAL: dict[str, Callable[..., Figure]] = {
     "CompiledRobot": gait_plane,
     "Cycle": overview,
     "Design": _designed,
+    "ProvedDesign": _designed,
     "Element": element_curve,
     "Jump": energy_flow,
     "MapView": _map_view,

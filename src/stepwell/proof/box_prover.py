@@ -85,7 +85,7 @@ def _sampled(
         except ValueError:
             continue
         if other := becomes(machine, str(nominal.sequence)):
-            return decision._replace(machine=machine, becomes=other)
+            return Decision(False, f"sample {number} of seed 0", machine, other)
     return decision
 
 
