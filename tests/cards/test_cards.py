@@ -62,8 +62,6 @@ PARTS = {
     *("Actuator", "EnergyFlow", "HalvedStep", "Hop", "Impact", "JumpBound", "JumpSettings"),
     *("RecordFactor", "Release", "Springs", "WireSpring"),
     *("HopperParts", "ImpactLoad"),
-    *("ProofGap", "ProvedEvent"),
-    *("RecordFactor", "Release", "Springs"),
     *("ProofGap", "ProvedChange", "ProvedEvent"),
 }
 VOID = {"img", "br"}
