@@ -166,7 +166,7 @@ class RobotSizes(ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinearActuator(ByValue):
-    """The linear actuator of a robot, as in its data sheet.
+    """The linear actuator of a robot.
 
     Attributes:
         name: for the parts list.

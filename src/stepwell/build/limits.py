@@ -138,7 +138,7 @@ def webs_findings(layout: Cut) -> Iterator[ExceededLimit]:
     # Parts of one kind with the same openings have one finding.
     seen: set[tuple[str, ...]] = set()
     for part in layout.parts:
-        worst = min(_webs_of(part), default=None)
+        worst = min(webs_of(part), default=None)
         if worst is None or worst[0] >= bridge - _EQUAL:
             continue
         web, first, second = worst
@@ -160,7 +160,7 @@ def webs_findings(layout: Cut) -> Iterator[ExceededLimit]:
         )
 
 
-def _webs_of(part: Part) -> Iterator[tuple[float, str, str]]:
+def webs_of(part: Part) -> Iterator[tuple[float, str, str]]:
     """Width [m] of the web between any two openings, and to the edge, with their names."""
     import shapely
 

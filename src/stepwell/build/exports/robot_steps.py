@@ -65,7 +65,8 @@ _RULES = (
         r"pin (holder|bracket)-pin",
         "Press the tenons of two cheeks into the body plate and of two into the carriage bar. Lay "
         "the actuator between the cheeks, rod to the rear, and push the pins through its holes. "
-        "Stick battery and board under the body plate; cables pass through its windows.",
+        "Fasten battery and board under the body plate with hook-and-loop tape, which counts in "
+        "their height; cables pass through its windows.",
     ),
     _Rule(
         "Bottom plates",

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from stepwell.build.robots.antennas import ROD
 from stepwell.build.robots.legs import PINS
 from stepwell.build.robots.plan import AntennaPlan
 from stepwell.build.robots.robot_freeing import overlap_finding
-from stepwell.build.robots.robot_layout import RobotLayout, turned
+from stepwell.build.robots.robot_layout import RobotLayout, robot_layout, turned
 from stepwell.build.sweeps import MotionSweep
 from stepwell.robot import Robot
 from stepwell.statics import Path, StaticsError
@@ -26,6 +27,8 @@ _OF_A_LEG = ("slack", "stretch", "bearing", "lever", "pin", "hook")
 # A head-on wall that moves an anchor by more than this fraction needs no further look.
 _ENOUGH = 0.9
 _HALVINGS = 30
+# Least displacement of a crank that is tried [m], and halvings of the range of those that fit.
+_LEAST_MOVE, _ROUGHLY = 1e-3, 7
 # Overlaps that are listed; a robot of wrong sizes has hundreds.
 _MOST = 12
 
@@ -46,7 +49,7 @@ def robot_findings(
         *_hubs(layout),
         *(overlap_finding(layout, one) for one in collisions),
         *_post(layout),
-        *limits.webs_findings(layout),
+        *_webs(layout),
         *limits.kerf_findings(layout),
         *limits.bed_findings(layout),
         *(one for leg in layout.robot.legs for one in _of_leg(layout, leg.name, paths)),
@@ -198,14 +201,41 @@ def _actuator(layout: RobotLayout, paths: Mapping[str, Path]) -> Iterator[Exceed
         )
 
 
+def _webs(layout: RobotLayout) -> Iterator[ExceededLimit]:
+    """Webs of every part; of a crank's stops with the largest displacement that leaves them."""
+    for one in limits.webs_findings(layout):
+        crank = next(
+            (own for own in layout.plan.antennas if f"{own.label}-stop-" in one.problem), None
+        )
+        if crank is None:
+            yield one
+            continue
+        name, at = crank.antenna.name, layout.robot.antennas.index(crank.antenna)
+
+        def fits(move: float, at: int = at, of: ExceededLimit = one) -> bool:
+            antennas = list(layout.robot.antennas)
+            antennas[at] = replace(antennas[at], moves=(-move, 0.0))
+            other = robot_layout(replace(layout.robot, antennas=antennas), layout.build_file)
+            return min(limits.webs_of(other.part(of.parts[0])))[0] >= of.allowed - 1e-9
+
+        most, _ = bisected(fits, _LEAST_MOVE, crank.move, _ROUGHLY) if fits(_LEAST_MOVE) else (0, 0)
+        advice = (
+            f"Use a displacement of {mm(1e-4 * math.floor(1e4 * most))} mm or less for antenna "
+            f"{name} (antenna.moves_mm)."
+        )
+        yield replace(one, advice=advice) if most else one
+
+
 def _nose(layout: RobotLayout) -> Iterator[ExceededLimit]:
     """A wall straight ahead must press the antennas before it stops the nose."""
-    plan = layout.plan
+    plan, flips = layout.plan, cache(lambda: layout.robot.predict().flips)
     for one in plan.antennas:
         moved = head_on(one, plan.nose[0])
         if moved >= _ENOUGH * one.move:
             continue
-        need = _flip(layout.robot, one)
+        # The displacement of the anchor for the gait at full swing; 0 for the gait at rest.
+        own = (flip.displacement for flip in flips() if flip.antenna == one.antenna.name)
+        need = max(own, default=0.0)
         if moved >= need:
             continue
         most, _ = bisected(
@@ -250,9 +280,3 @@ def head_on(one: AntennaPlan, wall: float) -> float:
     arm = one.plan.build_file.robot.crank_arm
     turn = one.crank_turn(swing)
     return arm * (math.sin(one.turn / 2.0) - math.sin(one.turn / 2.0 - turn))
-
-
-def _flip(robot: Robot, one: AntennaPlan) -> float:
-    """The displacement of the anchor for the gait at full swing [m]; 0 for the gait at rest."""
-    flips = [flip for flip in robot.predict().flips if flip.antenna == one.antenna.name]
-    return max((flip.displacement for flip in flips), default=0.0)
