@@ -24,7 +24,7 @@ from stepwell.build import (
     robot_layout,
 )
 from stepwell.build.exports.robot_steps import robot_steps
-from stepwell.build.robots.robot_limits import _webs, head_on
+from stepwell.build.robots.robot_limits import head_on, robot_webs
 from stepwell.build.sweeps import TOUCH
 
 ACRYLIC = load_build_file("acrylic-3mm")
@@ -275,7 +275,7 @@ def test_drafts_of_a_robot_say_why():
 def test_a_crank_whose_stops_do_not_fit_is_found_with_the_displacement_that_fits():
     robot = preset("explorer")
     layout = robot_layout(robot, ACRYLIC)
-    found = {one.parts[0]: one for one in _webs(layout)}
+    found = {one.parts[0]: one for one in robot_webs(layout)}
     says(str(found["right-body-top"]), "left-stop-2", "not on the", "antenna.moves_mm")
     most = {
         name: float(re.findall(r"of ([\d.]+) mm", one.advice)[0]) for name, one in found.items()
@@ -283,4 +283,4 @@ def test_a_crank_whose_stops_do_not_fit_is_found_with_the_displacement_that_fits
     antennas = [
         replace(one, moves=(-1e-3 * most[f"{one.leg}-body-top"], 0.0)) for one in robot.antennas
     ]
-    assert list(_webs(robot_layout(replace(robot, antennas=antennas), ACRYLIC))) == []
+    assert list(robot_webs(robot_layout(replace(robot, antennas=antennas), ACRYLIC))) == []

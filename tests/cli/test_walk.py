@@ -10,10 +10,12 @@ from importlib import import_module
 import pytest
 import xarray
 
+import stepwell as sw
 from cli.folders import written
 from facts import says
 from sizes import SIZE
 from stepwell.base import install
+from stepwell.build import RobotBuild
 from stepwell.files import load, preset_text
 from stepwell.reports import contents
 
@@ -182,3 +184,14 @@ def test_without_mujoco_one_line_says_what_to_install(tmp_path, command):
     assert (result.returncode, result.stdout) == (1, "")
     assert result.stderr.count("\n") == 1
     assert install("robot") in result.stderr
+
+
+def test_a_robot_walks_as_it_is_cut_with_the_masses_of_its_parts_and_its_actuators_period(stepwell):
+    pytest.importorskip("manifold3d")
+    words = ("walk", "robot-forward", "--cycles", 0.1, "--material", "acrylic-3mm", "--json")
+    record = json.loads(stepwell(*words).stdout)
+    made = sw.build(sw.preset("robot-forward"))
+    assert isinstance(made, RobotBuild)
+    assert record["title"].endswith(", cut from acrylic-3mm")
+    assert record["period_s"] == pytest.approx(made.least_period)
+    assert record["weight_N"] == pytest.approx(9.81 * made.mass, rel=1e-4)

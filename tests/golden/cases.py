@@ -638,6 +638,9 @@ ROBOTS = [
         (
             "maze robot-forward open --limit 1 --view above --out out",
             "walk robot-forward --cycles 0.2 --view 30,-20 --out walked",
+            "walk robot-forward --cycles 0.2 --material acrylic-3mm",
+            "walk robot-explorer --material acrylic-3mm",
+            "maze robot-antennas open --limit 1 --material acrylic-3mm",
         ),
         within=SIMULATED,
         slow=True,
@@ -809,7 +812,7 @@ WRONG = [
             "walk preset:paper-forward",
             "walk robot.toml",
             "maze robot-forward wal",
-            "view preset:paper-forward --arena open",
+            "view preset:paper-forward --arena open --material acrylic-3mm",
             "studio range.toml.gone --port 0 --demo --no-open --studies here",
             "export preset:paper-forward",
         ),

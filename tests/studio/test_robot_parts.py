@@ -207,6 +207,6 @@ def test_an_overlap_of_a_robot_has_the_places_of_all_bodies_at_its_deepest_pose(
 
 def test_a_robot_that_cannot_be_cut_is_refused_with_its_part():
     answer = asked("robot_parts", "robot-explorer")
-    says(answer.header["problems"][0]["text"], "right-body-top", "openings", "Move")
+    says(answer.header["problems"][0]["text"], "right-body-top", "left-stop-2", "antenna.moves_mm")
     chain = asked("robot_parts", "paper-forward")
     says(chain.header["problems"][0]["text"], "needs a robot")

@@ -9,7 +9,7 @@ from contextlib import suppress
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
@@ -192,15 +192,38 @@ def _forget(keep: Path) -> None:
         keep.rmdir()
 
 
+Material = Annotated[
+    str | None,
+    typer.Option(
+        "--material",
+        metavar=BUILD_FILE,
+        help="Build file (TOML), or the name of a preset, for the robot as it is cut: acrylic-3mm, "
+        "plywood-3mm, pla-3mm.",
+        autocompletion=materials,
+    ),
+]
+
+
+def _cut(robot: sw.robot.Robot, material: str | None) -> sw.robot.Robot:
+    """The robot as given, or as it is cut from this material, which its title names."""
+    if material is None:
+        return robot
+    with screen.usable("--material"):
+        made = sw.build(robot, material).robot
+    return replace(made, title=f"{robot.title or 'Robot'}, cut from {material}")
+
+
 def walk(
     robot: options.Robot,
     cycles: float = option(options.CYCLES, "N", default=8, min=0.01),
+    material: Material = None,
     *,
     output: options.FilmedOutput,
 ) -> None:
     """Simulate a walk on a flat floor: gaits, advance, turning and cost of transport.
 
     The only input is the position of the actuator; gaits follow from bands, weight and contact.
+    With --material the robot has the masses and shapes of the parts that `stepwell build` cuts.
     With --out, figures, samples as NetCDF, the result as JSON and a video (MP4 and GIF) are
     written into a folder, together with the design.
 
@@ -209,7 +232,7 @@ def walk(
     text, design = options.read_robot(robot)
     output.check_output_folder("walk", robot=text)
     with screen.usable(robot), screen.progress("walking") as tell:
-        result = sw.simulation.walk(design, cycles, progress=tell)
+        result = sw.simulation.walk(_cut(design, material), cycles, progress=tell)
     output.report(result, text, robot)
     screen.stopped(result.stopped)
 
@@ -293,13 +316,15 @@ def maze(
     course: Course,
     control: Control,
     output: options.FilmedOutput,
+    material: Material = None,
     _: bool = flag("List the arenas of Stepwell.", "--list", callback=_list, is_eager=True),
 ) -> None:
     """Simulate a robot in an arena: time to the goal, and contacts with walls.
 
     The simulation ends at the goal, when the robot is stuck, or at the time limit. The robot is
     steered by its antennas only. For control experiments, --disconnect and --no-antennas simulate
-    the same robot without reprogramming of its legs. With --out, figures, samples as NetCDF, the
+    the same robot without reprogramming of its legs; with --material it has the masses and shapes
+    of the parts that `stepwell build` cuts. With --out, figures, samples as NetCDF, the
     result as JSON and a video (MP4 and GIF) are written into a folder, together with both designs.
 
     Example: stepwell maze robot-explorer three-walls
@@ -310,7 +335,8 @@ def maze(
     output.check_output_folder("maze")
     place = course.read()
     with screen.usable(robot), screen.progress("walking") as tell:
-        result = sw.simulation.maze(design, place, limit=course.limit, progress=tell)
+        cut = _cut(design, material)
+        result = sw.simulation.maze(cut, place, limit=course.limit, progress=tell)
     output.report(result, text if design is given else design, robot, seeds=seeds)
     screen.stopped(result.walk.stopped)
 
@@ -330,12 +356,7 @@ def export(
         callback=options.local,
     ),
     arena: options.Arena = None,
-    material: str | None = option(
-        "Build file (TOML), or the name of a preset, for the robot as it is cut: acrylic-3mm, "
-        "plywood-3mm, pla-3mm.",
-        f"--material {BUILD_FILE}",
-        autocompletion=materials,
-    ),
+    material: Material = None,
     force: options.Force = False,
 ) -> None:
     """Export a robot as MJCF for MuJoCo, SDF for Gazebo, or both.
@@ -383,7 +404,7 @@ def _written(folder: Path, texts: Mapping[str, str], force: bool) -> list[str]:
     return sorted(texts)
 
 
-def view(robot: options.Robot, arena: options.Arena = None) -> None:
+def view(robot: options.Robot, arena: options.Arena = None, material: Material = None) -> None:
     """Simulate a robot in MuJoCo's viewer.
 
     The viewer needs a display. The actuator follows its command, and the mouse can push the robot.
@@ -396,7 +417,7 @@ def view(robot: options.Robot, arena: options.Arena = None) -> None:
         typer.echo(NO_DISPLAY, err=True)
         raise typer.Exit(1)
     with screen.usable(robot):
-        _show(design, place)
+        _show(_cut(design, material), place)
 
 
 def command(robot: sw.robot.Robot, settle: float) -> Callable[[Any, Any], None]:

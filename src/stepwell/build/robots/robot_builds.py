@@ -10,7 +10,7 @@ from stepwell.build.limits import ExceededLimit
 from stepwell.build.part import Part
 from stepwell.build.robots.masses import body_mass
 from stepwell.build.robots.robot_layout import RobotLayout, robot_layout
-from stepwell.build.robots.robot_limits import leg_paths, peak_force, robot_findings
+from stepwell.build.robots.robot_limits import leg_paths, peak_force, robot_findings, robot_webs
 from stepwell.build.robots.robot_sweep import robot_sweep
 from stepwell.build.robots.solids import robot_parts
 from stepwell.build.sweeps import MotionSweep
@@ -83,9 +83,15 @@ class RobotBuild(base.ByValue, base.Drawn):
         """Shapes and masses of all rigid bodies.
 
         Raises:
-            ValueError: holes of a part cross each other, which a finding reports.
+            ValueError: holes of a part cross each other; the text is that of the finding.
         """
-        return robot_parts(self.layout, self.build_file.title)
+        try:
+            return robot_parts(self.layout, self.build_file.title)
+        except base.InputError as error:
+            worst = min(robot_webs(self.layout), key=lambda one: one.value, default=None)
+            if worst is None:
+                raise
+            raise base.InputError(f"{worst.problem} {worst.advice}") from error
 
     @cached_property
     def robot(self) -> Robot:

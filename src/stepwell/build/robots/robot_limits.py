@@ -49,7 +49,7 @@ def robot_findings(
         *_hubs(layout),
         *(overlap_finding(layout, one) for one in collisions),
         *_post(layout),
-        *_webs(layout),
+        *robot_webs(layout),
         *limits.kerf_findings(layout),
         *limits.bed_findings(layout),
         *(one for leg in layout.robot.legs for one in _of_leg(layout, leg.name, paths)),
@@ -201,7 +201,7 @@ def _actuator(layout: RobotLayout, paths: Mapping[str, Path]) -> Iterator[Exceed
         )
 
 
-def _webs(layout: RobotLayout) -> Iterator[ExceededLimit]:
+def robot_webs(layout: RobotLayout) -> Iterator[ExceededLimit]:
     """Webs of every part; of a crank's stops with the largest displacement that leaves them."""
     for one in limits.webs_findings(layout):
         crank = next(
