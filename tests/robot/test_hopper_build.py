@@ -87,7 +87,8 @@ def test_the_account_and_the_files_have_the_plates_and_the_loads(made):
     files = build_files(made, FileOptions(nest=0.0))
     assert {"parts/foot-bar.dxf", "parts/sole.stl", "template/frame-1.svg"} <= {*files}
     says(str(files["parts.csv"]), "foot-bar", "plywood")
-    assert account(sw.build(hopper().chain, made.build_file, samples=2)).record["hopper"] is None
+    chain = sw.build(hopper().chain, made.build_file, samples=2, swept=made.sweep)
+    assert account(chain).record["hopper"] is None
 
 
 def test_a_sole_that_exceeds_the_bed_is_found(made):
