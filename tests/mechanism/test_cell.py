@@ -145,3 +145,17 @@ def test_values_print_themselves_in_the_units_of_the_workshop():
     assert "actuator 50 N/m" in repr(sw.Chain([CELL], actuator_stiffness=50))
     assert sw.Chain([CELL, CELL]).names == ("inner", "outer")
     assert sw.Chain([CELL] * 3).names == ("cell 1", "cell 2", "cell 3")
+
+
+@pytest.mark.parametrize(
+    "d", [(0.02, 0.0), (0.01, 0.03), (0.0, -0.03), (-0.02, 0.005), (-0.02, -0.0), (-0.03, -0.02)]
+)
+@pytest.mark.parametrize("limit_deg", [10.0, 45.0, 89.0])
+def test_the_least_and_largest_length_of_a_band_are_exact(d, limit_deg):
+    band, lever, limit = sw.Band((0.0, 0.0), d), 0.014, math.radians(limit_deg)
+    lengths = band.length(np.linspace(-limit, limit, 4001), lever)
+    least, most = band.lengths(lever, limit)
+    # The grid misses an extremum by less than its step squared.
+    assert (least, most) == pytest.approx((lengths.min(), lengths.max()), rel=1e-6)
+    assert least <= lengths.min() * (1.0 + 1e-15) and most >= lengths.max() * (1.0 - 1e-15)
+    assert band.largest_stretch(lever, limit) == most / band.rest_length
