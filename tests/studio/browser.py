@@ -123,6 +123,12 @@ WebSocket.prototype.send = function (message) {{
 """
 
 
+def leave(page: Page) -> None:
+    """Leave the studio from within: the browser keeps the process and what it compiled there."""
+    with page.expect_navigation(url="about:blank"):
+        page.evaluate("() => void setTimeout(() => location.replace('about:blank'))")
+
+
 def link(address: str, design: str | dict[str, Any]) -> str:
     """The address of a page of the studio with a preset or tables, which it holds itself."""
     named = isinstance(design, str)

@@ -78,6 +78,8 @@ def only(browser: Browser) -> Iterator[Opened]:
 @pytest.fixture
 def blank(only: Opened) -> Iterator[Opened]:
     """The page of most tests before anything was opened."""
+    from studio.browser import leave
+
     only.wrong.clear()
     only.asked.clear()
     only.page.set_viewport_size(WIDE)
@@ -85,7 +87,7 @@ def blank(only: Opened) -> Iterator[Opened]:
     # Nothing that is kept after a rest is kept for the next.
     only.page.evaluate("localStorage.clear(); Storage.prototype.setItem = () => {}")
     only.page.mouse.move(0, 0)
-    only.page.goto("about:blank")
+    leave(only.page)
     blameless(only)
 
 

@@ -9,7 +9,7 @@ import pytest
 from chromium import nothing_found
 from sizes import SIZE, cases
 from stepwell import files
-from studio.browser import ANSWERED, COUNTED, HASTY, begun, field, output, settled, without
+from studio.browser import ANSWERED, COUNTED, HASTY, begun, field, leave, output, settled, without
 
 from playwright.sync_api import Browser, Page, expect  # isort: skip
 
@@ -69,7 +69,7 @@ def test_the_gallery(window: Page, empty_address: str, axe: str):
 
 
 def test_a_chain_with_each_tab_open(window: Page, address: str, axe: str):
-    window.goto("about:blank")
+    leave(window)
     window.goto(address)
     output(window, "sequence").wait_for()
     each_tab(window, axe)
@@ -86,7 +86,7 @@ def test_a_chain_with_each_tab_open(window: Page, address: str, axe: str):
 def test_elements_robots_searched_margins_and_several_bands(
     laptop: Page, empty_address: str, axe: str, design: str
 ):
-    laptop.goto("about:blank")
+    leave(laptop)
     begun(laptop, empty_address, rubbing_bands() if design == "both" else design)
     each_tab(laptop, axe, *cases((), ALIKE))
 

@@ -15,6 +15,7 @@ from studio.browser import (
     drag,
     field,
     handle,
+    leave,
     link,
     middle,
     output,
@@ -92,7 +93,7 @@ def kept(page: Page) -> list[dict]:
 def test_the_last_design_is_offered_where_another_one_opens(page: Page, empty_address: str):
     drag(page, "q", "outer", -40, 20)
     moved = anchors(page, "outer")
-    page.goto("about:blank")
+    leave(page)
     page.goto(link(empty_address, "three-wave"))
     offer = page.get_by_text("Your last design here:")
     expect(offer).to_be_visible()
