@@ -17,6 +17,8 @@ from flint import arb, ctx  # noqa: E402  # pyright: ignore[reportMissingImports
 ctx.prec = 100
 # Boxes narrower than this fraction of the first one are not divided.
 _NARROW = 1e-22
+# Widest ball around a kink or a jump, in these: turns of a force are known to 1e-13 of the travel.
+_JUMP = 1e11
 # Largest number of boxes of one cover.
 _MOST_BOXES = 4000
 
@@ -116,7 +118,8 @@ def covered(holds: Callable[[Ball], bool], a: Ball, b: Ball) -> bool:
 def first_zero(f: Smooth, a: Ball, b: Ball) -> Ball | None:
     """The first zero of a function that is positive at a; None if it is positive on [a, b].
 
-    Proved: f > 0 before the ball, f < 0 just after it, f falls on it, so it holds one zero.
+    Proved: f > 0 before the ball, f < 0 just after it; f falls on it, so it holds one zero. At a
+    kink or a jump of f it may hold more, within 1e-11 of the way.
     """
     waiting, seen, least = [(a, b)], 0, abs(b - a) * _NARROW
     while waiting:
@@ -131,10 +134,25 @@ def first_zero(f: Smooth, a: Ball, b: Ball) -> Ball | None:
                 continue
             if end < 0 and f(a)[0] > 0:
                 return _narrowed(f, a, b)
-        if seen > _MOST_BOXES or not b - a > least:
+        narrow = not b - a > least
+        if narrow and (end := _after_jump(f, a, least)) is not None:
+            return hull(a, end)
+        if narrow or seen > _MOST_BOXES:
             raise UndecidedError("a zero is not single, or its sign is too near to zero")
         centre = middle((a + b) / 2)
         waiting += [(centre, b), (a, centre)]
+    return None
+
+
+def _after_jump(f: Smooth, a: Ball, least: Ball) -> Ball | None:
+    """A place shortly behind a, up to which f is positive, where f < 0 is proved; None without."""
+    if not least > 0:
+        return None
+    way = least
+    while way < least * _JUMP:
+        if f(middle(a + way))[0] < 0:
+            return middle(a + way)
+        way = way * 8
     return None
 
 
