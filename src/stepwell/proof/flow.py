@@ -49,12 +49,12 @@ class EnclosedFlow:
     def land(self) -> None:
         """Follow the flow until its landing is proved, and put the walk there."""
         for step in range(round(_MOST_STEPS * _STEPS[0] / self.step)):
-            if len(self.s) == 1:
-                self._put_last()
+            if len(self.s) == 1 and self._put_last():
                 return
             if step % 8 == 7 and (self._is_trapped() or self._pair_ends()):
                 return
-            self._step()
+            if len(self.s) > 1:
+                self._step()
             widths = [float(s.rad()) / self.walk.cells[i].size for i, s in self.s.items()]
             if max(widths, default=0.0) > _WIDE:
                 break
@@ -166,7 +166,11 @@ class EnclosedFlow:
 
     def _released(self, around: dict[int, Ball]) -> bool:
         """Let held cells move that may be released in a box; whether there are any."""
-        force, found = self._rates(around)[2], False
+        return self._release(self._rates(around)[2])
+
+    def _release(self, force: Ball) -> bool:
+        """Let held cells move that λ may release; whether there are any."""
+        found = False
         for i, stand in enumerate(self.walk.stands):
             if i in self.s:
                 continue
@@ -223,13 +227,20 @@ class EnclosedFlow:
                 del self.s[i]
                 self.walk.stands[i] = Stand(HELD, at)
 
-    def _put_last(self) -> None:
-        """The only cell that is not at a stop takes the rest of the stroke."""
+    def _put_last(self) -> bool:
+        """The only cell that is not at a stop takes the rest of the stroke.
+
+        False if its force may release another one: then the flow goes on with it.
+        """
         (i,) = self.s
         cell = self.walk.cells[i]
         held = sum((t.travel for k, t in enumerate(self.walk.stands) if k != i), ball(0.0))
         travel = self.total - held
+        self.s[i] = travel
+        if self._release(cell.law(travel)[0]):
+            return False
         self.walk.stands[i] = Stand(FREE, travel, self.walk.branch_at(cell, travel, 0))
+        return True
 
     def _is_trapped(self) -> bool:
         """Whether the flow is near a rest around which the energy is convex: put the walk there."""
@@ -264,7 +275,7 @@ class EnclosedFlow:
         return True
 
     def _pair_ends(self) -> bool:
-        """Whether two cells are proved to go on to a stop or a rest: put them there."""
+        """Whether two cells are proved to go on to a rest: put them there; or one to its stop."""
         if len(self.s) != 2 or any(self._touches(i, s) for i, s in self.s.items()):
             return False
         rates = self._rates(self.s)[0]
@@ -301,14 +312,18 @@ class EnclosedFlow:
                         if bound is not None and not balls.positive(
                             lambda s, b=bound, n=sign: (n * (level(s)[0] - b), n * level(s)[1]),
                             begin,
-                            low(end) if zero is None else high(zero),
+                            high(end) if zero is None else high(zero),
                         ):
                             return False
-            at = end if zero is None else zero
-            stands = {i: Stand(HELD, self._stops(i)[i == a]) for i in (a, b)}
-            for i, s in ((a, at), (b, total - at)):
-                if zero is not None or i != first:
-                    stands[i] = Stand(FREE, s, self.walk.branch_at(self.walk.cells[i], s, 0))
+            if zero is None:
+                # The one that arrives is held; the other one may release more cells then.
+                self.walk.stands[first] = Stand(HELD, self._stops(first)[first == a])
+                del self.s[first]
+                return False
+            places = ((a, zero), (b, total - zero))
+            stands = {
+                i: Stand(FREE, s, self.walk.branch_at(self.walk.cells[i], s, 0)) for i, s in places
+            }
         except UndecidedError:
             return False
         for i, stand in stands.items():

@@ -106,7 +106,17 @@ def _along_line(walk: EnclosedWalk, d: int, j: int, p: int) -> str:
     _arrive(walk, j, s0 + d * way, d if zero is None and stops == j else 0)
     if other is not None:
         _arrive(walk, p, p0 - d * way, -d if zero is None and stops == p else 0)
-    _settle(walk)
+    try:
+        _settle(walk)
+    except UndecidedError:
+        last = p if stops == j else j
+        if zero is not None or not walk.rigid or walk.stands[last].mode != FREE:
+            raise
+        _without_range(walk, (j, p))
+        # The force of the one that is left releases other cells: the snap goes on.
+        land(walk, {last: walk.stands[last].travel})
+        _settle(walk)
+        return FLOW
     return LINE
 
 
@@ -165,8 +175,7 @@ def _others_hold(walk: EnclosedWalk, d: int, pair: tuple[int, int], begun, way: 
 def _flow(walk: EnclosedWalk, d: int, pair: tuple[int, int], begun, begin: Ball) -> str:
     """Follow the flow from a place on the line at which no other cell is released yet."""
     (j, p), (s0, p0), way = pair, begun, begin
-    if walk.ratio != 1.0 or any(walk.cells[i].rubs for i in pair):
-        raise UndecidedError("the flow of a snap with friction, or for a range of mobilities")
+    _without_range(walk, pair)
     for _ in range(30):
         try:
             _others_hold(walk, d, pair, begun, way)
@@ -178,6 +187,11 @@ def _flow(walk: EnclosedWalk, d: int, pair: tuple[int, int], begun, begin: Ball)
     land(walk, {j: s0 + d * way, p: p0 - d * way})
     _settle(walk)
     return FLOW
+
+
+def _without_range(walk: EnclosedWalk, pair: tuple[int, int]) -> None:
+    if walk.ratio != 1.0 or any(walk.cells[i].rubs for i in pair):
+        raise UndecidedError("the flow of a snap with friction, or for a range of mobilities")
 
 
 def _share(one: float, two: float, ratio: float) -> Ball:
