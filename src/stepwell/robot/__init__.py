@@ -23,7 +23,6 @@ from stepwell.robot.fit import of_arena, of_robot
 from stepwell.robot.hopper import Actuator, Hopper, Springs, Task
 from stepwell.robot.hopper_fit import landing_length, longest_stretch, snap_of
 from stepwell.robot.jump import (
-    GIVE,
     Impact,
     JumpBound,
     Release,
@@ -70,7 +69,6 @@ from stepwell.robot.wire_springs import WireSpring, hopper_springs, wire_springs
 
 __all__ = [
     "Actuator",
-    "GIVE",
     "Hopper",
     "Impact",
     "JumpBound",

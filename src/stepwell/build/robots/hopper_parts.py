@@ -12,7 +12,7 @@ from stepwell.build.layouts import Layout
 from stepwell.build.limits import ExceededLimit, bed_findings, kerf_findings, webs_findings
 from stepwell.build.part import Hole, Part
 from stepwell.build.plates import STEEL
-from stepwell.robot import GIVE, Hopper, Impact, Task, bound_of, impacts, release
+from stepwell.robot import Hopper, Impact, Task, bound_of, impacts, release
 
 if TYPE_CHECKING:
     from stepwell.build.builds import Build
@@ -254,6 +254,8 @@ def _load(made: "Build", impact: Impact) -> ImpactLoad:
     web = lever / ((build_file.lever.width - pin - build_file.pin.lever_fit) * thick)
     shear = lever / (math.pi / 2.0 * pin**2)
     of_sheet = max(bearing, web, face) / build_file.sheet.strength
-    give = GIVE * max(of_sheet, shear / build_file.pin.strength)
+    # The mean force is inverse to the way.
+    way = impact.energy / force if force else 0.0
+    give = way * max(of_sheet, shear / build_file.pin.strength)
     stresses = bearing, web, shear, face, give
     return ImpactLoad(impact.name, impact.energy, force, lever, *stresses)
