@@ -545,6 +545,7 @@ class Studio {
   }
 
   private save(): void {
+    this.catchUp();
     if (!this.design) return;
     this.keepDesign();
     const { pathname, search } = location;
