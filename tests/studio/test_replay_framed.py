@@ -87,42 +87,40 @@ def test_side_by_side_where_wide_and_one_above_the_other_where_narrow(
     assert drawing["x"] == curves["x"] and drawing["y"] < curves["y"]
 
 
-@pytest.mark.parametrize("width", [580, 700])
-def test_two_side_by_side_have_legible_curves_and_their_legend(
-    offline: Opened, tmp_path: Path, width: int
-):
+def test_two_side_by_side_have_legible_curves_and_their_legend(offline: Opened, tmp_path: Path):
     page = opens(offline, tmp_path, around(as_iframe(page_of("paper-forward"), "It moves")))
     (frame,) = frames_of(page)
-    page.set_viewport_size({"width": width, "height": 800})
     page.locator("iframe").evaluate("frame => { frame.style.height = '48rem' }")
     curves = [frame.get_by_role("application", name=name) for name in ("Force: ", "Travel: ")]
     tall = "curve => new Promise((done) => requestAnimationFrame(() => done(curve.clientHeight)))"
-    # A frame of another height is laid out some frames later.
-    until = time.monotonic() + 20
-    while min(curve.evaluate(tall) for curve in curves) <= 110:
-        assert time.monotonic() < until
-    expect(frame.get_by_text("a snap leads from ○ to ●")).to_be_visible()
-    expect(frame.get_by_text("anchor of outer")).to_be_visible()
+    for width in (580, 700):
+        page.set_viewport_size({"width": width, "height": 800})
+        frame.wait_for_function("(width) => innerWidth === width", arg=width)
+        # A frame of another height is laid out some frames later.
+        until = time.monotonic() + 20
+        while min(curve.evaluate(tall) for curve in curves) <= 110:
+            assert time.monotonic() < until
+        expect(frame.get_by_text("a snap leads from ○ to ●")).to_be_visible()
+        expect(frame.get_by_text("anchor of outer")).to_be_visible()
 
 
-@pytest.mark.parametrize("height", [400, 640])
-def test_curves_of_a_frame_lie_one_below_the_other_inside_it(
-    offline: Opened, tmp_path: Path, height: int
-):
+def test_curves_of_a_frame_lie_one_below_the_other_inside_it(offline: Opened, tmp_path: Path):
     page = opens(offline, tmp_path, around(as_iframe(page_of("paper-forward"), "It moves")))
     (frame,) = frames_of(page)
     page.set_viewport_size({"width": 1200, "height": 800})
-    page.locator("iframe").evaluate(f"frame => {{ frame.style.height = '{height}px' }}")
     drawings = frame.locator(".charts canvas:visible")
     gaps = """all => {
       const boxes = all.map((one) => one.getBoundingClientRect());
       const ends = [...boxes.slice(1).map((one) => one.top), innerHeight];
       return boxes.map((one, k) => ends[k] - one.bottom);
     }"""
-    # A frame of another height is laid out some frames later.
-    until = time.monotonic() + 10
-    while min(drawings.evaluate_all(gaps)) < 0:
-        assert time.monotonic() < until, drawings.evaluate_all(gaps)
+    for height in (400, 640):
+        page.locator("iframe").evaluate(f"frame => {{ frame.style.height = '{height}px' }}")
+        frame.wait_for_function("(height) => innerHeight === height", arg=height)
+        # A frame of another height is laid out some frames later.
+        until = time.monotonic() + 10
+        while min(drawings.evaluate_all(gaps)) < 0:
+            assert time.monotonic() < until, drawings.evaluate_all(gaps)
 
 
 def test_what_it_rests_on_can_be_read_in_a_frame(offline: Opened, tmp_path: Path):
