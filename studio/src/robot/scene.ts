@@ -2,10 +2,13 @@
 
 import {
   BoxGeometry,
+  BufferGeometry,
   CapsuleGeometry,
   CylinderGeometry,
-  GridHelper,
+  Float32BufferAttribute,
   Group,
+  LineBasicMaterial,
+  LineSegments,
   type Material,
   Mesh,
   MeshLambertMaterial,
@@ -18,6 +21,8 @@ import { type Line, type Part, type Pose, pointOf } from "./plan";
 import { Space, clear } from "./space";
 
 const UP = new Vector3(0, 1, 0);
+// The floor has squares of this width, from the origin to this distance [mm].
+const [SQUARE, REACH] = [100, 3000];
 // Of what is a line in the simulation [mm].
 const THICK = { band: 1.3, other: 0.9 };
 
@@ -93,8 +98,13 @@ export class RunScene extends Space {
     }
     const goal = arena?.goal;
     if (goal) round(goal.at_mm, goal.radius_mm ?? GOAL_RADIUS, 1, paint("#009e73", 0.4));
-    const grid = new GridHelper(6000, 60, look.dark ? "#3a424a" : "#c9c5ba", look.dark ? "#262c32" : "#e3e0d8");
-    grid.rotation.x = Math.PI / 2;
+    // One line for each side of a square: some drivers leave out lines that end behind the camera.
+    const sides: number[] = [];
+    for (let x = -REACH; x <= REACH; x += SQUARE) {
+      for (let y = -REACH; y < REACH; y += SQUARE) sides.push(x, y, 0, x, y + SQUARE, 0, y, x, 0, y + SQUARE, x, 0);
+    }
+    const squares = new BufferGeometry().setAttribute("position", new Float32BufferAttribute(sides, 3));
+    const grid = new LineSegments(squares, new LineBasicMaterial({ color: look.dark ? "#2d343b" : "#dcd8ce" }));
     this.floor.add(grid);
     this.draw();
   }

@@ -5,6 +5,7 @@ import {
   BatchedMesh,
   Color,
   DirectionalLight,
+  LineSegments,
   type Material,
   Mesh,
   type Object3D,
@@ -95,7 +96,7 @@ export class Space {
 /** Empties a group, and gives back what the graphics card holds of it. */
 export function clear(group: Object3D): void {
   group.traverse((one: Object3D) => {
-    if (!(one instanceof Mesh)) return;
+    if (!(one instanceof Mesh || one instanceof LineSegments)) return;
     one.geometry.dispose();
     (one.material as Material).dispose();
     if (one instanceof BatchedMesh) one.dispose();
