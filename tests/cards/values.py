@@ -16,7 +16,7 @@ from lab.values import of_recordings
 from stepwell import simulation
 from stepwell.accounts import account
 from stepwell.base import Installation, StepwellError, have, installation
-from stepwell.design import DEFAULT_TOLERANCES, Impossible, Run, fraction_of
+from stepwell.design import DEFAULT_TOLERANCES, Design, Impossible, Run, Tolerances, fraction_of
 from stepwell.paper import AssumedRange, AssumedRanges
 from stepwell.proof import ProvedRun
 from stepwell.sequences import Machine, realise
@@ -46,10 +46,10 @@ def _atlas(chain: sw.Chain) -> Atlas:
     )  # fmt: skip
 
 
-def _proofs(cycle: sw.Cycle, design: sw.design.Design, why: StepwellError) -> tuple[Any, ...]:
+def _proofs(cycle: sw.Cycle, design: Design, why: StepwellError) -> tuple[Any, ...]:
     """Of a path, of a run with it, of a margin, a box, a design and a refusal."""
     proof = cycle.path.prove()
-    margin = cycle.chain.margin().prove(sw.design.Tolerances(anchor=0.0001))
+    margin = cycle.chain.margin().prove(Tolerances(anchor=0.0001))
     run = ProvedRun.proved(Run.of(cycle.chain), proof)
     assert isinstance(why, Impossible)
     return proof, run, margin, margin.within, design.prove(), why.prove()

@@ -132,7 +132,7 @@ def margin(
     text, chain = read_chain(design)
     spread = within.of(chain)
     with usable(design), progress("margin") as tell:
-        result: Any = sw.design.margin(chain, progress=tell)
+        result: Any = chain.margin(progress=tell)
     if prove:
         with usable("--prove"), progress("proof") as tell:
             result = result.prove(spread, progress=tell)

@@ -102,7 +102,7 @@ def _pathway(pathway: Pathway) -> Proof:
 
 def _sequential() -> Proof:
     pairs = [cells.pair_cycle(one).chain for one in cells.PAIRS]
-    falls = all(proving.falling(cell) for chain in pairs for cell in chain.cells)
+    falls = all(proving.falling(cell) for chain in pairs for cell in chain.levers)
     proved = all(_path_proof(one).proved for one in cells.PAIRS)
     return _decided(
         falls and proved, "the four cycles; two cells of falling force between stops are unstable"

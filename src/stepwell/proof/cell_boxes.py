@@ -149,11 +149,11 @@ class CellBox:
         if isinstance(cell, Element):
             at = _Numbers([], ball(0.0), ball(cell.friction), ball(1.0))
         else:
-            at = _Numbers(
-                [_BandNumbers(*map(ball, band.d), ball(1.0), ball(band.rest_length))
-                 for band in cell.bands],
-                ball(cell.lever), ball(cell.friction), ball(1.0),
-            )  # fmt: skip
+            bands: list[_BandNumbers] = []
+            for band in cell.bands:
+                x, y = band.d
+                bands.append(_BandNumbers(ball(x), ball(y), ball(1.0), ball(band.rest_length)))
+            at = _Numbers(bands, ball(cell.lever), ball(cell.friction), ball(1.0))
         radius: Any = None
         for part, value in zip(self.parts, parameters_in(values), strict=True):
             for band in at.bands if part.band == ALL else [at.bands[part.band]]:

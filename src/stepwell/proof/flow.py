@@ -26,6 +26,7 @@ def land(walk: EnclosedWalk, places: dict[int, Ball]) -> None:
     Raises:
         UndecidedError: its landing is not proved.
     """
+    cause = UndecidedError("the flow of a snap")
     for step in _STEPS:
         stands = [replace(stand) for stand in walk.stands]
         try:
@@ -70,33 +71,57 @@ class EnclosedFlow:
     def _rates(self, at: dict[int, Ball]) -> tuple[dict[int, Ball], dict[int, Ball], Ball, bool]:
         """Velocities and slopes κ in a box, λ, and whether each cell moves for certain."""
         laws = {i: self.walk.cells[i].law(s) for i, s in at.items()}
-        sure = [i for i, s in at.items() if not self._touches(i, s)]
-        unsure = [i for i in at if i not in sure]
-        force = self._level(at, laws, sure, unsure) if sure else _hull_of(laws)
-        rates = {}
-        for i, (own, _, _) in laws.items():
-            rate = self.mobility[i] * (force - own)
-            # One that is pressed against its stop moves up to it, and stays there.
-            rates[i] = rate if i in sure or rate > 0 or rate < 0 else hull(rate, ball(0.0))
-        return rates, {i: law[1] for i, law in laws.items()}, force, len(sure) == len(at)
+        force, moving = self._level(at, {i: law[0] for i, law in laws.items()})
+        rates = {i: self._rate(i, law[0], force, moving) for i, law in laws.items()}
+        return rates, {i: law[1] for i, law in laws.items()}, force, len(moving) == len(at)
 
-    def _level(self, at, laws, sure: list[int], unsure: list[int]) -> Ball:
-        """λ in a box in which some cells move for certain; more of these are added to them."""
-        mass = sum((self.mobility[i] for i in sure), ball(0.0))
-        force = sum((self.mobility[i] * laws[i][0] for i in sure), ball(0.0)) / mass
-        for i in list(unsure):
-            # A cell whose force drives it away from its stop leaves for certain.
-            away = laws[i][0] - force
-            if away > 0 if at[i].overlaps(self._stops(i)[1]) else away < 0:
-                unsure.remove(i)
-                sure.append(i)
-                force = force + self.mobility[i] / (mass + self.mobility[i]) * away
-                mass = mass + self.mobility[i]
+    def _rate(self, i: int, own: Ball, force: Ball, moving: dict[int, Ball]) -> Ball:
+        m, rub = self.mobility[i], self.walk.cells[i].friction
+        if i in moving:
+            return m * (force - moving[i])
+        up, down, still = m * (force - own - rub), m * (force - own + rub), ball(0.0)
+        if up > 0 or down < 0:
+            # One that is pressed against its stop moves up to it, and stays there.
+            return up if up > 0 else down
+        fast, slow = max(high(up), still), min(low(down), still)
+        return hull(fast, slow)
+
+    def _level(self, at: dict[int, Ball], own: dict[int, Ball]) -> tuple[Ball, dict[int, Ball]]:
+        """λ in a box, and the forces with friction of the cells that move for certain."""
+        moving = {
+            i: own[i]
+            for i, s in at.items()
+            if not self.walk.cells[i].rubs and not self._touches(i, s)
+        }
+        ends = {i: own[i] + self.walk.cells[i].friction * ball(0.0, 1.0) for i in at}
+        while (more := self._next_mover(at, own, ends, moving)) is not None:
+            moving[more[0]] = more[1]
+        unsure = [i for i in at if i not in moving]
+        if not moving:
+            # λ is a mean of the forces of those that move.
+            return reduce(hull, ends.values()), moving
+        mass = sum((self.mobility[i] for i in moving), ball(0.0))
+        force = sum((self.mobility[i] * f for i, f in moving.items()), ball(0.0)) / mass
         for i in unsure:
             # λ with the cell lies between λ without it and the cell's own force.
             share = self.mobility[i] / (mass + self.mobility[i])
-            force = hull(force, force + share * (laws[i][0] - force))
-        return force
+            force = hull(force, force + share * (ends[i] - force))
+        return force, moving
+
+    def _next_mover(self, at, own, ends, moving) -> tuple[int, Ball] | None:
+        """A cell that moves whichever of the other ones do, with its force and friction."""
+        for i, s in at.items():
+            others = [moving.get(k, ends[k]) for k in at if k != i]
+            if i in moving or not others:
+                continue
+            # λ without the cell is a mean of the forces of others.
+            force, rub = reduce(hull, others), self.walk.cells[i].friction
+            a, b = self._stops(i)
+            if force > own[i] + rub and not s.overlaps(b):
+                return i, own[i] + rub
+            if force < own[i] - rub and not s.overlaps(a):
+                return i, own[i] - rub
+        return None
 
     def _step(self) -> None:
         rates, slopes, _, _ = self._rates(self.s)
@@ -120,6 +145,7 @@ class EnclosedFlow:
         self.s = self._second(h, rates, slopes) if smooth else self._first(h, rates)
         self._close()
         self._hold_arrived()
+        self._hold_stuck(around)
 
     def _short_of_stops(self, h: Ball, rates: dict[int, Ball]) -> Ball:
         """A step that ends before a stop, or one that brings the whole box of a cell to it."""
@@ -176,8 +202,6 @@ class EnclosedFlow:
                 continue
             down, up = self.walk.window(i)
             if (down is not None and not force > down) or (up is not None and not force < up):
-                if self.walk.cells[i].rubs:
-                    raise UndecidedError("a snap in which a cell with friction may be released")
                 self.s[i], found = stand.travel, True
         return found
 
@@ -213,6 +237,15 @@ class EnclosedFlow:
             if rest.overlaps(s):
                 self.s[i] = rest.intersection(s)
 
+    def _hold_stuck(self, around: dict[int, Ball]) -> None:
+        """Hold cells whose friction is proved to hold them during a whole step."""
+        force = self._rates(around)[2]
+        for i, s in list(self.s.items()):
+            own, rub = self.walk.cells[i].law(around[i])[0], self.walk.cells[i].friction
+            if len(self.s) > 1 and own - rub < force and force < own + rub:
+                self.walk.stands[i] = Stand(HELD, s)
+                del self.s[i]
+
     def _hold_arrived(self) -> None:
         """Hold cells whose whole ball is at a stop, if λ presses them against it."""
         for i in list(self.s):
@@ -220,8 +253,11 @@ class EnclosedFlow:
             at = b if low(self.s[i]) >= b else a if high(self.s[i]) <= a else None
             if at is None:
                 continue
-            force, own = self._rates(self.s)[2], self.walk.cells[i].law(at)[0]
-            if (at == b and force > own) or (at == a and force < own):
+            cell = self.walk.cells[i]
+            force, own = self._rates(self.s)[2], cell.law(at)[0]
+            if (at == b and force > own - cell.friction) or (
+                at == a and force < own + cell.friction
+            ):
                 if self.walk.cells[i].leads[bool(at == b)]:
                     raise UndecidedError("a curve that folds back")
                 del self.s[i]
@@ -237,15 +273,36 @@ class EnclosedFlow:
         held = sum((t.travel for k, t in enumerate(self.walk.stands) if k != i), ball(0.0))
         travel = self.total - held
         self.s[i] = travel
+        if cell.rubs:
+            return self._rests_by_friction(i)
         if self._release(cell.law(travel)[0]):
             return False
         self.walk.stands[i] = Stand(FREE, travel, self.walk.branch_at(cell, travel, 0))
         return True
 
+    def _rests_by_friction(self, last: int) -> bool:
+        """Whether some λ holds all cells: then the last one rests; if not, others may leave."""
+        walk = self.walk
+        walk.stands[last] = Stand(HELD, self.s[last])
+        windows = {i: walk.window(i) for i in range(len(walk.cells))}
+        lows = {i: down for i, (down, _) in windows.items() if down is not None}
+        highs = {i: up for i, (_, up) in windows.items() if up is not None}
+        if all(a < b for a in lows.values() for b in highs.values()):
+            return True
+        down, up = lows[last], highs[last]
+        for i in windows:
+            if i != last and not (
+                (i not in lows or lows[i] < up) and (i not in highs or highs[i] > down)
+            ):
+                self.s[i] = walk.stands[i].travel
+        if len(self.s) == 1:
+            raise UndecidedError("which cells are held by friction after a snap")
+        return False
+
     def _is_trapped(self) -> bool:
         """Whether the flow is near a rest around which the energy is convex: put the walk there."""
         walk, cells = self.walk, self.walk.cells
-        if any(self._touches(i, s) for i, s in self.s.items()):
+        if any(self._touches(i, s) or cells[i].rubs for i, s in self.s.items()):
             return False
         before = {i: walk.stands[i] for i in self.s}
         try:
@@ -279,10 +336,10 @@ class EnclosedFlow:
         if len(self.s) != 2 or any(self._touches(i, s) for i, s in self.s.items()):
             return False
         rates = self._rates(self.s)[0]
-        ahead = [i for i in self.s if rates[i] > 0]
-        if len(ahead) != 1:
+        ahead, behind = [i for i in self.s if rates[i] > 0], [i for i in self.s if rates[i] < 0]
+        if len(ahead) != 1 or len(behind) != 1:
             return False
-        (a,), (b,) = ahead, [i for i in self.s if i != ahead[0]]
+        (a,), (b,) = ahead, behind
         one, two, begin = self.walk.cells[a], self.walk.cells[b], low(self.s[a])
         total = self.total - sum(
             (stand.travel for i, stand in enumerate(self.walk.stands) if i not in self.s), ball(0.0)
@@ -296,11 +353,11 @@ class EnclosedFlow:
 
         def pull(s: Ball) -> tuple[Ball, Ball]:
             own, its = one.law(s), two.law(total - s)
-            return its[0] - own[0], -its[1] - own[1]
+            return its[0] - own[0] - one.friction - two.friction, -its[1] - own[1]
 
         def level(s: Ball) -> tuple[Ball, Ball]:
             own, its = one.law(s), two.law(total - s)
-            force = share * its[0] + (1 - share) * own[0]
+            force = share * (its[0] - two.friction) + (1 - share) * (own[0] + one.friction)
             return force, (1 - share) * own[1] - share * its[1]
 
         try:
@@ -322,7 +379,10 @@ class EnclosedFlow:
                 return False
             places = ((a, zero), (b, total - zero))
             stands = {
-                i: Stand(FREE, s, self.walk.branch_at(self.walk.cells[i], s, 0)) for i, s in places
+                i: Stand(HELD, s)
+                if self.walk.cells[i].rubs
+                else Stand(FREE, s, self.walk.branch_at(self.walk.cells[i], s, 0))
+                for i, s in places
             }
         except UndecidedError:
             return False
@@ -345,9 +405,3 @@ class EnclosedFlow:
         if force is None:
             raise UndecidedError("no rest")
         return {i: walk.cells[i].invert(walk.branch(i), force) for i in moving}
-
-
-def _hull_of(laws: dict[int, tuple[Ball, Ball, Ball]]) -> Ball:
-    """The forces that λ may have if it is not known which cells move: it is a mean of theirs."""
-    forces = [law[0] for law in laws.values()]
-    return reduce(hull, forces)

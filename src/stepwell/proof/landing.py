@@ -39,7 +39,9 @@ def snap(walk: EnclosedWalk, direction: int, leader: int) -> Enclosed:
         for i, stand in enumerate(walk.stands)
         if i == walk.trigger[0] or not bool(stand.travel == begun[i])
     }
-    released = _released(walk, moves, force, direction)
+    # In a flow cells with friction may yield and come back.
+    rubbed = theorem == FLOW and any(cell.rubs for cell in walk.cells)
+    released = None if rubbed else _released(walk, moves, force, direction)
     why = walk.due or TURN
     walk.trigger, walk.due = (-1, 0), ""
     forces = force, walk.force
@@ -110,9 +112,9 @@ def _along_line(walk: EnclosedWalk, d: int, j: int, p: int) -> str:
         _settle(walk)
     except UndecidedError:
         last = p if stops == j else j
-        if zero is not None or not walk.rigid or walk.stands[last].mode != FREE:
+        if zero is not None or not walk.rigid or last < 0:
             raise
-        _without_range(walk, (j, p))
+        _without_range(walk)
         # The force of the one that is left releases other cells: the snap goes on.
         land(walk, {last: walk.stands[last].travel})
         _settle(walk)
@@ -175,7 +177,7 @@ def _others_hold(walk: EnclosedWalk, d: int, pair: tuple[int, int], begun, way: 
 def _flow(walk: EnclosedWalk, d: int, pair: tuple[int, int], begun, begin: Ball) -> str:
     """Follow the flow from a place on the line at which no other cell is released yet."""
     (j, p), (s0, p0), way = pair, begun, begin
-    _without_range(walk, pair)
+    _without_range(walk)
     for _ in range(30):
         try:
             _others_hold(walk, d, pair, begun, way)
@@ -189,9 +191,9 @@ def _flow(walk: EnclosedWalk, d: int, pair: tuple[int, int], begun, begin: Ball)
     return FLOW
 
 
-def _without_range(walk: EnclosedWalk, pair: tuple[int, int]) -> None:
-    if walk.ratio != 1.0 or any(walk.cells[i].rubs for i in pair):
-        raise UndecidedError("the flow of a snap with friction, or for a range of mobilities")
+def _without_range(walk: EnclosedWalk) -> None:
+    if walk.ratio != 1.0:
+        raise UndecidedError("the flow of a snap for a range of mobilities")
 
 
 def _share(one: float, two: float, ratio: float) -> Ball:

@@ -100,6 +100,7 @@ class OrderedBox:
     def _pair(self, first: Switch, second: Switch) -> Decision | None:
         """None if a first switch is proved to come before a second one; else what is known."""
         sign, tie = (-1 if first.end else 1), TIE * self.scale
+        one = two = None
         for share in _ENOUGH:
             one = self._extreme(first, sign, share * self.scale)
             two = self._extreme(second, -sign, share * self.scale)
@@ -107,6 +108,7 @@ class OrderedBox:
                 return None
             if -two.attained - one.attained < -tie:
                 break
+        assert one is not None and two is not None
         names = f"{self.chain.names[first.cell]} and {self.chain.names[second.cell]}"
         cause = f"the order of {names} while {'unloading' if first.end else 'loading'}"
         machine = self._machine({first.cell: one.at, second.cell: two.at})

@@ -8,7 +8,7 @@ import heapq
 import math
 from collections.abc import Callable, Sequence
 from itertools import count
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from stepwell.proof import balls
 from stepwell.proof.balls import Ball, ball, hull
@@ -127,7 +127,7 @@ def largest(f: Function, spans: Sequence[Span], enough: float) -> Extreme:
                 slope * ((b - a) / 2) * ball(0.0, 1.0)
                 for (a, b), slope in zip(box, value.slopes, strict=True)
             ]
-            mean = sum(pieces, inside)
+            mean: Any = sum(pieces, inside)
             if mean.is_finite():
                 top = min(top, balls.high(mean))
                 steps = [float(piece.rad()) for piece in pieces]
