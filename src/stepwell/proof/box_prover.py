@@ -13,11 +13,11 @@ from stepwell.proof.box_proofs import (
     ProvedDesign,
     ToleranceProof,
 )
-from stepwell.proof.cell_boxes import ALL, Part, displacements, parts_within
+from stepwell.proof.cell_boxes import ALL, CellPart, displacements, parts_within
 from stepwell.proof.order_boxes import Decision, OrderedBox, becomes
 from stepwell.sequences import Cycle, cycle
 
-# Part of a margin up to which its proof is attempted: at the margin itself two cells tie.
+# CellPart of a margin up to which its proof is attempted: at the margin itself two cells tie.
 UP_TO = 1.0 - 1e-5
 # A change that no search found is looked at between these factors of a number.
 _LEAST, _MOST = 1e-6, 8.0
@@ -116,7 +116,7 @@ def _proved_change(nominal: Cycle, margin: Margin, change: Change) -> ProvedChan
     size = UP_TO * change.distance if math.isfinite(change.distance) else most
 
     def decide(up_to: float) -> Decision:
-        parts: list[list[Part]] = [[] for _ in nominal.chain.cells]
+        parts: list[list[CellPart]] = [[] for _ in nominal.chain.cells]
         parts[change.cell] = _changes_of(nominal.chain, change, up_to)
         return OrderedBox(nominal, parts).decide()
 
@@ -133,16 +133,16 @@ def _proved_change(nominal: Cycle, margin: Margin, change: Change) -> ProvedChan
     return ProvedChange(change, outcome, low, refuted, decision.cause)
 
 
-def _changes_of(chain: Chain, change: Change, up_to: float) -> list[Part]:
+def _changes_of(chain: Chain, change: Change, up_to: float) -> list[CellPart]:
     cell = chain.cells[change.cell]
     if change.parameter == "anchor":
         assert isinstance(cell, Cell)
         return displacements(cell, up_to)
     if change.parameter == "friction":
         least = max(0.0, cell.friction - up_to * cell.largest_force)
-        return [Part("friction", ALL, least, cell.friction + up_to * cell.largest_force)]
+        return [CellPart("friction", ALL, least, cell.friction + up_to * cell.largest_force)]
     # A factor is above zero.
-    return [Part(change.parameter, ALL, max(_LEAST, 1.0 - up_to), 1.0 + up_to)]
+    return [CellPart(change.parameter, ALL, max(_LEAST, 1.0 - up_to), 1.0 + up_to)]
 
 
 def prove_design(design: Design, progress: Progress = None) -> ProvedDesign:

@@ -12,7 +12,7 @@ from stepwell.mechanism import Band, Cell, Element
 from stepwell.proof import balls
 from stepwell.proof.balls import Ball, ball, hull
 from stepwell.proof.laws import EnclosedBand, EnclosedCell, EnclosedCurve
-from stepwell.proof.slopes import Extreme, Span, largest, parameters_in
+from stepwell.proof.slopes import LargestValue, Span, largest, parameters_in
 
 # Standard deviations at which the normal distributions of `Tolerances` end.
 _CUT = 4.0
@@ -26,7 +26,7 @@ _TURN = math.nextafter(2.0 * math.pi, 7.0)
 ALL = -1
 
 
-class Part(NamedTuple):
+class CellPart(NamedTuple):
     """A number of a cell that lies within a span.
 
     Attributes:
@@ -50,13 +50,13 @@ class CriticalForce(NamedTuple):
     sign: int
 
 
-def parts_within(cell: Cell | Element, tolerances: Tolerances) -> tuple[Part, ...]:
+def parts_within(cell: Cell | Element, tolerances: Tolerances) -> tuple[CellPart, ...]:
     """All numbers of a cell that samples within tolerances may have."""
-    t, parts = tolerances, list[Part]()
+    t, parts = tolerances, list[CellPart]()
 
     def factor(what: str, band: int, deviation: float) -> None:
         if deviation > 0:
-            parts.append(Part(what, band, 1.0 - _CUT * deviation, 1.0 + _CUT * deviation))
+            parts.append(CellPart(what, band, 1.0 - _CUT * deviation, 1.0 + _CUT * deviation))
 
     if isinstance(cell, Element):
         factor("force_scale", ALL, t.stiffness)
@@ -68,16 +68,16 @@ def parts_within(cell: Cell | Element, tolerances: Tolerances) -> tuple[Part, ..
             factor("stiffness", band, t.stiffness)
             factor("rest_length", band, t.rest_length)
         if t.lever > 0:
-            parts.append(Part("lever", ALL, cell.lever - t.lever, cell.lever + t.lever))
+            parts.append(CellPart("lever", ALL, cell.lever - t.lever, cell.lever + t.lever))
     if t.friction > 0:
-        parts.append(Part("friction", ALL, cell.friction, cell.friction + t.friction))
+        parts.append(CellPart("friction", ALL, cell.friction, cell.friction + t.friction))
     return tuple(parts)
 
 
-def displacements(cell: Cell, radius: float, band: int = ALL) -> list[Part]:
+def displacements(cell: Cell, radius: float, band: int = ALL) -> list[CellPart]:
     """Displacements of q - p within a radius [m], of one band or of all alike."""
     within = radius * (1.0 + _ROUNDING) + _ROUNDING * cell.lever
-    return [Part("radius", band, 0.0, within), Part("angle", band, 0.0, _TURN)]
+    return [CellPart("radius", band, 0.0, within), CellPart("angle", band, 0.0, _TURN)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +85,7 @@ class CellBox:
     """A cell, and the numbers of it that lie within spans."""
 
     cell: Cell | Element
-    parts: tuple[Part, ...] = ()
+    parts: tuple[CellPart, ...] = ()
 
     @property
     def spans(self) -> list[Span]:
@@ -96,11 +96,11 @@ class CellBox:
         """Whether there is a part of this kind."""
         return any(part.what == what for part in self.parts)
 
-    def extreme(self, force: CriticalForce, enough: float) -> Extreme:
+    def extreme(self, force: CriticalForce, enough: float) -> LargestValue:
         """The largest value of a critical force with a sign, to `enough` [N]."""
         return largest(lambda values: self._critical(force, values), self.spans, enough)
 
-    def force_at(self, sine: tuple[Ball, Ball], sign: int, enough: float) -> Extreme:
+    def force_at(self, sine: tuple[Ball, Ball], sign: int, enough: float) -> LargestValue:
         """The largest of sign F - f of a lever cell at sin θ = a + b/r."""
         a, b = sine
 

@@ -13,7 +13,7 @@ from stepwell.design import Impossible
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.proof.balls import UndecidedError, ball, high, low
 from stepwell.proof.box_proofs import BoxOutcome, ProvedImpossible
-from stepwell.proof.cell_boxes import ALL, CellBox, CriticalForce, Part, element_forces
+from stepwell.proof.cell_boxes import ALL, CellBox, CriticalForce, CellPart, element_forces
 from stepwell.sequences import cycle
 from stepwell.statics import StaticsError
 
@@ -90,7 +90,10 @@ def _ideals(loading: Sequence[int], unloading: Sequence[int]) -> frozenset[str]:
 
 def _rectangle(cell: Cell, box: Any) -> CellBox:
     x, y = cell.bands[0].d
-    parts = Part("x", ALL, box.left - x, box.right - x), Part("y", ALL, box.bottom - y, box.top - y)
+    parts = (
+        CellPart("x", ALL, box.left - x, box.right - x),
+        CellPart("y", ALL, box.bottom - y, box.top - y),
+    )
     return CellBox(cell, parts)
 
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.proof.balls import Ball, UndecidedError, ball, high, low
-from stepwell.proof.cell_boxes import CellBox, CriticalForce, Part
-from stepwell.proof.slopes import Extreme
+from stepwell.proof.cell_boxes import CellBox, CriticalForce, CellPart
+from stepwell.proof.slopes import LargestValue
 from stepwell.proof.walk import TIE
 from stepwell.sequences import Cycle, Sequence as States, cycle
 from stepwell.statics import StaticsError
@@ -61,13 +61,13 @@ def becomes(chain: Chain, sequence: str) -> str:
 class OrderedBox:
     """A chain and, for each cell, the numbers of it that lie within spans."""
 
-    def __init__(self, nominal: Cycle, parts: Sequence[Sequence[Part]]):
+    def __init__(self, nominal: Cycle, parts: Sequence[Sequence[CellPart]]):
         self.nominal, self.chain = nominal, nominal.chain
         pairs = zip(self.chain.cells, parts, strict=True)
         self.boxes = [CellBox(cell, tuple(own)) for cell, own in pairs]
         largest = [cell.largest_force for cell in self.chain.cells]
         self.scale = max(largest)
-        self._known: dict[tuple[int, CriticalForce], tuple[float, Extreme]] = {}
+        self._known: dict[tuple[int, CriticalForce], tuple[float, LargestValue]] = {}
 
     def decide(self) -> Decision:
         """Whether all chains of the box are proved to have the nominal sequence."""
@@ -89,7 +89,7 @@ class OrderedBox:
         except UndecidedError as why:
             return Decision(False, why.cause)
 
-    def _extreme(self, switch: Switch, sign: int, enough: float) -> Extreme:
+    def _extreme(self, switch: Switch, sign: int, enough: float) -> LargestValue:
         force = CriticalForce(switch.phase, switch.end, sign)
         known = self._known.get((switch.cell, force))
         if known is None or known[0] > enough:

@@ -5,7 +5,7 @@ import math
 from stepwell.mechanism import Cell
 from stepwell.proof import balls
 from stepwell.proof.balls import ball, hull
-from stepwell.proof.cell_boxes import ALL, CellBox, Part
+from stepwell.proof.cell_boxes import ALL, CellBox, CellPart
 from stepwell.proof.order_boxes import OrderedBox
 from stepwell.sequences import Cycle
 
@@ -55,7 +55,7 @@ def _box(cell: Cell, around: Around) -> CellBox:
     x, y = around
     if not (x or y):
         return CellBox(cell)
-    return CellBox(cell, (Part("x", ALL, -x, x), Part("y", ALL, -y, y)))
+    return CellBox(cell, (CellPart("x", ALL, -x, x), CellPart("y", ALL, -y, y)))
 
 
 def _outward(value: balls.Ball) -> CriticalRange:

@@ -88,7 +88,7 @@ def parameters_in(values: Sequence[Ball]) -> list[Sloped]:
     return [Sloped(value, slopes) for value, slopes in zip(values, ones, strict=True)]
 
 
-class Extreme(NamedTuple):
+class LargestValue(NamedTuple):
     """The largest value of a function over a box."""
 
     bound: Ball  # no value is above it
@@ -99,7 +99,7 @@ class Extreme(NamedTuple):
 Function = Callable[[Sequence[Ball]], Sloped | Ball]
 
 
-def largest(f: Function, spans: Sequence[Span], enough: float) -> Extreme:
+def largest(f: Function, spans: Sequence[Span], enough: float) -> LargestValue:
     """The largest value of a function of parameters over spans, to `enough` where boxes suffice.
 
     Args:
@@ -146,7 +146,7 @@ def largest(f: Function, spans: Sequence[Span], enough: float) -> Extreme:
         spare = widest < 0 or not box[widest][1] > box[widest][0]
         if spare or top - balls.low(best) <= enough or next(number) > _MOST_BOXES:
             tops = [one[2] for one in waiting]
-            return Extreme(max([*tops, balls.high(best)]), best, at)
+            return LargestValue(max([*tops, balls.high(best)]), best, at)
         heapq.heappop(waiting)
         a, b = box[widest]
         centre = balls.middle((a + b) / 2)
