@@ -13,7 +13,7 @@ from stepwell.design import Impossible
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.proof.balls import UndecidedError, ball, high, low
 from stepwell.proof.box_proofs import BoxOutcome, ProvedImpossible
-from stepwell.proof.cell_boxes import ALL, CellBox, CriticalForce, CellPart, element_forces
+from stepwell.proof.cell_boxes import ALL, CellBox, CellPart, CriticalForce, element_forces
 from stepwell.sequences import cycle
 from stepwell.statics import StaticsError
 

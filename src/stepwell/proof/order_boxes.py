@@ -13,7 +13,7 @@ import numpy as np
 
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.proof.balls import Ball, UndecidedError, ball, high, low
-from stepwell.proof.cell_boxes import CellBox, CriticalForce, CellPart
+from stepwell.proof.cell_boxes import CellBox, CellPart, CriticalForce
 from stepwell.proof.slopes import LargestValue
 from stepwell.proof.walk import TIE
 from stepwell.sequences import Cycle, Sequence as States, cycle
