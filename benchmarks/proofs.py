@@ -39,7 +39,7 @@ def rows() -> list[tuple[str, str, str]]:
             times.append(time.perf_counter() - begin)
         without = timed(paths[0].chain.cycle)
         proof = statistics.median(times)
-        text = f"{1e3 * proof:.3g} ms, {proof / without:.0f} times the cycle without a proof"
+        text = f"{1e3 * proof:.3g} ms, {proof / without:.2g} times the cycle without a proof"
         found.append((f"proof of a cycle of {cells} concave cells", text, wanted))
     for name in ("paper-forward", "three-wave", "finger-selector"):
         chain = sw.preset(name)
