@@ -1,6 +1,7 @@
 """Promises about the parts of a whole robot: places, motion and masses."""
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -188,3 +189,22 @@ def test_every_part_has_a_body_of_the_robot(material):
     known = set(sw.robot.body_names(layout.robot))
     owners = {*layout.body.values(), *(f.block for f in layout.fasteners)}
     assert owners | {b.body for b in layout.boxes} == known
+
+
+def test_bands_of_one_cell_lie_one_above_the_other_on_hooks_of_their_own():
+    robot = sw.preset("robot-forward")
+    assert isinstance(robot, sw.Robot)
+    inner, outer = robot.legs[0].chain.levers
+    one, two = outer.bands[0], replace(outer.bands[0], p=(-0.010, -0.005), q=(0.020, 0.005))
+    chain = replace(robot.legs[0].chain, cells=(inner, replace(outer, band=(one, two))))
+    layout = robot_layout(
+        replace(robot, legs=[replace(leg, chain=chain) for leg in robot.legs]),
+        load_build_file("acrylic-3mm"),
+    )
+    first, second = (band for band in layout.bands if band.leg == "left" and band.cell == 1)
+    assert second.low - first.high == pytest.approx(1e-3)
+    hooks = {fast.name: fast for fast in layout.fasteners if fast.use == "hook"}
+    for band in (first, second):
+        for name, at in zip(band.holes, (band.p, band.q), strict=True):
+            assert hooks[name].centre == pytest.approx(at, abs=1e-9)
+            assert hooks[name].high > second.high

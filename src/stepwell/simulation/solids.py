@@ -35,6 +35,7 @@ COLOURS: dict[PartRole, parts.Colour] = {
 }
 CORD = 0.0005  # radius of a drawn cord [m]
 STRAND = 0.0010  # radius of a drawn strand of a band [m]
+LEVEL = 0.003  # distance of two bands of one cell [m]
 FLOOR = parts.STANDS["conaffinity"]
 # Beginning of the names of lines that only draw a strand of a band.
 STRANDS = "strand of "
@@ -185,8 +186,12 @@ def _add_strands(spec: Any, robot: Robot) -> None:
         return
     below = min(float(shape.vertices[:, 2].min()) for shape in caps)
     beside = float(np.ptp(hooks[0].vertices[:, 0])) / 2.0 + STRAND
-    down = below - STRAND - band_height(robot)
-    for band in [tendon for tendon in spec.tendons if ".band" in tendon.name]:
+    bands = {tendon.name: tendon for tendon in spec.tendons if ".band" in tendon.name}
+    # Bands of one cell, which have numbers, lie one above the other.
+    levels = {name: int(name.rpartition(".band")[2] or 1) for name in bands}
+    for band in bands.values():
+        under = (max(levels.values()) - levels[band.name]) * LEVEL
+        down = below - STRAND - under - band_height(robot)
         for number, side in enumerate((beside, -beside)):
             name = f"{STRANDS}{band.name} {number + 1}"
             for end in "pq":

@@ -162,9 +162,8 @@ def _crank(make: Maker, leg: LegMaker, one: AntennaPlan) -> tuple[float, float, 
         PartFrame(*at),
         holes=[Hole((0.0, 0.0), hole, "pivot"), Hole(end, 2.0 * CORD + 2e-4, "cord")],
     )
-    top = high.bands + build_file.band.width + build_file.hook.cap
     hook = (at[0] + anchor[0], at[1] + anchor[1])
-    make.pin(leg.name(f"{PLACES[0]}-p"), hook, (high.crank, top), use="hook")
+    make.pin(leg.name(f"{PLACES[0]}-p"), hook, (high.crank, plan.hook_top), use="hook")
     made, own_hook = make.fasteners[-1], build_file.hook
     size = f"tube {mm(own_hook.diameter)} x {mm(own_hook.cap_width)}, {mm(own_hook.cap)} long"
     low = made.high - own_hook.cap

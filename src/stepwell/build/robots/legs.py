@@ -94,6 +94,10 @@ class LegMaker:
             return list(dict.fromkeys((b.p[1], -b.p[0]) for b in self.leg.cells[cell].bands))
         return list(dict.fromkeys((b.q[1], b.q[0]) for b in self.leg.cells[cell].bands))
 
+    def hook_name(self, cell: int, end: str, number: int) -> str:
+        """The name of a hook by its number in `hooks`."""
+        return self.name(f"{PLACES[cell]}-{end}{number + 1 if number else ''}")
+
     def joint_pins(self, cell: int, at: tuple[float, float]) -> None:
         """The two pins of a pair of joints, with shims on both sides of the levers."""
         high = self.plan.heights
@@ -109,11 +113,10 @@ class LegMaker:
     def hook_pins(self, cell: int, end: str, joints: tuple[float, float], away: float) -> None:
         """Hooks on a block; `joints` is the midpoint, `away` the direction from the other block."""
         high, build_file = self.plan.heights, self.plan.build_file
-        top = high.bands + build_file.band.width + build_file.hook.cap
         for number, (along, across) in enumerate(self.hooks(cell, end)):
-            name = self.name(f"{PLACES[cell]}-{end}{number + 1 if number else ''}")
+            name = self.hook_name(cell, end, number)
             at = self.at(joints[0] - along, joints[1] + away * across)
-            self.make.pin(name, at, (high.top, top), use="hook")
+            self.make.pin(name, at, (high.top, self.plan.hook_top), use="hook")
             made = self.make.fasteners[-1]
             hook = build_file.hook
             size = f"tube {mm(hook.diameter)} x {mm(hook.cap_width)}, {mm(hook.cap)} long"

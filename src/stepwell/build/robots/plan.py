@@ -154,6 +154,18 @@ class RobotPlan:
             above=slide + self.thick,
         )
 
+    def band_heights(self, number: int) -> tuple[float, float]:
+        """z of the lower and the upper face of the bands with this number in their cells [m]."""
+        own = self.build_file.band
+        low = self.heights.bands + number * (own.width + own.gap)
+        return low, low + own.width
+
+    @cached_property
+    def hook_top(self) -> float:
+        """z of the upper end of all hooks, above their caps [m]."""
+        most = max(len(cell.bands) for leg in self.legs for cell in leg.cells)
+        return self.band_heights(most - 1)[1] + self.build_file.hook.cap
+
     def clamp_length(self, low: float, roof: float) -> float:
         """Length of the screws that hold the body's blocks on the body plate [m]."""
         least = roof - low + self.build_file.screw.nut

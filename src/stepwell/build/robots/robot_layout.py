@@ -13,7 +13,7 @@ from stepwell.build.part import Part
 from stepwell.build.plates import Fastener
 from stepwell.build.robots import body as bodies
 from stepwell.build.robots.antennas import Cord, antenna_parts
-from stepwell.build.robots.legs import PLACES, LegMaker
+from stepwell.build.robots.legs import LegMaker
 from stepwell.build.robots.making import Bought, Maker, PartFrame
 from stepwell.build.robots.motion import Motions, Moved, Parameter
 from stepwell.build.robots.plan import RobotPlan
@@ -203,7 +203,9 @@ def _bands(one: LegMaker, counted: int) -> list[RobotBand]:
         for number, band in enumerate(leg.cells[cell].bands):
             p = one.at(x - band.p[1], row - way * band.p[0])
             q = one.at(to - band.q[1], across + away * band.q[0])
-            ends = [f"{one.name(PLACES[cell])}-{end}" for end in "pq"]
+            low, high = plan.band_heights(number)
+            places = ("p", (band.p[1], -band.p[0])), ("q", (band.q[1], band.q[0]))
+            ends = [one.hook_name(cell, k, one.hooks(cell, k).index(at)) for k, at in places]
             made.append(
                 RobotBand(
                     leg.leg.name,
@@ -212,8 +214,8 @@ def _bands(one: LegMaker, counted: int) -> list[RobotBand]:
                     owners,
                     p,
                     q,
-                    plan.heights.bands,
-                    plan.heights.bands + plan.build_file.band.width,
+                    low,
+                    high,
                     hook.diameter + 2.0 * plan.build_file.band.thickness,
                     (ends[0], ends[1]),
                 )
