@@ -14,6 +14,7 @@ from studio.browser import Opened, begun, drag, output
 
 from playwright.sync_api import Locator, Page, expect  # isort: skip
 
+SLOW = 120_000  # ms: a busy machine is no failure
 # Sheets are nested for 10 s; here parts are set in rows.
 ROWS = """() => {
   const send = WebSocket.prototype.send;
@@ -86,7 +87,7 @@ def test_a_collision_is_red_and_its_files_are_drafts(blank: Opened, empty_addres
     page.evaluate(ROWS)
     page.get_by_role("tab", name="Parts").click()
     findings = page.get_by_role("list", name="Findings")
-    expect(findings).to_contain_text("lever-1a and lever-1b overlap by 1.16 mm")
+    expect(findings).to_contain_text("lever-1a and lever-1b overlap by 1.16 mm", timeout=SLOW)
     findings.get_by_role("button", name="Show").click()
     overlap = plan(page).locator("path.overlap")
     expect(overlap).to_have_count(1)
@@ -103,7 +104,8 @@ def test_a_mark_of_the_gallery_opens_a_design_with_its_parts(blank: Opened, empt
     blank.page.goto(empty_address)
     mark = blank.page.get_by_role("button", name="Parts of three-wave")
     mark.click()
-    expect(output(blank.page, "parts")).to_contain_text("It can be built: 19 parts")
+    built = output(blank.page, "parts")
+    expect(built).to_contain_text("It can be built: 19 parts", timeout=SLOW)
     expect(blank.page.get_by_role("button", name="Download parts")).to_be_enabled()
 
 
