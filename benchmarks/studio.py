@@ -356,10 +356,8 @@ def opened(
     """A page on a studio of its own, with a script that runs before it; the server's process."""
     from playwright.sync_api import sync_playwright
 
-    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
-        serve = Path(folder) / "serve.py"
-        serve.write_text(SERVE)
-        command = [sys.executable, str(serve), preset]
+    with sync_playwright() as playwright:
+        command = [sys.executable, "-c", SERVE, preset]
         around = os.environ | (environment or {})
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=around) as server:
             try:
