@@ -86,7 +86,7 @@ class Law:
             one = two = one if (lean < 0) == bool(g > 0) else two
         t, t1, t2 = self.on(one, e)
         for k in range(one + 1, two + 1):
-            t, t1, t2 = (a.union(b) for a, b in zip((t, t1, t2), self.on(k, e), strict=True))
+            t, t1, t2 = *map(arb.union, (t, t1), self.on(k, e)[:2]), arb(0, math.inf)  # T' may jump
         if not self.d:
             return t, t1, t2, joint
         first, ratio = g / length, t / length

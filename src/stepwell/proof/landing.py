@@ -9,6 +9,8 @@ from stepwell.proof.flow import land
 from stepwell.proof.walk import FOLD, FREE, HELD, TURN, Enclosed, EnclosedWalk, Stand, _root
 
 LINE, RISING, RACE, FLOW = "line", "rising", "race", "flow"
+# Part of a way in which a kink counts as one at its start.
+_AT_START = ball(1e-9)
 _NOTHING_KNOWN = ball(0.0, math.inf), ball(0.0, math.inf)
 
 
@@ -42,6 +44,8 @@ def snap(walk: EnclosedWalk, direction: int, leader: int) -> Enclosed:
     # In a flow cells with friction may yield and come back.
     rubbed = theorem == FLOW and any(cell.rubs for cell in walk.cells)
     released = None if rubbed else _released(walk, moves, force, direction)
+    if released is not None and not released > -walk.tie * walk.cells[leader].size:
+        raise UndecidedError("a snap that sets no energy free")
     why = walk.due or TURN
     walk.trigger, walk.due = (-1, 0), ""
     forces = force, walk.force
@@ -88,7 +92,7 @@ def _along_line(walk: EnclosedWalk, d: int, j: int, p: int) -> str:
             raise UndecidedError("which of two cells reaches its stop first")
     limit = low(ends)
     flat = walk.due == FOLD or (walk.dead and walk.trigger[0] == j)
-    begin = _leave(lambda x: pull(x, d)[1:], limit, flat)
+    begin = _leave(lambda x, lean: pull(x, d * lean)[1:], limit, flat)
     zero = balls.first_zero(lambda x: pull(x)[:2], begin, limit)
     try:
         if not walk.dead:
@@ -122,18 +126,28 @@ def _along_line(walk: EnclosedWalk, d: int, j: int, p: int) -> str:
     return LINE
 
 
-def _leave(slopes: Callable[[Ball], tuple[Ball, Ball]], limit: Ball, flat: bool) -> Ball:
-    """A way up to which the pull has grown from 0, by its slope, or its second one from a fold."""
+def _leave(slopes: Callable[[Ball, int], tuple[Ball, Ball]], limit: Ball, flat: bool) -> Ball:
+    """A way up to which the pull has grown from 0, by its slope, or its second one from a fold.
+
+    Args:
+        slopes: the first and the second slope at a way; with 1, those behind a kink in it.
+        limit: the longest way.
+        flat: whether the slope is 0 at the start.
+    """
     way = limit
     for _ in range(60):
         way = balls.middle(way / 4)
+        start = balls.middle(way * _AT_START)
         try:
-            first, second = slopes(hull(ball(0.0), way))
+            first, second = slopes(hull(ball(0.0), start), 1)
+            # A kink may be at the start alone: further on the slope is positive with all its kinks.
+            if (first > 0 or (flat and second > 0)) and balls.positive(
+                lambda x: slopes(x, 0), start, way
+            ):
+                return way
         except UndecidedError:
             # Several joints in one box: a shorter one has fewer.
             continue
-        if first > 0 or (flat and second > 0):
-            return way
     raise UndecidedError("in which sense a snap begins")
 
 
@@ -276,9 +290,9 @@ def _behind_rising(walk: EnclosedWalk, d: int, j: int, others: list[int], drive:
             return _NOTHING_KNOWN
         return d * (drive - there), -gain
 
-    def slopes(x: Ball) -> tuple[Ball, Ball]:
+    def slopes(x: Ball, lean: int) -> tuple[Ball, Ball]:
         try:
-            gain, bend = walk.gain(j, others, s0 + d * x, d)
+            gain, bend = walk.gain(j, others, s0 + d * x, d * lean)
         except UndecidedError:
             return _NOTHING_KNOWN
         return -gain, -d * bend

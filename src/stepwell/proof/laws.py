@@ -23,7 +23,7 @@ from stepwell.statics import DrivenChain
 
 # Half the width of the ball of a turning point, as a fraction of the travel.
 TURN = 1e-13
-_ZERO = balls.ball(0.0)
+_ZERO, _ANY = balls.ball(0.0), balls.ball(0.0, math.inf)
 
 
 class EnclosedReach(NamedTuple):
@@ -71,7 +71,8 @@ class EnclosedCurve:
         out = self._on(one, e)
         for k in range(one + 1, two + 1):
             on = self._on(k, e)
-            out = hull(out[0], on[0]), hull(out[1], on[1]), hull(out[2], on[2])
+            # At a joint T' may jump, so T'' is not bounded.
+            out = hull(out[0], on[0]), hull(out[1], on[1]), _ANY
         return out
 
     def _on(self, k: int, e: Ball) -> tuple[Ball, Ball, Ball]:
