@@ -57,6 +57,35 @@ def test_designs_next_to_a_tie_are_not_decided(gap):
     assert {one.cause for one in proof.gaps} == {"the order of cells 1 and 2"}
 
 
+# The first cell is held by friction between its stops while the other two snap.
+HELD_MIDWAY = """
+[[chain.cell]]
+p_mm = [0, 0]
+q_mm = [-16.2, -6.1]
+band = { stiffness_N_per_m = 32, rest_length_mm = 0.4 }
+friction_N = 0.012
+unusual = true
+
+[[chain.cell]]
+p_mm = [0, 0]
+q_mm = [3.77, -3.85]
+band = { stiffness_N_per_m = 24.8, rest_length_mm = 19.3 }
+limit_deg = 66
+unusual = true
+
+[[chain.cell]]
+p_mm = [0, 0]
+q_mm = [-18.4, -10.8]
+band = { stiffness_N_per_m = 48.8, rest_length_mm = 8.1, two_sided = true }
+unusual = true
+"""
+
+
+def test_a_cell_that_friction_holds_is_not_one_of_those_that_snap():
+    proof = sw.files.loads(HELD_MIDWAY).subject.cycle().path.prove()
+    assert {gap.cause for gap in proof.gaps} == {"cell 2 has a constant force"}
+
+
 def test_random_chains_are_proved_or_their_gaps_named():
     rng, proved, causes = np.random.default_rng(5), 0, Counter()
     made = [chains.concave_chain(rng, 2 + k % 4) for k in range(12)]

@@ -36,10 +36,13 @@ def snap(walk: EnclosedWalk, direction: int, leader: int) -> Enclosed:
         theorem = _behind_rising(walk, direction, leader, others, drive)
     else:
         raise UndecidedError(f"the landing of a snap in which {len(active)} cells move")
+    # Two balls of one travel are equal for certain only where it is exact.
     moves = {
         i: (begun[i], stand.travel)
         for i, stand in enumerate(walk.stands)
-        if i == walk.trigger[0] or not bool(stand.travel == begun[i])
+        if i == walk.trigger[0]
+        or i in active
+        or not (stand.travel is begun[i] or bool(stand.travel == begun[i]))
     }
     # In a flow cells with friction may yield and come back.
     rubbed = theorem == FLOW and any(cell.rubs for cell in walk.cells)
