@@ -56,7 +56,7 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
     named = config.args_source is not pytest.Config.ArgsSource.TESTPATHS
     if said:
         return None
-    return 0 if named else (os.cpu_count() or 1) + 2
+    return 0 if named else (os.cpu_count() or 1) + 1
 
 
 @pytest.hookimpl(tryfirst=True)
