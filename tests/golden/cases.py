@@ -638,9 +638,8 @@ ROBOTS = [
         (
             "maze robot-forward open --limit 1 --view above --out out",
             "walk robot-forward --cycles 0.2 --view 30,-20 --out walked",
-            "walk robot-forward --cycles 0.2 --material acrylic-3mm",
             "walk robot-explorer --material acrylic-3mm",
-            "maze robot-antennas open --limit 1 --material acrylic-3mm",
+            "maze robot-antennas open --limit 1 --material acrylic-3mm --json",
         ),
         within=SIMULATED,
         slow=True,

@@ -61,7 +61,7 @@ def test_a_difference_without_a_reason_is_refused():
 
 
 def test_a_force_away_from_the_papers_differs(monkeypatch):
-    monkeypatch.setitem(_cells._FORCES, "(10, 0)", (0.967, -0.965))
+    monkeypatch.setitem(_cells.FORCES, "(10, 0)", (0.967, -0.965))
     assert judge("force-10-0").verdict is Judgement.DIFFERS
 
 
@@ -125,7 +125,7 @@ def test_two_cells_in_transit_at_once_are_noticed(monkeypatch):
 
 
 def test_a_wrong_share_of_the_map_differs(monkeypatch):
-    monkeypatch.setitem(map._SHARES, Pathway.CLOCKWISE, 0.217)
+    monkeypatch.setitem(map.SHARES, Pathway.CLOCKWISE, 0.217)
     assert judge("share-clockwise").verdict is Judgement.DIFFERS
 
 
@@ -154,7 +154,7 @@ def test_centimetres_would_agree_if_the_forces_were_theirs(monkeypatch):
     band = cell.bands[0]
     in_cm = cell.with_anchors((10 * band.p[0], 0.0), (10 * band.q[0], 0.0))
     theirs = in_cm.force_0 / (band.stiffness * cell.lever)
-    monkeypatch.setitem(misprints._FORCES, "(10, 0)", (theirs, 0.0))
+    monkeypatch.setitem(misprints.FORCES, "(10, 0)", (theirs, 0.0))
     assert judge("anchor-unit").verdict is Judgement.AGREES
 
 

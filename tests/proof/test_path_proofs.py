@@ -82,7 +82,9 @@ unusual = true
 
 
 def test_a_cell_that_friction_holds_is_not_one_of_those_that_snap():
-    proof = sw.files.loads(HELD_MIDWAY).subject.cycle().path.prove()
+    chain = sw.files.loads(HELD_MIDWAY).subject
+    assert isinstance(chain, sw.Chain)
+    proof = chain.cycle().path.prove()
     assert {gap.cause for gap in proof.gaps} == {"cell 2 has a constant force"}
 
 
