@@ -25,7 +25,7 @@ MOVES = 200
 # Of a drag after which memory is looked at; 100000 take half an hour: `--moves 100000`.
 LONG_DRAG = 2000
 # Of a drag with each panel open.
-FEW_MOVES = 40
+FEW_MOVES = 150
 SIZES = 2, 8, 32
 TABS = "Graph", "Program", "Map", "Target", "Parts", "Measured", "Study", "Atlas"
 SERVE = """
