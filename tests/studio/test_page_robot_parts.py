@@ -62,6 +62,14 @@ def picture(page: Page) -> np.ndarray:
     """The pixels of the robot without the edges of its picture, of numbers from 0 to 1."""
     from PIL import Image
 
+    # Of the size that it has on the page: after a change of that, it is the old one, stretched.
+    page.wait_for_function(
+        """() => {
+          const canvas = document.querySelector(".parts canvas[data-ready=yes]");
+          const near = (drawn, shown) => Math.abs(drawn - shown * devicePixelRatio) <= 1;
+          return near(canvas.width, canvas.clientWidth) && near(canvas.height, canvas.clientHeight);
+        }"""
+    )
     # The picture of a change is that of the next frame.
     page.evaluate("() => new Promise((done) => requestAnimationFrame(() => setTimeout(done, 50)))")
     seen = Image.open(io.BytesIO(space(page).screenshot())).convert("RGB")
