@@ -285,7 +285,7 @@ def design(
     from stepwell.design import Impossible, design
 
     if target in TASKS:
-        _design_jump(target, (parts, aim, within, sampling, output))
+        _design_jump(target, parts, aim, within, sampling, output)
         return
     if aim.hopper is not None or aim.stretch is not None:
         raise wrong(
@@ -317,13 +317,17 @@ def design(
 
 
 def _design_jump(
-    task: str, asked: tuple[Parts, AimOptions, given.DesignTolerances, given.Sampling, Output]
+    task: str,
+    parts: Parts,
+    aim: AimOptions,
+    within: given.DesignTolerances,
+    sampling: given.Sampling,
+    output: Output,
 ) -> None:
     """The hopper with the strongest snap, or the reason why there is none."""
     from stepwell.design import Impossible
     from stepwell.robot import Task, design_jump, usual_means
 
-    parts, aim, within, sampling, output = asked
     parts.refuse_for_jumps()
     aim.refuse_for_jumps()
     name = aim.hopper or "preset:hopper"

@@ -55,6 +55,6 @@ export function shownColour(role: string, dark: boolean, tension: number | null)
   return mixed(a, b, at - k);
 }
 
-/** The colour of what is pointed at, or overlaps. */
+/** The colour of a part under the pointer, and of parts that overlap. */
 export const marked = (colour: RGB, pointed: boolean, struck: boolean): RGB =>
   pointed ? mixed(colour, POINTED, 0.6) : struck ? mixed(colour, STRUCK, 0.85) : colour;

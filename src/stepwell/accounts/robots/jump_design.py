@@ -38,7 +38,7 @@ def jump_design_account(made: JumpDesign, about: About) -> Account:
     flight = f"{amount(made.flight.energy, 'J', 3)} at {number(made.flight.speed, 3)} m/s"
     if not strikes:
         flight += f", {amount(made.flight.height, 'm', 3)} high"
-    lifted = f", {amount(snap.energy, 'J', 3)} less the lift of {amount(snap.load, 'N', 3)}"
+    lifted = f"; the lift of {amount(snap.load, 'N', 3)} leaves {amount(snap.energy, 'J', 3)}"
     by = {"force": "the actuator's force", "stretch": "the allowed stretch"}[made.limited_by]
     proved = (
         f"no pair gives more than {amount(made.energy_bound, 'J', 3)} within {by}, which is "
