@@ -54,6 +54,7 @@ PARTS = {
         "ReturnPointMemory",
         "Rig",
     ),
+    *("HoleEvidence", "ScaleEvidence", "StateEvidence"),
     *("Episode", "Sample", "Scrambling", "Segment", "Sensitivities", "Series", "Settings"),
     *("Sheet", "SnapPrediction", "Sorted", "Step", "BandType", "Table", "Tie"),
     *("InertialPath", "Machine", "MachineDesign", "Requirement", "Requirements", "SafeRate"),

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from stepwell.design.requirements import Requirement, Requirements
     from stepwell.design.run import Run
     from stepwell.design.synthesis.designed import Design, Impossible
+    from stepwell.design.synthesis.evidence import HoleEvidence, ScaleEvidence, StateEvidence
     from stepwell.design.synthesis.inverse import design
     from stepwell.design.synthesis.region import (
         PAPER_BAND,
@@ -58,6 +59,7 @@ __all__ = [
     "Critical",
     "Design",
     "Draws",
+    "HoleEvidence",
     "Impossible",
     "MachineDesign",
     "MapView",
@@ -73,7 +75,9 @@ __all__ = [
     "Resistance",
     "Robustness",
     "RobustnessLimit",
+    "ScaleEvidence",
     "Sensitivities",
+    "StateEvidence",
     "StrongestSnap",
     "Run",
     "Fraction",
@@ -124,6 +128,7 @@ _LATE = {
     "requirements": ("Requirement", "Requirements"),
     "run": ("Run",),
     "synthesis.designed": ("Design", "Impossible"),
+    "synthesis.evidence": ("HoleEvidence", "ScaleEvidence", "StateEvidence"),
     "synthesis.inverse": ("design",),
     "synthesis.region": (
         "AnchorBox",

@@ -9,7 +9,7 @@ import numpy as np
 
 from stepwell.base import Bools, Floats, Progress, counted, notify, tracked
 from stepwell.concave import TIED
-from stepwell.design import Impossible
+from stepwell.design import HoleEvidence, Impossible, ScaleEvidence, StateEvidence
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.proof.balls import UndecidedError, ball, high, low
 from stepwell.proof.box_proofs import BoxOutcome, ProvedImpossible
@@ -17,6 +17,7 @@ from stepwell.proof.cell_boxes import ALL, CellBox, CellPart, CriticalForce, ele
 from stepwell.sequences import cycle
 from stepwell.statics import StaticsError
 
+Evidence = StateEvidence | HoleEvidence | ScaleEvidence
 # Largest number of partial choices of holes, and longest chain whose pairs of orders are all tried.
 _MOST_NODES, _MOST_CELLS = 200_000, 5
 # Largest number of other choices whose cycles are proved, at some 10 ms each.
@@ -34,25 +35,30 @@ def prove_impossible(why: Impossible, progress: Progress = None) -> ProvedImposs
 
     Source: ours (theory page, "Proofs within tolerances").
     """
-    evidence: Any = why.evidence
-    prove = {
-        "StateEvidence": _states_excluded,
-        "HoleEvidence": _holes_excluded,
-        "ScaleEvidence": _scales_excluded,
-    }.get(type(evidence).__name__)
     try:
-        if prove is None:
-            raise UndecidedError("the search was no proof, or excluded no choices as a whole")
-        covers, theorem = prove(evidence, progress)
+        covers, theorem = _excluded(why.evidence, progress)
     except UndecidedError as cause:
         return ProvedImpossible(why, BoxOutcome.UNDECIDED, "", "", cause.cause)
     return ProvedImpossible(why, BoxOutcome.PROVED, covers, theorem, "")
 
 
+def _excluded(evidence: Evidence | None, progress: Progress) -> tuple[str, str]:
+    """What is excluded, and by which theorem."""
+    match evidence:
+        case StateEvidence():
+            return _states_excluded(evidence, progress)
+        case HoleEvidence():
+            return _holes_excluded(evidence, progress)
+        case ScaleEvidence():
+            return _scales_excluded(evidence, progress)
+        case None:
+            raise UndecidedError("the search was no proof, or excluded no choices as a whole")
+
+
 # States: no pair of orders makes exactly these reachable.
 
 
-def _states_excluded(evidence: Any, progress: Progress) -> tuple[str, str]:
+def _states_excluded(evidence: StateEvidence, progress: Progress) -> tuple[str, str]:
     states = evidence.states
     cells = len(next(iter(states), ""))
     missing = [name for name in "01" if name * cells not in states]
@@ -107,32 +113,38 @@ class _Ends(NamedTuple):
     high: Floats
 
 
-def _holes_excluded(evidence: Any, progress: Progress) -> tuple[str, str]:
+def _holes_excluded(evidence: HoleEvidence, progress: Progress) -> tuple[str, str]:
     if not evidence.whole:
         raise UndecidedError("the target is a set of states, which the engine followed")
     known: dict[Cell, _Ends | None] = {}
-    total, nodes, followed = 0, 0, 0
+    nodes, followed = 0, 0
     for tables in evidence.tables:
         for cell in dict.fromkeys(cell for table in tables for cell in table):
             if cell not in known:
                 known[cell] = _enclosed_ends(cell)
-        total += math.prod(map(len, tables))
         others = list(_not_concave(tables, known))
         for cells in tracked(others, progress):
             _prove_other(Chain(cells, evidence.actuator_stiffness), evidence.orders)
         followed += len(others)
-        ends = [_joined([one for cell in table if (one := known[cell])]) for table in tables]
-        if not all(len(one.low) for one in ends):
-            continue
-        largest = max(float(np.max(np.abs(one.high))) for one in ends)
-        for orders in evidence.orders:
-            found, nodes = _choice(ends, orders, TIED * largest, nodes)
-            if found:
-                raise UndecidedError("a choice may have the target orders")
+        nodes = _search_choices(tables, known, evidence.orders, nodes)
+    total = sum(math.prod(map(len, tables)) for tables in evidence.tables)
     theorem = "of cells with falling forces, none has its enclosed F0 and F1 in the target orders"
     if followed:
         theorem += f"; the cycles of {counted(followed, 'other choice')} are proved to be others"
     return f"all {counted(total, 'choice')} of holes and bands, with nominal numbers", theorem
+
+
+def _search_choices(tables: Any, known: dict[Cell, _Ends | None], targets: Any, nodes: int) -> int:
+    """Prove that no choice of cells with falling forces has target orders; the partial choices."""
+    ends = [_joined([one for cell in table if (one := known[cell])]) for table in tables]
+    if not all(len(one.low) for one in ends):
+        return nodes
+    largest = max(float(np.max(np.abs(one.high))) for one in ends)
+    for orders in targets:
+        found, nodes = _choice(ends, orders, TIED * largest, nodes)
+        if found:
+            raise UndecidedError("a choice may have the target orders")
+    return nodes
 
 
 def _not_concave(tables: Any, known: dict[Cell, _Ends | None]) -> Iterator[tuple[Cell, ...]]:
@@ -221,7 +233,7 @@ def _choice(ends: list[_Ends], orders: Any, least: float, nodes: int) -> tuple[b
 # Scales: multipliers that add the target inequalities up to a contradiction.
 
 
-def _scales_excluded(evidence: Any, progress: Progress) -> tuple[str, str]:
+def _scales_excluded(evidence: ScaleEvidence, progress: Progress) -> tuple[str, str]:
     forces: dict[Element, list[Any]] = {}
     for done, (elements, orders) in enumerate(evidence.programs):
         for one in elements:
@@ -245,34 +257,37 @@ class _Row(NamedTuple):
     offset: Any
 
 
-def _contradiction(elements: Any, orders: Any, forces: Any, evidence: Any) -> bool:
+def _contradiction(elements: Any, orders: Any, forces: Any, evidence: ScaleEvidence) -> bool:
     """Whether no scales between the bounds meet all inequalities of two orders, proved."""
-    low_, most = evidence.force_scale
-    bounds: list[tuple[Any, Any]] = []
-    for one in elements:
-        strongest = max(
-            (abs(f) for pair in forces[one] for f in pair), key=lambda f: float(f.mid())
-        )
-        limit = (
-            ball(most) if np.isinf(evidence.most_force) else ball(evidence.most_force) / strongest
-        )
-        if limit < low_:
-            return True
-        bounds.append((ball(low_), min(ball(most), limit)))
+    bounds = [_scales_of(forces[one], evidence) for one in elements]
+    if any(one is None for one in bounds):
+        return True
+    spans = [one for one in bounds if one is not None]
     rows = list(_rows(elements, orders, forces))
     if any(row is None for row in rows):
         return True
     table = [row for row in rows if row is not None]
-    if not table:
-        return False
-    weights = _multipliers(table, bounds)
+    return bool(table) and _add_up(table, spans, evidence.force_scale[1])
+
+
+def _add_up(table: list[_Row], spans: list[tuple[Any, Any]], most: float) -> bool:
+    """Whether weighted inequalities add up to one that no scales in the spans meet."""
+    weights = _multipliers(table, spans)
     scale = max(float(abs(g).upper()) for row in table for g in row.gain) * float(most)
     total = sum((w * row.offset for w, row in zip(weights, table, strict=True)), ball(0.0))
-    for k, (a, b) in enumerate(bounds):
+    for k, (a, b) in enumerate(spans):
         slope = sum((w * row.gain[k] for w, row in zip(weights, table, strict=True)), ball(0.0))
         ends = slope * a, slope * b
         total = total + (ends[0].union(ends[1]).upper())
     return bool(total <= _LEAST_GAP * scale * sum(weights))
+
+
+def _scales_of(forces: list[Any], evidence: ScaleEvidence) -> tuple[Any, Any] | None:
+    """The least and the largest scale of an element; None if its force is too large at any."""
+    least, most = evidence.force_scale
+    strongest = max((abs(f) for pair in forces for f in pair), key=lambda f: float(f.mid()))
+    limit = ball(most) if np.isinf(evidence.most_force) else ball(evidence.most_force) / strongest
+    return None if limit < least else (ball(least), min(ball(most), limit))
 
 
 def _rows(elements: Any, orders: Any, forces: Any) -> Iterator[_Row | None]:

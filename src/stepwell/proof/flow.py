@@ -198,10 +198,7 @@ class EnclosedFlow:
         """Let held cells move that λ may release; whether there are any."""
         found = False
         for i, stand in enumerate(self.walk.stands):
-            if i in self.s:
-                continue
-            down, up = self.walk.window(i)
-            if (down is not None and not force > down) or (up is not None and not force < up):
+            if i not in self.s and not self.walk.stays(i, force):
                 self.s[i], found = stand.travel, True
         return found
 
@@ -284,15 +281,13 @@ class EnclosedFlow:
         """Whether some λ holds all cells: then the last one rests; if not, others may leave."""
         walk = self.walk
         walk.stands[last] = Stand(HELD, self.s[last])
-        windows = {i: walk.window(i) for i in range(len(walk.cells))}
-        lows = {i: down for i, (down, _) in windows.items() if down is not None}
-        highs = {i: up for i, (_, up) in windows.items() if up is not None}
-        if all(a < b for a in lows.values() for b in highs.values()):
+        if walk.windows_meet():
             return True
-        down, up = lows[last], highs[last]
-        for i in windows:
+        own_down, own_up = walk.window(last)
+        for i in range(len(walk.cells)):
+            down, up = walk.window(i)
             if i != last and not (
-                (i not in lows or lows[i] < up) and (i not in highs or highs[i] > down)
+                (down is None or down < own_up) and (up is None or up > own_down)
             ):
                 self.s[i] = walk.stands[i].travel
         if len(self.s) == 1:
@@ -308,86 +303,81 @@ class EnclosedFlow:
         try:
             for i, s in self.s.items():
                 walk.stands[i] = Stand(FREE, balls.middle(s), walk.branch_at(cells[i], s, 0))
-            if any(walk.branch(i).sign <= 0 for i in self.s):
-                raise UndecidedError("a falling cell")
-            rest = self._rest()
-            radius = ball(0.0)
-            for i, s in self.s.items():
-                radius = radius + (s - rest[i]) ** 2 / self.mobility[i]
-            radius = high(high(radius).sqrt())
-            near = {i: rest[i] + radius * self.mobility[i].sqrt() * ball(0.0, 1.0) for i in rest}
-            if any(not cells[i].law(s)[1] > 0 or self._touches(i, s) for i, s in near.items()):
-                raise UndecidedError("not convex")
-            force = self._rates(near)[2]
-            for i in range(len(cells)):
-                if i not in self.s:
-                    down, up = walk.window(i)
-                    if not (down is None or force > down) or not (up is None or force < up):
-                        raise UndecidedError("a release")
+            rest = self._trap()
+            for i, s in rest.items():
+                walk.stands[i] = Stand(FREE, s, walk.branch_at(cells[i], s, 0))
         except UndecidedError:
             walk.stands = [before.get(i, stand) for i, stand in enumerate(walk.stands)]
             return False
-        for i, s in rest.items():
-            walk.stands[i] = Stand(FREE, s, walk.branch_at(cells[i], s, 0))
         return True
+
+    def _trap(self) -> dict[int, Ball]:
+        """The rest, and proof that the energy is convex in a ball around it which holds the box."""
+        walk, cells = self.walk, self.walk.cells
+        if any(walk.branch(i).sign <= 0 for i in self.s):
+            raise UndecidedError("a falling cell")
+        rest = self._rest()
+        radius = ball(0.0)
+        for i, s in self.s.items():
+            radius = radius + (s - rest[i]) ** 2 / self.mobility[i]
+        radius = high(high(radius).sqrt())
+        near = {i: rest[i] + radius * self.mobility[i].sqrt() * ball(0.0, 1.0) for i in rest}
+        if any(not cells[i].law(s)[1] > 0 or self._touches(i, s) for i, s in near.items()):
+            raise UndecidedError("not convex")
+        force = self._rates(near)[2]
+        if not all(walk.stays(i, force) for i in range(len(cells)) if i not in self.s):
+            raise UndecidedError("a release")
+        return rest
 
     def _pair_ends(self) -> bool:
         """Whether two cells are proved to go on to a rest: put them there; or one to its stop."""
-        if len(self.s) != 2 or any(self._touches(i, s) for i, s in self.s.items()):
+        pair = self._pair()
+        if pair is None:
             return False
-        rates = self._rates(self.s)[0]
-        ahead, behind = [i for i in self.s if rates[i] > 0], [i for i in self.s if rates[i] < 0]
-        if len(ahead) != 1 or len(behind) != 1:
-            return False
-        (a,), (b,) = ahead, behind
-        one, two, begin = self.walk.cells[a], self.walk.cells[b], low(self.s[a])
-        total = self.total - sum(
-            (stand.travel for i, stand in enumerate(self.walk.stands) if i not in self.s), ball(0.0)
-        )
-        ends = one.high, total - two.low
-        if not (ends[0] < ends[1] or ends[0] > ends[1]):
-            return False
-        first = a if ends[0] < ends[1] else b
-        end = min(*ends)
-        share = self.mobility[b] / (self.mobility[a] + self.mobility[b])
-
-        def pull(s: Ball) -> tuple[Ball, Ball]:
-            own, its = one.law(s), two.law(total - s)
-            return its[0] - own[0] - one.friction - two.friction, -its[1] - own[1]
-
-        def level(s: Ball) -> tuple[Ball, Ball]:
-            own, its = one.law(s), two.law(total - s)
-            force = share * (its[0] - two.friction) + (1 - share) * (own[0] + one.friction)
-            return force, (1 - share) * own[1] - share * its[1]
-
+        walk, first = self.walk, pair.first
         try:
-            zero = balls.first_zero(pull, begin, low(end))
-            for i in range(len(self.walk.cells)):
-                if i not in self.s:
-                    down, up = self.walk.window(i)
-                    for bound, sign in ((down, 1), (up, -1)):
-                        if bound is not None and not balls.positive(
-                            lambda s, b=bound, n=sign: (n * (level(s)[0] - b), n * level(s)[1]),
-                            begin,
-                            high(end) if zero is None else high(zero),
-                        ):
-                            return False
+            zero = pair.rest()
+            if not self._others_hold(pair, high(pair.end if zero is None else zero)):
+                return False
             if zero is None:
                 # The one that arrives is held; the other one may release more cells then.
-                self.walk.stands[first] = Stand(HELD, self._stops(first)[first == a])
+                walk.stands[first] = Stand(HELD, self._stops(first)[first == pair.a])
                 del self.s[first]
                 return False
-            places = ((a, zero), (b, total - zero))
             stands = {
                 i: Stand(HELD, s)
-                if self.walk.cells[i].rubs
-                else Stand(FREE, s, self.walk.branch_at(self.walk.cells[i], s, 0))
-                for i, s in places
+                if walk.cells[i].rubs
+                else Stand(FREE, s, walk.branch_at(walk.cells[i], s, 0))
+                for i, s in ((pair.a, zero), (pair.b, pair.total - zero))
             }
         except UndecidedError:
             return False
         for i, stand in stands.items():
-            self.walk.stands[i] = stand
+            walk.stands[i] = stand
+        return True
+
+    def _pair(self) -> "_Pair | None":
+        """Two cells that certainly move, one up and one down; None if it is not so."""
+        if len(self.s) != 2 or any(self._touches(i, s) for i, s in self.s.items()):
+            return None
+        rates = self._rates(self.s)[0]
+        ahead, behind = [i for i in self.s if rates[i] > 0], [i for i in self.s if rates[i] < 0]
+        if len(ahead) != 1 or len(behind) != 1:
+            return None
+        pair = _Pair(self, ahead[0], behind[0])
+        one, two = pair.ends
+        return pair if one < two or one > two else None
+
+    def _others_hold(self, pair: "_Pair", end: Ball) -> bool:
+        """Whether λ stays in the windows of all cells that do not move."""
+        for i in range(len(self.walk.cells)):
+            if i in self.s:
+                continue
+            for bound, sign in zip(self.walk.window(i), (1, -1), strict=True):
+                if bound is not None and not balls.positive(
+                    lambda s, b=bound, n=sign: pair.room(s, b, n), pair.begin, end
+                ):
+                    return False
         return True
 
     def _rest(self) -> dict[int, Ball]:
@@ -405,3 +395,31 @@ class EnclosedFlow:
         if force is None:
             raise UndecidedError("no rest")
         return {i: walk.cells[i].invert(walk.branch(i), force) for i in moving}
+
+
+class _Pair:
+    """Two cells of a flow that move along a line: a upwards, b downwards, by equal ways."""
+
+    def __init__(self, flow: EnclosedFlow, a: int, b: int):
+        self.a, self.b = a, b
+        self.one, self.two, self.begin = flow.walk.cells[a], flow.walk.cells[b], low(flow.s[a])
+        self.total = flow.total - flow.walk.resting(set(flow.s))
+        # Travels of a at which either one is at its stop.
+        self.ends = self.one.high, self.total - self.two.low
+        self.first, self.end = (a if self.ends[0] < self.ends[1] else b), min(*self.ends)
+        self.share = flow.mobility[b] / (flow.mobility[a] + flow.mobility[b])
+
+    def pull(self, s: Ball) -> tuple[Ball, Ball]:
+        """The force that drives both, and its slope."""
+        own, its = self.one.law(s), self.two.law(self.total - s)
+        return its[0] - own[0] - self.one.friction - self.two.friction, -its[1] - own[1]
+
+    def rest(self) -> Ball | None:
+        """The first travel of a without a pull."""
+        return balls.first_zero(self.pull, self.begin, low(self.end))
+
+    def room(self, s: Ball, bound: Ball, sign: int) -> tuple[Ball, Ball]:
+        """How far λ is from a bound, and the slope."""
+        share, own, its = self.share, self.one.law(s), self.two.law(self.total - s)
+        force = share * (its[0] - self.two.friction) + (1 - share) * (own[0] + self.one.friction)
+        return sign * (force - bound), sign * ((1 - share) * own[1] - share * its[1])

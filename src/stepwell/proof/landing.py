@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import reduce
 
 from stepwell.proof import balls
 from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull, low
@@ -16,26 +17,11 @@ _NOTHING_KNOWN = ball(0.0, math.inf), ball(0.0, math.inf)
 
 def snap(walk: EnclosedWalk, direction: int, leader: int) -> Enclosed:
     """Move a walk to the landing of its snap."""
-    # The leader moves with the drive: the cell that has just come to its end, or the falling one.
-    cell, sense = walk.trigger
-    if cell >= 0 and sense == direction:
-        leader = cell
-    else:
-        falling = [i for i in walk.active() if i != cell and walk.branch(i).sign < 0]
-        leader = falling[0] if len(falling) == 1 else leader if walk.due else -1
-    if leader < 0:
-        raise UndecidedError("cells of constant force share the motion")
+    leader = _leader(walk, direction, leader)
     begun, force = {i: s.travel for i, s in enumerate(walk.stands)}, walk.force
     drive, stroke = walk.drive(), walk.stroke()
     active = walk.active()
-    others = [i for i in active if i != leader]
-    if walk.dead or not others or (walk.rigid and len(others) == 1):
-        partner = others[0] if others and walk.rigid else -1
-        theorem = _along_line(walk, direction, leader, partner)
-    elif all(walk.branch(i).sign > 0 for i in others):
-        theorem = _behind_rising(walk, direction, leader, others, drive)
-    else:
-        raise UndecidedError(f"the landing of a snap in which {len(active)} cells move")
+    theorem = _land(walk, direction, leader, [i for i in active if i != leader])
     # Two balls of one travel are equal for certain only where it is exact.
     moves = {
         i: (begun[i], stand.travel)
@@ -55,6 +41,29 @@ def snap(walk: EnclosedWalk, direction: int, leader: int) -> Enclosed:
     return Enclosed("snap", why, direction, drive, stroke, forces, moves, released, theorem)
 
 
+def _leader(walk: EnclosedWalk, direction: int, falling: int) -> int:
+    """The cell that moves with the drive: it has just come to its end, or it is the falling one."""
+    cell, sense = walk.trigger
+    if cell >= 0 and sense == direction:
+        return cell
+    others = [i for i in walk.active() if i != cell and walk.branch(i).sign < 0]
+    if len(others) == 1:
+        return others[0]
+    if not walk.due or falling < 0:
+        raise UndecidedError("cells of constant force share the motion")
+    return falling
+
+
+def _land(walk: EnclosedWalk, direction: int, leader: int, others: list[int]) -> str:
+    """Put a walk at the landing, by the theorem whose name is returned."""
+    if walk.dead or not others or (walk.rigid and len(others) == 1):
+        partner = others[0] if others and walk.rigid else -1
+        return _along_line(walk, direction, leader, partner)
+    if all(walk.branch(i).sign > 0 for i in others):
+        return _behind_rising(walk, direction, leader, others)
+    raise UndecidedError(f"the landing of a snap in which {1 + len(others)} cells move")
+
+
 def _released(walk: EnclosedWalk, moves, force, direction) -> Ball | None:
     if any(walk.cells[i].rubs for i in moves):
         return None
@@ -70,55 +79,103 @@ def _released(walk: EnclosedWalk, moves, force, direction) -> Ball | None:
 # A line: one cell and a partner, or one cell and the actuator.
 
 
-def _along_line(walk: EnclosedWalk, d: int, j: int, p: int) -> str:
-    """The leader moves by x with the drive, its partner against it, while the pull is larger."""
-    cell, stand = walk.cells[j], walk.stands[j]
-    other = walk.cells[p] if p >= 0 else None
-    s0, p0, force = stand.travel, walk.stands[p].travel if other else None, walk.force
-    stiffness = ball(0.0) if walk.rigid or walk.dead else 1 / walk.beta
-    rub = cell.friction + (other.friction if other else 0)
+class _Line:
+    """The leader j moves by x with the drive, its partner p, or the actuator, against it."""
 
-    def pull(x: Ball, lean: int = 0) -> tuple[Ball, Ball, Ball]:
-        own = cell.law(s0 + d * x, lean)
-        if other is None:
-            return d * (force - own[0]) - stiffness * x - rub, -stiffness - own[1], -d * own[2]
-        its = other.law(p0 - d * x, -lean)
+    def __init__(self, walk: EnclosedWalk, d: int, j: int, p: int):
+        self.walk, self.d, self.j, self.p = walk, d, j, p
+        self.cell, self.other = walk.cells[j], walk.cells[p] if p >= 0 else None
+        self.begin, self.behind = walk.stands[j].travel, walk.stands[p].travel
+        self.force = walk.force
+        self.stiffness = ball(0.0) if walk.rigid or walk.dead else 1 / walk.beta
+        self.rub = self.cell.friction + (self.other.friction if self.other else 0)
+        self.share = _share(walk.mobility[p] if p >= 0 else 0.0, walk.mobility[j], walk.ratio)
+
+    def pull(self, x: Ball, lean: int = 0) -> tuple[Ball, Ball, Ball]:
+        """The force that drives the snap, and its first two slopes."""
+        d, stiffness, rub = self.d, self.stiffness, self.rub
+        own = self.cell.law(self.begin + d * x, lean)
+        if self.other is None:
+            rest = d * (self.force - own[0]) - stiffness * x - rub
+            return rest, -stiffness - own[1], -d * own[2]
+        its = self.other.law(self.behind - d * x, -lean)
         return d * (its[0] - own[0]) - rub, -(its[1] + own[1]), d * (its[2] - own[2])
 
-    room = d * ((cell.high if d > 0 else cell.low) - s0)
-    ends, stops = room, j
-    if other is not None:
-        rest = d * (p0 - (other.low if d > 0 else other.high))
+    def level(self, x: Ball) -> tuple[Ball, Ball]:
+        """λ and its slope."""
+        d = self.d
+        if self.other is None:
+            return self.force - d * self.stiffness * x, -d * self.stiffness
+        own, its = self.cell.law(self.begin + d * x), self.other.law(self.behind - d * x)
+        own_force, its_force = own[0] + d * self.cell.friction, its[0] - d * self.other.friction
+        force = self.share * its_force + (1 - self.share) * own_force
+        return force, d * ((1 - self.share) * own[1] - self.share * its[1])
+
+    def end(self) -> tuple[Ball, int]:
+        """The way up to the first stop, and the cell that gets to it."""
+        d, cell, other = self.d, self.cell, self.other
+        room = d * ((cell.high if d > 0 else cell.low) - self.begin)
+        if other is None:
+            return room, self.j
+        rest = d * (self.behind - (other.low if d > 0 else other.high))
         if rest < room:
-            ends, stops = rest, p
-        elif not rest > room:
+            return rest, self.p
+        if not rest > room:
             raise UndecidedError("which of two cells reaches its stop first")
+        return room, self.j
+
+    def others_hold(self, way: Ball) -> None:
+        """Prove that λ stays in the windows of all held cells."""
+        windows = [
+            self.walk.window(i)
+            for i, stand in enumerate(self.walk.stands)
+            if i not in (self.j, self.p) and stand.mode == HELD
+        ]
+        end = high(way)
+        for side, sign in ((0, 1), (1, -1)):
+            bounds = [bound for one in windows if (bound := one[side]) is not None]
+            if not bounds:
+                continue
+            nearest = reduce(lambda a, b, n=sign: b if n * (b - a) > 0 else a, bounds)
+
+            def room(x: Ball, bound: Ball = nearest, sign: int = sign) -> tuple[Ball, Ball]:
+                value, slope = self.level(x)
+                return sign * (value - bound), sign * slope
+
+            if not balls.positive(room, ball(0.0), end):
+                raise UndecidedError("a third cell is released in the snap")
+
+    def arrive(self, way: Ball, stops: int) -> None:
+        """Put both cells behind a way; `stops` is the cell that is at its stop, or -1."""
+        walk, d = self.walk, self.d
+        if not walk.rigid and not walk.dead:
+            walk.force = self.force - d * self.stiffness * way
+        _arrive(walk, self.j, self.begin + d * way, d if stops == self.j else 0)
+        if self.other is not None:
+            _arrive(walk, self.p, self.behind - d * way, -d if stops == self.p else 0)
+
+
+def _along_line(walk: EnclosedWalk, d: int, j: int, p: int) -> str:
+    """The leader moves by x with the drive, its partner against it, while the pull is larger."""
+    line = _Line(walk, d, j, p)
+    ends, stops = line.end()
     limit = low(ends)
     flat = walk.due == FOLD or (walk.dead and walk.trigger[0] == j)
-    begin = _leave(lambda x, lean: pull(x, d * lean)[1:], limit, flat)
-    zero = balls.first_zero(lambda x: pull(x)[:2], begin, limit)
-    try:
-        if not walk.dead:
-            _others_hold(walk, d, (j, p), (s0, p0), ends if zero is None else zero)
-    except UndecidedError:
-        if not walk.rigid:
-            raise
-        try:
-            if zero is not None or stops != j:
-                raise
-            return _race(walk, d, j, p, ends)
-        except UndecidedError:
-            return _flow(walk, d, (j, p), (s0, p0), begin)
+    begin = _leave(lambda x, lean: line.pull(x, d * lean)[1:], limit, flat)
+    zero = balls.first_zero(lambda x: line.pull(x)[:2], begin, limit)
     way = ends if zero is None else zero
-    if not walk.rigid and not walk.dead:
-        walk.force = force - d * stiffness * way
-    _arrive(walk, j, s0 + d * way, d if zero is None and stops == j else 0)
-    if other is not None:
-        _arrive(walk, p, p0 - d * way, -d if zero is None and stops == p else 0)
+    if not walk.dead:
+        try:
+            line.others_hold(way)
+        except UndecidedError:
+            if not walk.rigid:
+                raise
+            return _with_others(line, begin, ends if zero is None and stops == j else None)
+    line.arrive(way, stops if zero is None else -1)
+    last = p if stops == j else j
     try:
         _settle(walk)
     except UndecidedError:
-        last = p if stops == j else j
         if zero is not None or not walk.rigid or last < 0:
             raise
         _without_range(walk)
@@ -127,6 +184,16 @@ def _along_line(walk: EnclosedWalk, d: int, j: int, p: int) -> str:
         _settle(walk)
         return FLOW
     return LINE
+
+
+def _with_others(line: _Line, begin: Ball, room: Ball | None) -> str:
+    """The landing where other cells may be released; `room` is the leader's way to its stop."""
+    if room is not None:
+        try:
+            return _race(line.walk, line.d, line.j, line.p, room)
+        except UndecidedError:
+            pass
+    return _flow(line, begin)
 
 
 def _leave(slopes: Callable[[Ball, int], tuple[Ball, Ball]], limit: Ball, flat: bool) -> Ball:
@@ -154,56 +221,20 @@ def _leave(slopes: Callable[[Ball, int], tuple[Ball, Ball]], limit: Ball, flat: 
     raise UndecidedError("in which sense a snap begins")
 
 
-def _others_hold(walk: EnclosedWalk, d: int, pair: tuple[int, int], begun, way: Ball) -> None:
-    """Prove that λ stays in the windows of all held cells along a line."""
-    j, p = pair
-    s0, p0 = begun
-    cell, other = walk.cells[j], walk.cells[p] if p >= 0 else None
-    one, two = walk.mobility[j], walk.mobility[p] if p >= 0 else 0.0
-    share = _share(two, one, walk.ratio)
-    stiffness = ball(0.0) if walk.rigid else 1 / walk.beta
-
-    def level(x: Ball) -> tuple[Ball, Ball]:
-        if other is None:
-            return walk.force - d * stiffness * x, -d * stiffness
-        own, its = cell.law(s0 + d * x), other.law(p0 - d * x)
-        own_force, its_force = own[0] + d * cell.friction, its[0] - d * other.friction
-        force = share * its_force + (1 - share) * own_force
-        return force, d * ((1 - share) * own[1] - share * its[1])
-
-    least, most = None, None
-    for i, stand in enumerate(walk.stands):
-        if i in pair or stand.mode != HELD:
-            continue
-        down, up = walk.window(i)
-        least = down if least is None or (down is not None and down > least) else least
-        most = up if most is None or (up is not None and up < most) else most
-    end = high(way)
-    for bound, sign in ((least, 1), (most, -1)):
-        if bound is None:
-            continue
-
-        def room(x: Ball, bound: Ball = bound, sign: int = sign) -> tuple[Ball, Ball]:
-            value, slope = level(x)
-            return sign * (value - bound), sign * slope
-
-        if not balls.positive(room, ball(0.0), end):
-            raise UndecidedError("a third cell is released in the snap")
-
-
-def _flow(walk: EnclosedWalk, d: int, pair: tuple[int, int], begun, begin: Ball) -> str:
+def _flow(line: _Line, begin: Ball) -> str:
     """Follow the flow from a place on the line at which no other cell is released yet."""
-    (j, p), (s0, p0), way = pair, begun, begin
+    walk, way = line.walk, begin
     _without_range(walk)
     for _ in range(30):
         try:
-            _others_hold(walk, d, pair, begun, way)
+            line.others_hold(way)
             break
         except UndecidedError:
             way = balls.middle(way / 4)
     else:
         raise UndecidedError("a third cell is released at the beginning of the snap")
-    land(walk, {j: s0 + d * way, p: p0 - d * way})
+    ahead, back = line.begin + line.d * way, line.behind - line.d * way
+    land(walk, {line.j: ahead, line.p: back})
     _settle(walk)
     return FLOW
 
@@ -281,8 +312,8 @@ def _stays_ahead(walk: EnclosedWalk, d: int, pair: tuple[int, int], room: Ball) 
 # One cell falls, all others that move are on rising branches.
 
 
-def _behind_rising(walk: EnclosedWalk, d: int, j: int, others: list[int], drive: Ball) -> str:
-    cell, s0, force = walk.cells[j], walk.stands[j].travel, walk.force
+def _behind_rising(walk: EnclosedWalk, d: int, j: int, others: list[int]) -> str:
+    cell, s0, force, drive = walk.cells[j], walk.stands[j].travel, walk.force, walk.drive()
     if any(walk.cells[i].rubs for i in (j, *others)):
         raise UndecidedError("the landing of a snap of several cells with friction")
 
@@ -409,19 +440,9 @@ def _settle(walk: EnclosedWalk) -> None:
     free = [i for i, stand in enumerate(walk.stands) if stand.mode == FREE]
     if walk.rigid:
         walk.force = walk.cells[free[0]].law(walk.stands[free[0]].travel)[0] if free else None
-    if walk.force is None:
-        windows = [walk.window(i) for i in range(len(walk.cells))]
-        lows, highs = (
-            [a for a, _ in windows if a is not None],
-            [b for _, b in windows if b is not None],
-        )
-        if any(not a < b for a in lows for b in highs):
-            raise UndecidedError("whether a further snap follows at once")
-        return
-    for i, stand in enumerate(walk.stands):
-        if stand.mode == HELD:
-            down, up = walk.window(i)
-            if (down is not None and not down < walk.force) or (
-                up is not None and not up > walk.force
-            ):
-                raise UndecidedError("whether a further snap follows at once")
+    held = [i for i, stand in enumerate(walk.stands) if stand.mode == HELD]
+    stays = (
+        walk.windows_meet() if walk.force is None else all(walk.stays(i, walk.force) for i in held)
+    )
+    if not stays:
+        raise UndecidedError("whether a further snap follows at once")

@@ -139,24 +139,17 @@ class _Prover:
 
     def _compared(self, k: int, event: Event, found: Enclosed) -> ProvedEvent | None:
         """The event with its errors; None where it is another one."""
-        snaps = event.kind is EventKind.SNAP
-        if snaps != (found.kind == "snap") or event.direction != found.direction:
-            return None
-        if not set(event.cells) <= set(found.moves) or len(event.cells) != len(found.moves):
+        if not _same_kind(event, found):
             return None
         scale, walk = self.problem.scale, self.walk
         limit, count = _CLOSE * self.size, len(walk.cells)
         drives = (0 if walk.dead else limit) + _CLOSE * scale * self.problem.beta
-        pairs = zip(event.cells, event.before, event.after, strict=True)
-        places = [(found.moves[cell], (before, after)) for cell, before, after in pairs]
-        # A switch has the beginning of the engine's last segment, of which there may be several.
-        travels = [(at[k], value[k]) for at, value in places for k in ((0, 1) if snaps else (1,))]
         forces = zip(found.force, (event.force_before, event.force_after), strict=True)
         released = [(found.released, event.released)] if found.released is not None else []
         drive, stroke, travel, force, heat = (
             _errors([(found.drive, event.drive)], drives * count),
             _errors([(found.stroke, event.stroke)], limit * count),
-            _errors(travels, limit),
+            _errors(_travels(event, found), limit),
             _errors([one for one in forces if one[0] is not None], _CLOSE * scale),
             _errors(released, limit * scale),
         )
@@ -167,6 +160,25 @@ class _Prover:
         return ProvedEvent(
             k, event, theorem, drive or 0.0, stroke or 0.0, travel or 0.0, force, heat
         )
+
+
+def _same_kind(event: Event, found: Enclosed) -> bool:
+    """Whether an event is of the kind, the sense and the cells of an enclosed one."""
+    if (event.kind is EventKind.SNAP) != (found.kind == "snap"):
+        return False
+    if event.direction != found.direction:
+        return False
+    return set(event.cells) <= set(found.moves) and len(event.cells) == len(found.moves)
+
+
+def _travels(event: Event, found: Enclosed) -> list[tuple[balls.Ball, float]]:
+    """Enclosed travels, each with that of the engine."""
+    # A switch has the beginning of the engine's last segment, of which there may be several.
+    sides = (0, 1) if event.kind is EventKind.SNAP else (1,)
+    pairs = zip(event.cells, event.before, event.after, strict=True)
+    return [
+        (found.moves[cell][k], (before, after)[k]) for cell, before, after in pairs for k in sides
+    ]
 
 
 # The bound of an error if the engine's number is not in the enclosure.

@@ -107,21 +107,38 @@ def largest(f: Function, spans: Sequence[Span], enough: float) -> LargestValue:
         spans: the ends of each parameter, exact.
         enough: difference of bound and attained value at which the search ends.
     """
-    number = count()
-    best, at = None, [balls.number((a + b) / 2) for a, b in spans]
-    waiting: list[tuple[float, int, Ball, list[Span], int]] = []
+    search, number = _Search(f, spans), count()
+    search.look(list(spans))
+    while True:
+        top, box, widest = search.waiting[0][2:]
+        best = search.best
+        assert best is not None
+        spare = widest < 0 or not box[widest][1] > box[widest][0]
+        if spare or top - balls.low(best) <= enough or next(number) > _MOST_BOXES:
+            tops = [one[2] for one in search.waiting]
+            return LargestValue(max([*tops, balls.high(best)]), best, search.at)
+        heapq.heappop(search.waiting)
+        a, b = box[widest]
+        centre = balls.middle((a + b) / 2)
+        for half in ((a, centre), (centre, b)):
+            search.look([*box[:widest], half, *box[widest + 1 :]])
 
-    def look(box: list[Span]) -> None:
-        nonlocal best, at
-        box, value = _collapsed(f, box)
-        middles = [balls.middle((a + b) / 2) for a, b in box]
-        centre = f(middles)
-        inside = centre.value if isinstance(centre, Sloped) else centre
-        if best is None or inside > best or balls.number(inside) > balls.number(best):
-            best, at = inside, [balls.number(middle) for middle in middles]
-        plain = _value(value)
+
+class _Search:
+    """Boxes of parameters, that with the largest bound first, and the best value of a middle."""
+
+    def __init__(self, f: Function, spans: Sequence[Span]):
+        self._f, self._spans, self._number = f, spans, count()
+        self.best: Ball | None = None
+        self.at = [balls.number((a + b) / 2) for a, b in spans]
+        self.waiting: list[tuple[float, int, Ball, list[Span], int]] = []
+
+    def look(self, box: list[Span]) -> None:
+        """Bound the values in a box, by its own ball and by the mean value form."""
+        box, value = _collapsed(self._f, box)
+        inside = self._centre(box)
+        plain, steps = _value(value), list[float]()
         top = balls.high(plain) if plain.is_finite() else ball(math.inf)
-        steps: list[float] = []
         if isinstance(value, Sloped):
             pieces = [
                 slope * ((b - a) / 2) * ball(0.0, 1.0)
@@ -132,26 +149,19 @@ def largest(f: Function, spans: Sequence[Span], enough: float) -> LargestValue:
                 top = min(top, balls.high(mean))
                 steps = [float(piece.rad()) for piece in pieces]
         if not any(steps):
-            steps = [float((b - a) / (q - p)) if q > p else 0.0 for (a, b), (p, q) in whole(box)]
+            whole = zip(box, self._spans, strict=True)
+            steps = [float((b - a) / (q - p)) if q > p else 0.0 for (a, b), (p, q) in whole]
         widest = max(range(len(box)), key=steps.__getitem__) if box else -1
-        heapq.heappush(waiting, (-float(top), next(number), top, box, widest))
+        heapq.heappush(self.waiting, (-float(top), next(self._number), top, box, widest))
 
-    def whole(box: list[Span]):
-        return zip(box, spans, strict=True)
-
-    look(list(spans))
-    assert best is not None
-    while True:
-        _, _, top, box, widest = waiting[0]
-        spare = widest < 0 or not box[widest][1] > box[widest][0]
-        if spare or top - balls.low(best) <= enough or next(number) > _MOST_BOXES:
-            tops = [one[2] for one in waiting]
-            return LargestValue(max([*tops, balls.high(best)]), best, at)
-        heapq.heappop(waiting)
-        a, b = box[widest]
-        centre = balls.middle((a + b) / 2)
-        for half in ((a, centre), (centre, b)):
-            look([*box[:widest], half, *box[widest + 1 :]])
+    def _centre(self, box: list[Span]) -> Ball:
+        """The value in the middle of a box, kept if it is the best."""
+        middles = [balls.middle((a + b) / 2) for a, b in box]
+        inside = _value(self._f(middles))
+        best = self.best
+        if best is None or inside > best or balls.number(inside) > balls.number(best):
+            self.best, self.at = inside, [balls.number(middle) for middle in middles]
+        return inside
 
 
 def _value(value: Sloped | Ball) -> Ball:

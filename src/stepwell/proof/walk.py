@@ -127,6 +127,18 @@ class EnclosedWalk:
         up = None if self.at_end(i, 1) else force + cell.friction
         return down, up
 
+    def stays(self, i: int, force: Ball) -> bool:
+        """Whether a held cell is proved to stay at any λ of a ball."""
+        down, up = self.window(i)
+        return (down is None or bool(force > down)) and (up is None or bool(force < up))
+
+    def windows_meet(self) -> bool:
+        """Whether some λ is proved to hold all cells where they are."""
+        windows = [self.window(i) for i in range(len(self.cells))]
+        lows = [a for a, _ in windows if a is not None]
+        highs = [b for _, b in windows if b is not None]
+        return all(a < b for a in lows for b in highs)
+
     def at_end(self, i: int, heading: int) -> bool:
         """Whether a cell is at the end of its travel."""
         end = self.cells[i].high if heading > 0 else self.cells[i].low
@@ -163,16 +175,7 @@ class EnclosedWalk:
 
     def choose(self, direction: int) -> tuple[int, list[int], int]:
         """Sense of λ with the moving cells and the falling one, or 0 where the chain snaps."""
-        falling, flat, blocked, follow = [], [], False, []
-        for i in self.active():
-            stand, sign = self.stands[i], self.branch(i).sign
-            follows = stand.mode == FREE or stand.sense == direction
-            if sign > 0:
-                follow.append(i)
-            elif not follows:
-                blocked = True
-            else:
-                (falling if sign < 0 else flat).append(i)
+        follow, falling, flat, blocked = self._kinds(direction)
         if blocked or len(falling) + len(flat) > 1 or self.due:
             return 0, [], falling[0] if falling else -1
         if flat:
@@ -180,18 +183,31 @@ class EnclosedWalk:
         if not falling:
             return direction, [i for i in follow if self._goes(i, direction)], -1
         leader = falling[0]
-        movers = [leader, *(i for i in follow if self._goes(i, -direction))]
-        if self.dead:
+        others = [i for i in follow if self._goes(i, -direction)]
+        if self.dead or self._snaps(leader, others, direction):
             return 0, [], leader
-        others = movers[1:]
+        return -direction, [leader, *others], leader
+
+    def _kinds(self, direction: int) -> tuple[list[int], list[int], list[int], bool]:
+        """Active cells of rising, falling and constant force; whether one slides the other way."""
+        kinds: dict[int, list[int]] = {1: [], -1: [], 0: []}
+        blocked = False
+        for i in self.active():
+            sign = self.branch(i).sign
+            if sign > 0 or self._goes(i, direction):
+                kinds[sign].append(i)
+            else:
+                blocked = True
+        return kinds[1], kinds[-1], kinds[0], blocked
+
+    def _snaps(self, leader: int, others: list[int], direction: int) -> bool:
+        """Whether the drive would have to go back for a falling cell to go on."""
         if not others and self.rigid:
-            return -direction, movers, leader
+            return False
         gain = self._gain_here(leader, others, direction)
-        if gain > 0:
-            return -direction, movers, leader
-        if gain < 0:
-            return 0, [], leader
-        raise UndecidedError("whether the branch goes on at a turn of a force")
+        if not (gain > 0 or gain < 0):
+            raise UndecidedError("whether the branch goes on at a turn of a force")
+        return bool(gain < 0)
 
     def _goes(self, i: int, sense: int) -> bool:
         return self.stands[i].mode == FREE or self.stands[i].sense == sense
@@ -365,14 +381,10 @@ class EnclosedWalk:
 
     def _fall(self, movers, leader, event, target, direction, flat):
         """One cell on a falling branch leads, and λ runs against the drive."""
-        stand, cell, branch = self.stands[leader], self.cells[leader], self.branch(leader)
+        stand, cell = self.stands[leader], self.cells[leader]
         others = [i for i in movers if i != leader]
-        begin = stand.travel
-        if event.cell == leader and event.why != RELEASE:
-            end = branch.end(direction)[0]
-        else:
-            end = cell.invert(branch, event.force - self.offset(leader), begin)
-        fold = None if (self.rigid and not others) else self._fold(leader, others, begin, end)
+        end = self._end_of_fall(leader, event, direction)
+        fold = None if (self.rigid and not others) else self._fold(leader, others, end)
         at = end if fold is None else fold
         there = self._drive_with(leader, others, at)
         if target is not None and direction * (target - there) < 0:
@@ -391,13 +403,22 @@ class EnclosedWalk:
             return False, None
         return False, self._happen(event, direction, -direction)
 
+    def _end_of_fall(self, leader: int, event: Threshold, direction: int) -> Ball:
+        """The travel of a falling cell at an event."""
+        branch = self.branch(leader)
+        if event.cell == leader and event.why != RELEASE:
+            return branch.end(direction)[0]
+        force = event.force - self.offset(leader)
+        return self.cells[leader].invert(branch, force, self.stands[leader].travel)
+
     def _drive_with(self, leader, others, at):
         if self.rigid and not others:
             return at + self.resting({leader})
         return self.drive_by_leader(leader, others, at)[0]
 
-    def _fold(self, leader, others, begin, end):
+    def _fold(self, leader, others, end):
         """The first travel of the leader at which the branch folds back, or None."""
+        begin = self.stands[leader].travel
         heading = 1 if high(end) > high(begin) else -1
 
         def gain(x):

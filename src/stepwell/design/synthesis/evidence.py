@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import Ints
+from stepwell.base import ByValue, Ints
 from stepwell.design.plane import Box
 from stepwell.design.synthesis.candidates import Rule
 from stepwell.design.synthesis.region import Region
@@ -16,7 +16,7 @@ RisingOrders = tuple[tuple[int, ...], tuple[int, ...]]
 
 
 @dataclass(frozen=True, eq=False)
-class StateEvidence:
+class StateEvidence(ByValue):
     """No two orders of concave cells make a set of states reachable.
 
     Attributes:
@@ -30,7 +30,7 @@ class StateEvidence:
 
 
 @dataclass(frozen=True, eq=False)
-class HoleEvidence:
+class HoleEvidence(ByValue):
     """No choice of holes has its critical forces in the target orders.
 
     Attributes:
@@ -48,7 +48,7 @@ class HoleEvidence:
 
 
 @dataclass(frozen=True, eq=False)
-class ScaleEvidence:
+class ScaleEvidence(ByValue):
     """No scales of elements have their switching forces in the target orders.
 
     Attributes:
