@@ -1,8 +1,10 @@
 """Requirements against all pairs of orders, followed by a model of relays that shares nothing."""
 
+import random
 import re
 from itertools import combinations, permutations, product
 
+import numpy as np
 import pytest
 
 import stepwell as sw
@@ -26,9 +28,18 @@ def reached(loading, unloading):
     return {"".join("01"[i in one] for i in range(len(loading))) for one in seen}
 
 
+def apart(loading, unloading):
+    """Whether no cell loads above the force at which a full one gives travel back, by relays."""
+    # F0 by rank in loading, F1 below all F0 by rank in ascending F1.
+    back = {cell: -rank for rank, cell in enumerate(unloading)}
+    return all(back[i] < back[j] for k, j in enumerate(loading) for i in loading[:k])
+
+
 def meets(text, loading, unloading):
     """Whether a requirement holds for two orders of cells 0, 1, ..."""
     words, states = text.split(), reached(loading, unloading)
+    if words[-1] == "way":
+        return apart(loading, unloading)
     if words[0] == "state":
         return words[1] in states
     if words[0] == "never":
@@ -57,6 +68,7 @@ def texts(n):
     yield from (f"{a} before {b} {way}" for a, b in pairs for way in WAYS)
     yield from (f"{a} {p} {way}" for a in cells for p in ("first", "last") for way in WAYS)
     yield from (f"{a} never without {b}" for a, b in pairs)
+    yield "never two half way"
     yield f"order {'-'.join(map(str, cells))} loading"
     yield from (f"state {''.join(digits)}" for digits in product("01", repeat=n))
     yield from (f"never {''.join(digits)}" for digits in product("01*", repeat=n))
@@ -80,8 +92,6 @@ def _orders(loading, unloading):
 
 
 def _drawn(n, count, seed):
-    import random
-
     chosen, every_text = random.Random(seed), [*texts(n)]
     return [chosen.sample(every_text, 4) for _ in range(count)]
 
@@ -115,6 +125,44 @@ def test_a_design_meets_its_requirements_in_the_engine():
     assert made.loading.index(2) < made.loading.index(0) and made.unloading[0] == 1
     assert "101" in states and not {one for one in states if one[1] == "1" and one[2] == "0"}
     assert made.yield_.target == parts and made.yield_.fraction > 0.99
+
+
+def moved_at_once(chain, rng):
+    """How far the second fastest cell moves between two close samples of random strokes [m]."""
+    points = [0.0, chain.full_stroke, *(rng.uniform(0, chain.full_stroke) for _ in range(12)), 0.0]
+    steps = np.abs(np.diff(chain.path(points).travel, axis=0))
+    return float(np.sort(steps, axis=1)[:, -2].max())
+
+
+def test_two_cells_are_half_way_at_once_on_no_stroke():
+    rng, seen = random.Random(0), set()
+    for n in (2, 3):
+        parts = f"never two half way; {n} cells; {n} before 1 loading"
+        made = sw.design(requirements=parts, samples=5)
+        assert made.loading == made.unloading[::-1]
+        assert max(moved_at_once(made.chain, rng) for _ in range(9)) < 1e-9
+    for _ in range(40):
+        n = rng.choice((2, 3, 4))
+        bands = [(rng.uniform(0, 0.02), rng.uniform(-0.006, 0.006)) for _ in range(n)]
+        chain = sw.Chain([sw.Cell(sw.Band((-0.01, 0.0), q, 28.5, 0.01)) for q in bands])
+        orders = chain.cycle().sequence.orders
+        assert orders is not None
+        # Brute force over strokes: two cells move at once exactly if the orders are not reversed.
+        at_once = max(moved_at_once(chain, rng) for _ in range(3)) > 1e-5
+        assert at_once != (orders[0] == orders[1][::-1])
+        seen.add(at_once)
+    assert seen == {True, False}
+
+
+def test_two_cells_half_way_conflict_with_an_equal_order_of_both_directions():
+    given = "never both half way; 1 before 2 loading; state 11; 1 before 2 unloading"
+    with refuses(sw.Impossible, "both half way'", "'1 before 2", "contradict each other") as why:
+        sw.design(requirements=given)
+    assert why.value.proved and "state 11" not in str(why.value).split(": ")[-2]
+    # Cells of several levers are not covered by the proof.
+    with refuses(sw.Impossible, "only cells proved") as why:
+        sw.design(requirements=given, lever=(0.0141, 0.02), equal_levers=False)
+    assert not why.value.proved
 
 
 def test_a_state_after_a_turn_is_passed_in_the_engine():
@@ -161,16 +209,24 @@ def test_a_contradiction_names_its_smallest_part():
     assert sw.design(requirements=left, samples=5).loading[0] == 2
 
 
-@pytest.mark.parametrize(("weight", "sign"), [("peak force", -1), ("window", 1)])
+@pytest.mark.parametrize(
+    ("weight", "sign"), [("peak force", -1), ("window", 1), ("snap energy", -1), ("yield", 1)]
+)
 def test_a_weight_moves_the_choice_its_own_way(weight, sign):
     from stepwell.design.synthesis.weighing import narrowest_window
 
     def amount(chain):
         if weight == "window":
             return narrowest_window(chain, None)
+        if weight == "snap energy":
+            return sum(event.released for event in chain.cycle().snaps)
+        if weight == "yield":
+            return chain.yields(loose, samples=400).fraction
         return abs(chain.cycle().peak_force)
 
-    given = {"requirements": "1 before 2 loading", "samples": 5}
+    # One order, so that the yield of the requirement is that of the cycle.
+    loose = sw.Tolerances(anchor=0.003, stiffness=0.15)
+    given = {"sequence": "00>10>11>01>00", "samples": 5, "tolerances": loose}
     plain, more, less = (
         amount(sw.design(**given, weights=weights).chain)
         for weights in (None, {weight: 1.0}, {weight: -1.0})
@@ -188,6 +244,8 @@ def test_a_weight_moves_the_choice_its_own_way(weight, sign):
         ("3 cells; 2 cells", "one number of"),
         ("order 2-2 loading", "each cell once"),
         ("0 cells", "between 1 and"),
+        ("never both half way; 3 cells", "Write 'never two"),
+        ("never two half way; 1 cells", "does not fit"),
     ],
 )
 def test_a_requirement_that_cannot_be_read_is_refused(text, part):

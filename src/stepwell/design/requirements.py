@@ -10,7 +10,7 @@ from itertools import combinations, islice, product
 from stepwell.base import ByValue, InputError, from_unit, number, to_unit
 from stepwell.design.orders import Orders, TargetOrders, order_of
 from stepwell.mechanism import Chain
-from stepwell.sequences import Sequence as Cycled, state_after
+from stepwell.sequences import Sequence as Cycled, cycle, state_after
 
 LOADING, UNLOADING = 0, 1
 _WAYS = ("loading", "unloading")
@@ -21,7 +21,8 @@ _ALL_COMBINATIONS = 12
 
 GRAMMAR = (
     "'2 before 1 loading', '3 last unloading', '1 first loading', 'order 2-1-3 loading', "
-    "'state 101', 'never 1*0', '2 never without 1', '101 after 40 mm', '3 cells'"
+    "'state 101', 'never 1*0', '2 never without 1', 'never both half way', '101 after 40 mm', "
+    "'3 cells'"
 )
 
 # (way, i, j): cell i moves before cell j.
@@ -42,13 +43,16 @@ class Requirement(ByValue):
     - `state 101`: a stroke program reaches this state from all cells at 0.
     - `never 1*0`: no stroke program reaches a state of this pattern; * is any digit.
     - `2 never without 1`: cell 2 is at 1 only where cell 1 is.
+    - `never both half way`, or of more cells `never two half way`: no stroke program brings two
+      cells between their stops at once, in snaps neither. So no snap moves two cells: the order of
+      unloading is the reverse of that of loading (theory page, "Sorting").
     - `101 after 40 mm`: loaded from all cells at 0 to this stroke, the unloading chain passes 101
       before any other state with all cells at stops.
     - `3 cells`: the number of cells.
 
     Attributes:
         text: as above.
-        kind: "before", "place", "order", "state", "never", "after" or "cells".
+        kind: "before", "place", "order", "state", "never", "apart", "after" or "cells".
         cells: numbers of the cells it names, from 0.
         way: 0 for loading, 1 for unloading.
         state: the state or pattern it names, or "first" or "last".
@@ -75,7 +79,8 @@ class Requirement(ByValue):
     @property
     def least_cells(self) -> int:
         """Smallest number of cells of a chain to which it can apply."""
-        return max([len(self.state) * (self.kind != "place"), *(cell + 1 for cell in self.cells)])
+        named = [len(self.state) * (self.kind != "place"), *(cell + 1 for cell in self.cells)]
+        return max([*named, 2 * (self.kind == "apart")])
 
     def clauses(self, n: int) -> list[Clause]:
         """What it requires of the two orders of n cells."""
@@ -87,22 +92,32 @@ class Requirement(ByValue):
             others = [i for i in range(n) if i != cell]
             ends = [(cell, i) if self.state == "first" else (i, cell) for i in others]
             return [(frozenset({(self.way, i, j)}),) for i, j in ends]
+        if self.kind == "apart":
+            return [_last_in_first_out(i, j) for i, j in combinations(range(n), 2)]
+        return self._of_states()
+
+    def _of_states(self) -> list[Clause]:
+        """What a state or a pattern requires of the two orders."""
         empty, full = (
             [i for i, digit in enumerate(self.state) if digit == one] for one in ("0", "1")
         )
         pairs = [*product(empty, full)]
         if self.kind in ("state", "after"):
             # An ideal: no cell at 0 is both before one at 1 in F0 and after it in unloading.
-            free = [
+            return [
                 (frozenset({(LOADING, j, i)}), frozenset({(UNLOADING, i, j)})) for i, j in pairs
             ]
-            return free
         if self.kind == "never":
             return [tuple(frozenset({(LOADING, i, j), (UNLOADING, j, i)}) for i, j in pairs)]
         return []
 
     def __str__(self):
         return self.text
+
+
+def _last_in_first_out(i: int, j: int) -> Clause:
+    """Two cells with one order of F0 and F1, so that the later one does not snap with the other."""
+    return tuple(frozenset({(LOADING, a, b), (UNLOADING, b, a)}) for a, b in ((i, j), (j, i)))
 
 
 def _cell(text: str) -> int:
@@ -139,6 +154,10 @@ def _never(cls: type, text: str, pattern: str) -> Requirement:
     return cls(text, "never", state=pattern)
 
 
+def _apart(cls: type, text: str, several: str) -> Requirement:
+    return cls(text, "apart", (0, 1) if several == "both" else ())
+
+
 def _without(cls: type, text: str, a: str, b: str) -> Requirement:
     one, other = _cell(a), _cell(b)
     if one == other:
@@ -166,6 +185,7 @@ _FORMS = (
     (r"state ([01]+)", _state),
     (r"never ([01*]+)", _never),
     (rf"{_ONE} never without {_ONE}", _without),
+    (r"never (both|two) half way", _apart),
     (r"([01]+) after (\d+(?:\.\d+)?) mm", _after),
     (r"(\d+) cells?", _cells),
 )
@@ -252,11 +272,16 @@ class Requirements(ByValue):
         for one in self.parts:
             wrong = one.kind in ("state", "after") and len(one.state) != n
             wrong |= one.kind == "never" and not one.cells and len(one.state) != n
-            wrong |= one.kind == "order" and len(one.cells) != n
+            wrong |= one.kind in ("order", "apart") and len(one.cells) not in (0, n)
             if wrong or one.least_cells > n:
+                way = (
+                    "Write 'never two half way'"
+                    if one.kind == "apart"
+                    else "Name every cell in a state, pattern or order, or state the number, as in "
+                    f"'{least} cells'"
+                )
                 raise InputError(
-                    f"requirement {one.text!r}: does not fit a chain of {n} cells. Name every cell "
-                    f"in a state, pattern or order, or state the number, as in '{least} cells'."
+                    f"requirement {one.text!r}: does not fit a chain of {n} cells. {way}."
                 )
         if n < 1:
             raise InputError(f"requirements: give one or more, such as {GRAMMAR}.")
@@ -356,6 +381,8 @@ class Requirements(ByValue):
         faults = (_state_fault(one, reached) for one in self.parts if reached is not None)
         if fault := next(filter(None, faults), ""):
             return fault
+        if any(one.kind == "apart" for one in self.parts) and (fault := _snap_fault(chain)):
+            return fault
         for one in self.parts:
             if one.kind == "after" and one.drive > chain.full_stroke:
                 return f"ends at {number(to_unit(chain.full_stroke, 'mm'))} mm"
@@ -374,6 +401,13 @@ def _candidates(both: tuple[Reach, Reach]) -> Iterator[Orders]:
         loading = both[0].order(like)
         yield Orders(loading, both[1].order(loading[::-1]))
         yield Orders(loading, both[1].order(loading))
+
+
+def _snap_fault(chain: Chain) -> str:
+    """The first snap that moves several cells; "" for none."""
+    several = (event.cells for event in cycle(chain).snaps if len(event.cells) > 1)
+    cells = next(several, ())
+    return f"cells {' and '.join(str(cell + 1) for cell in cells)} snap together" if cells else ""
 
 
 def _state_fault(one: Requirement, states: frozenset[str]) -> str:

@@ -383,11 +383,12 @@ class TargetSearch:
     def _contradictory(self, rules: list[Rule]) -> bool:
         """Whether no allowed chain meets the requirements, by their orders alone.
 
-        Requirements on states follow from orders only for concave cells of one full travel.
+        Requirements on states, and on cells half way, follow from orders only for concave cells of
+        one full travel.
         """
         assert self.target.requirements is not None
         conflict = self.target.requirements.conflict
-        if not any(one.state for one in conflict if one.kind != "place"):
+        if not any(one.state or one.kind == "apart" for one in conflict if one.kind != "place"):
             return bool(conflict)
         one_lever = all(len({kind.lever for kind in rule.kinds}) == 1 for rule in rules)
         return one_lever and all(
