@@ -131,7 +131,7 @@ def compose(
         ValueError: no panel or too many, an impossible width or height, or other letters.
     """
     titles, given = ([*panels], [*panels.values()]) if isinstance(panels, Mapping) else ([], panels)
-    count = sum(1 if callable(one) else len(one) for one in given)
+    count = _count(given)
     if not 0 < count <= MOST_PANELS:
         raise InputError(f"panels has {count} entries: must be 1 to {MOST_PANELS}.")
     if letters not in LETTERS:
@@ -176,6 +176,10 @@ def _draw_row(
         left += size.width + _BETWEEN
 
 
+def _count(panels: Sequence[sheet.Draw | Sequence[sheet.Draw]]) -> int:
+    return sum(1 if callable(one) else len(one) for one in panels)
+
+
 def _rows(
     panels: Sequence[sheet.Draw | Sequence[sheet.Draw]],
     width: float,
@@ -186,11 +190,18 @@ def _rows(
         raise InputError(f"columns = {columns}: must be 1 to {MOST_PANELS}.")
     if not all(map(callable, panels)):
         return [[one] if callable(one) else list(one) for one in panels if callable(one) or one]
+    return _filled([one for one in panels if not isinstance(one, Sequence)], width, columns, panel)
+
+
+def _filled(
+    panels: Sequence[sheet.Draw], width: float, columns: int | None, panel: sheet.CurrentPanel
+) -> list[list[sheet.Draw]]:
+    """Rows of so many columns, or of about 75 mm with a row for each panel that is wider."""
     most = columns or max(1, round(width / _USUAL))
     each = (width - _BETWEEN * (most - 1)) / most
     rows: list[list[sheet.Draw]] = []
     free = 0
-    for draw in (one for one in panels if not isinstance(one, Sequence)):
+    for draw in panels:
         alone = columns is None and not _may_share(draw, each, panel)
         if alone or not free:
             rows.append([])

@@ -260,18 +260,15 @@ class GraphLayout:
         room = _SHARE * (wide - 20.0) / max(last, 1)
         self._lines = math.ceil(cells / max(3, int((room - 1.8) / _CHARACTER)))
         shown, self._column = reduced.shown, reduced.levels
-        # All states in whole columns have fixed positions.
-        whole, column = [label for label in shown if self._column[label] % 1 == 0], self._column
-        if size is not None:
-            whole = ["".join(digits) for digits in product("01", repeat=cells)]
-            column = {label: label.count("1") for label in whole} | dict(self._column)
+        whole, column = _whole_columns(reduced, None if size is None else cells)
         # Smooth transitions have a larger weight of their length than snaps.
         joined = [(way.source, way.target, 1.0 if way.snaps else 2.0) for way in reduced.ways]
         y = heights(column, whole, joined, stay=size is not None)
         most = max(Counter(column.values())[k] for k in range(last + 1))
         tallest = max(2 * self.half(label)[1] for label in shown)
-        pitch = max(tallest + 2.0, float(np.clip(130.0 / most, 6.4, 15.0)))
-        if high is not None:
+        if high is None:
+            pitch = max(tallest + 2.0, float(np.clip(130.0 / most, 6.4, 15.0)))
+        else:
             pitch = (high - 2 * _EDGE) / most
         self.height = most * pitch + 2 * _EDGE
         side = max(self.half(label)[0] for label in shown) + _EDGE
@@ -325,6 +322,19 @@ class GraphLayout:
         met = [np.all(np.abs(curve - at) < half, axis=2).any(axis=1).sum() for curve in curves]
         # The flattest of the curves through the fewest other nodes.
         return curves[int(np.argmin(met))]
+
+
+def _whole_columns(
+    reduced: FoldedGraph, cells: int | None
+) -> tuple[list[str], Mapping[str, float]]:
+    """States with a fixed position, those in whole columns, and the column of every state.
+
+    With a number of cells, all states that these can have.
+    """
+    if cells is None:
+        return [one for one in reduced.shown if reduced.levels[one] % 1 == 0], reduced.levels
+    whole = ["".join(digits) for digits in product("01", repeat=cells)]
+    return whole, {label: label.count("1") for label in whole} | dict(reduced.levels)
 
 
 def head(curve: Floats, size: float) -> Floats:

@@ -88,10 +88,9 @@ def force_plane(
     edge = _LEFT + 3.0 * (count > len(chain))
     side = width - edge - _BETWEEN - strip - _RIGHT
     if side < _LEAST:
-        what = "switches" if chain.elements else "cells"
         raise InputError(
-            f"the force plane of {count} {what} needs {width + _LEAST - side:.0f} mm of width, and "
-            f"has {width:.4g} mm."
+            f"the force plane of {count} {_counted(chain)} needs {width + _LEAST - side:.0f} mm of "
+            f"width, and has {width:.4g} mm."
         )
     step, axis, ends = _smallest_gap(forces, orders)
     gap_label, shade = "smallest force gap", style.pale(style.YELLOW, 0.0)
@@ -115,9 +114,7 @@ def force_plane(
     right = sheet.place(figure, edge + side + _BETWEEN, _BOTTOM, strip, side)
 
     _draw_reachable(ax, region, places, of.factor)
-    if cloud is not None:
-        for i, colour in enumerate(colours):
-            _draw_cloud(ax, cloud[:, i], colour)
+    _draw_clouds(ax, cloud, colours)
     _draw_cells(ax, forces, colours)
     ax.locator_params(nbins=5 if narrow else 8)
     ax.set(xlabel=_name(chain, 0), ylabel=_name(chain, 1))
@@ -150,9 +147,14 @@ def _switches(chain: Chain) -> list[_Switch]:
     if not switches:
         raise InputError("the chain has no cell with two phases: add a bistable cell.")
     if len(switches) > MOST_CELLS:
-        what = "switches" if chain.elements else "cells"
-        raise InputError(f"the chain has {len(switches)} {what}: at most {MOST_CELLS} are legible.")
+        raise InputError(
+            f"the chain has {len(switches)} {_counted(chain)}: at most {MOST_CELLS} are legible."
+        )
     return switches
+
+
+def _counted(chain: Chain) -> str:
+    return "switches" if chain.elements else "cells"
 
 
 def _order(name: str, wanted: Sequence[int] | None, own: NDArray[np.intp]) -> tuple[int, ...]:
@@ -222,6 +224,12 @@ def _name_cells(ax: Axes, forces: Floats, switches: Sequence[_Switch]) -> None:
     labels = [legends.Label(at, literal(one.name), one.colour) for at, one in named]
     for text in legends.place_labels(ax, labels, leaders=True):
         text.set_path_effects([withStroke(linewidth=1.6, foreground="white")])
+
+
+def _draw_clouds(ax: Axes, clouds: Floats | None, colours: Sequence[str]) -> None:
+    if clouds is not None:
+        for i, colour in enumerate(colours):
+            _draw_cloud(ax, clouds[:, i], colour)
 
 
 def _draw_cloud(ax: Axes, points: Floats, colour: str) -> None:

@@ -82,13 +82,7 @@ class _Plates:
         self.pitch = None if pitch is None else pitch * style.MM
         self.through = np.array(through) * style.MM
         lever = max(cell.lever for cell in self._cells) * style.MM
-        pair = self.linkage.half_pair * style.MM
-        if self.pitch is not None and self.pitch < 4.0 * pair:
-            # Free in the model; here no joint covers a hole.
-            off = abs(math.remainder(self.through[1], self.pitch))
-            half = 0.5 if off <= self.pitch / 4 else 1.0
-            pair = self.pitch * (max(round(pair / self.pitch - half), 0) + half)
-        self.pair = pair
+        pair = self.pair = self._off_holes(self.linkage.half_pair * style.MM)
         ends = [
             np.array([getattr(band, name) for cell in self._cells for band in cell.bands])
             for name in "pq"
@@ -114,6 +108,14 @@ class _Plates:
         least = [max(side * self.scale, own) for side, own in zip(sides, _WORDS, strict=True)]
         self.middle = _LEFT + least[0] + (room - sum(least)) / 2
         self.high = (self.y[1] - self.y[0]) * self.scale
+
+    def _off_holes(self, pair: float) -> float:
+        """Half the distance of two joints near that: free in the model, but off drilled holes."""
+        if self.pitch is None or self.pitch >= 4.0 * pair:
+            return pair
+        off = abs(math.remainder(self.through[1], self.pitch))
+        half = 0.5 if off <= self.pitch / 4 else 1.0
+        return self.pitch * (max(round(pair / self.pitch - half), 0) + half)
 
     @property
     def _cells(self) -> list[Cell]:

@@ -19,7 +19,7 @@ from stepwell.figures.common.reading import legs, path_of, snaps_of, span, verti
 from stepwell.figures.common.sheet import Point
 from stepwell.figures.common.words import literal
 from stepwell.lab import Recording
-from stepwell.mechanism import Chain, Element
+from stepwell.mechanism import Cell, Chain, Element
 from stepwell.sequences import Cycle
 from stepwell.statics import InertialLanding, Path
 
@@ -295,9 +295,7 @@ def snap_motion(
     ax.margins(y=0.08)
     # Stops within the frame; they do not widen it.
     ax.set_ylim(ax.get_ylim())
-    cells = [chain.cells[i] for i in moved]
-    ends = [end for one in cells for end in zip((one.low, one.high), one.stopped, strict=True)]
-    for stop in {travel for travel, there in ends if there}:
+    for stop in _stops([chain.cells[i] for i in moved]):
         ax.axhline(stop * y.factor, color=style.FAINT, linewidth=0.4, zorder=0)
     lines = [legends.line(literal(chain.names[i]), colours[i]) for i in moved]
     lines += [
@@ -308,6 +306,12 @@ def snap_motion(
         sheet.keep_inside(ax)
     legends.above(ax, lines, columns=3)
     return figure
+
+
+def _stops(cells: Sequence[Cell | Element]) -> set[float]:
+    """Travels at which a cell has a stop."""
+    ends = [end for one in cells for end in zip((one.low, one.high), one.stopped, strict=True)]
+    return {travel for travel, there in ends if there}
 
 
 def _curve(name: str, landing: InertialLanding, full: Floats) -> tuple[Floats, Floats]:

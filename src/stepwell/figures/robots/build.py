@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, PathPatch, Rectangle
@@ -35,6 +36,15 @@ _COLOURS: dict[str, str] = {
     PartRole.BATTERY: style.BOUGHT,
     PartRole.PIN: style.FAINT,
 }
+_NAMED = (
+    ("body", PartRole.BODY),
+    ("carriage", PartRole.CARRIAGE),
+    ("middle block", PartRole.MIDDLE_BLOCK),
+    ("outer block", PartRole.OUTER_BLOCK),
+    ("lever", PartRole.LEVER),
+    ("link", PartRole.LINK),
+    ("foot", PartRole.FOOT),
+)
 _PALE = 0.25
 _BOUGHT: dict[str, Any] = {"edgecolor": style.FAINT, "linewidth": 0.6, "linestyle": ":"}
 Pose = Mapping[tuple[str, int | str], float]
@@ -63,12 +73,12 @@ def robot_parts(build: RobotBuild) -> Figure:
     width = sheet.page_width(style.PAGE)
     columns = 2 if width >= sheet.SIDE_BY_SIDE else 1
     wide = (width - _GAP * (columns - 1)) / columns
-    views = [[pose for _, pose, one in panels if one is up] for up in (False, True)]
-    boxes = [_box(layout, poses, up=up) for up, poses in zip((False, True), views, strict=True)]
+    boxes = [
+        _box(layout, [pose for _, pose, one in panels if one is up], up=up) for up in (False, True)
+    ]
     talls = [(wide - 2.0 * _EDGE) * (b[3] - b[2]) / (b[1] - b[0]) + 2.0 * _EDGE for b in boxes]
-    heights = [tall + _ABOVE for tall in talls for _ in range(2 // columns)]
-    figure = sheet.blank(width, sum(heights) + _BELOW)
-    top = sum(heights) + _BELOW
+    top = 2 // columns * sum(tall + _ABOVE for tall in talls) + _BELOW
+    figure = sheet.blank(width, top)
     for number, (name, pose, up) in enumerate(panels):
         column = number % columns
         if column == 0:
@@ -79,26 +89,19 @@ def robot_parts(build: RobotBuild) -> Figure:
         if up and column == columns - 1:
             marks.scale_bar(ax, boxes[up][1] - 2.0, boxes[up][2] + 6.0, _SCALE)
         sheet.name_panel(ax, name if build.can_be_built else f"DRAFT: {name}", 0.8)
-    shades = (
-        ("body", PartRole.BODY),
-        ("carriage", PartRole.CARRIAGE),
-        ("middle block", PartRole.MIDDLE_BLOCK),
-        ("outer block", PartRole.OUTER_BLOCK),
-        ("lever", PartRole.LEVER),
-        ("link", PartRole.LINK),
-        ("foot", PartRole.FOOT),
-    )
-    key = [(True, legends.shade(name, _shade(role))) for name, role in shades]
-    has = bool(layout.robot.antennas)
-    key.append((has, legends.shade("antenna and crank", _shade(PartRole.ANTENNA))))
-    key.append((True, legends.shade("actuator and battery", "none", **_BOUGHT)))
-    key += [
-        (True, legends.line(f"band of {name} cells", colour, 1.6))
-        for name, colour in zip(("inner", "outer"), style.cell_colours(2), strict=True)
-    ]
-    found = legends.applicable(*key)
+    found = _legend(bool(layout.robot.antennas))
     legends.below(figure, found, 4 if columns == 2 else 3, left=2.0, handlelength=1.0)
     return figure
+
+
+def _legend(antennas: bool) -> list[Artist]:
+    key: list[Artist] = [legends.shade(name, _shade(role)) for name, role in _NAMED]
+    if antennas:
+        key.append(legends.shade("antenna and crank", _shade(PartRole.ANTENNA)))
+    key.append(legends.shade("actuator and battery", "none", **_BOUGHT))
+    bands = zip(("inner", "outer"), style.cell_colours(2), strict=True)
+    key += [legends.line(f"band of {name} cells", colour, 1.6) for name, colour in bands]
+    return key
 
 
 def _shade(role: str) -> style.Colour:

@@ -73,11 +73,7 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
     # 10 % more width, so that ticks are clear of the frame.
     scale = min(wide / (1.1 * widest), 60.0 / max(box[3] - box[2] for box in boxes))
     tall = [max(30.0, (box[3] - box[2]) * scale + 4.0) for box in boxes]
-    remarks = [
-        [name] * bool(name) + ["stopped early"] * bool(w.stopped) for name, w in walks.items()
-    ]
-    most = int((page - _LEFT) / _LETTER)
-    names = [wrapped(", ".join(words), most) if words else [] for words in remarks]
+    names = [_name(name, walk, int((page - _LEFT) / _LETTER)) for name, walk in walks.items()]
     named = [5.0 + _LINE * (len(lines) - 1) if lines else 0.0 for lines in names]
     lower = 0.0 if side_by_side else _LOW + _BELOW + _APART
     handles = [
@@ -106,14 +102,24 @@ def trajectories(walks: Mapping[str, Walk]) -> Figure:
         turned = sheet.place(figure, left + bar + _GAP, bottom - lower, bar - 3.0, low)
         _bars(moved, turned, walk, bar)
         bars.append((moved, turned))
-        for k, line in enumerate(reversed(lines)):
-            y = bottom + high + 1.8 + _LINE * k
-            sheet.text_at(figure, _LEFT, y, literal(line), weight="bold")
+        _write(figure, lines, bottom + high + 1.8)
         bottom -= _BELOW + lower
     for column in zip(*bars, strict=True):
         _one_scale(column)
     legends.on_top(figure, handles, _LEFT, columns=columns)
     return figure
+
+
+def _name(name: str, walk: Walk, most: int) -> list[str]:
+    """The name of a row and a remark, in lines of at most that many letters."""
+    words = [name] * bool(name) + ["stopped early"] * bool(walk.stopped)
+    return wrapped(", ".join(words), most) if words else []
+
+
+def _write(figure: Figure, lines: Sequence[str], y: float) -> None:
+    """Write the lines of a name, the last of them at this height [mm]."""
+    for k, line in enumerate(reversed(lines)):
+        sheet.text_at(figure, _LEFT, y + _LINE * k, literal(line), weight="bold")
 
 
 def _one_scale(column: Sequence[Axes]) -> None:
