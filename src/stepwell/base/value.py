@@ -65,7 +65,7 @@ def deep_equal(a: Any, b: Any) -> bool:
     if isinstance(a, float) and isinstance(b, float):
         return a == b or (math.isnan(a) and math.isnan(b))
     if isinstance(a, Mapping) and isinstance(b, Mapping):
-        return a.keys() == b.keys() and all(deep_equal(a[key], b[key]) for key in a)
+        return _same_mappings(a, b)
     if type(a) is not type(b):
         return bool(a == b)
     if isinstance(a, tuple | list):
@@ -79,6 +79,10 @@ def is_array(value: Any) -> "TypeGuard[np.ndarray[Any, Any]]":
     """Whether it is an array of NumPy, tested without the slow import of NumPy."""
     numpy = sys.modules.get("numpy")
     return numpy is not None and isinstance(value, numpy.ndarray)
+
+
+def _same_mappings(a: Mapping[Any, Any], b: Mapping[Any, Any]) -> bool:
+    return a.keys() == b.keys() and all(deep_equal(a[key], b[key]) for key in a)
 
 
 def _same_arrays(a: Any, b: Any) -> bool:

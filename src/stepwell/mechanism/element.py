@@ -480,21 +480,20 @@ def _phases_of_sheet(element: Element, number: int, forces: Floats, rises: Ints)
     """Runs of rows of a sheet on which the force does not fall, and stops; see `signs`."""
     sheet, (below, above) = element.laws[number], element.stopped
     joints = np.append(sheet.rows[:, 0], sheet.end)
+    starts, least, ends, most = joints.copy(), forces.copy(), joints.copy(), forces.copy()
+    final, stopped_low, stopped_high = len(rises), False, False
     # At the ends of the element there is a stop, or a curve that continues to rise.
-    low = 0 if sheet.below is None and sheet.begin == element.low else None
-    high = len(rises) if sheet.above is None and sheet.end == element.high else None
+    if sheet.below is None and sheet.begin == element.low:
+        starts[0], least[0], stopped_low = joints[0] if below else -np.inf, -np.inf, below
+    if sheet.above is None and sheet.end == element.high:
+        ends[final], most[final], stopped_high = joints[final] if above else np.inf, np.inf, above
     falls = np.flatnonzero(rises < 0)
     # A run between two falls is empty.
-    for at, last in zip([0, *(falls + 1).tolist()], [*falls.tolist(), len(rises)], strict=True):
-        first, final = at == low, last == high
-        if np.any(rises[at:last] > 0) or (first and below) or (final and above):
-            yield Phase(
-                number,
-                -np.inf if first and not below else float(joints[at]),
-                np.inf if final and not above else float(joints[last]),
-                -np.inf if first else float(forces[at]),
-                np.inf if final else float(forces[last]),
-            )
+    for at, last in zip([0, *(falls + 1).tolist()], [*falls.tolist(), final], strict=True):
+        held = (stopped_low and at == 0) or (stopped_high and last == final)
+        if held or np.any(rises[at:last] > 0):
+            phase = map(float, (starts[at], ends[last], least[at], most[last]))
+            yield Phase(number, *phase)
 
 
 def _phases_of(element: Element, turns: Sequence[tuple[Floats, Ints]]) -> tuple[Phase, ...]:

@@ -318,16 +318,21 @@ def part_problems(robot: Robot) -> Iterator[str]:
     if missing := [name for name in needed if name not in given]:
         yield f"made: body {missing[0]!r} has no mass; give one for each of body_names(robot)."
         return
-    if extra := [name for name in given if name not in needed]:
-        yield f"made: body {extra[0]!r} is not of this robot; remove it, or build the robot again."
-    turning = [name for name in needed if ".lever " in name or name.endswith(".crank")]
-    if unhinged := [name for name in turning if name not in made.hinges]:
-        yield f"made: {unhinged[0]!r} has no hinge; give a point on its axis in hinges."
+    yield from _wrong_bodies(made, needed)
     if abs(made.mass - robot.mass) > SAME * robot.mass:
         yield (
             f"made: the parts weigh {to_unit(made.mass, 'g'):.4f} g and the robot's numbers give "
             f"{to_unit(robot.mass, 'g'):.4f} g; build the robot again, or remove the parts."
         )
+
+
+def _wrong_bodies(made: RobotParts, needed: Sequence[str]) -> Iterator[str]:
+    """A body that the robot lacks, and a turning one without a hinge."""
+    if extra := [one.body for one in made.masses if one.body not in needed]:
+        yield f"made: body {extra[0]!r} is not of this robot; remove it, or build the robot again."
+    turning = [name for name in needed if ".lever " in name or name.endswith(".crank")]
+    if unhinged := [name for name in turning if name not in made.hinges]:
+        yield f"made: {unhinged[0]!r} has no hinge; give a point on its axis in hinges."
 
 
 def _array(name: str, value: ArrayLike, shape: tuple[int | None, ...], unit: str) -> Floats:

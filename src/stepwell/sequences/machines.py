@@ -156,20 +156,24 @@ class Machine(ByValue):
         made = cls(inputs, states, tuple(moves), outputs, title or language).smallest
         return replace(made, states=states[: len(made.states)])
 
+    def _equivalent(self, states: list[int]) -> dict[int, int]:
+        """The class of each state: equivalent states give equal outputs for every input."""
+        group: dict[int, Any] = {state: self.outputs[state] for state in states}
+        while True:
+            keys = {s: (group[s], *(group[k] for k in self.moves[s])) for s in states}
+            numbers = {key: n for n, key in enumerate(dict.fromkeys(keys.values()))}
+            finer = {s: numbers[keys[s]] for s in states}
+            if len({*finer.values()}) == len({*group.values()}):
+                return finer
+            group = finer
+
     @cached_property
     def smallest(self) -> "Machine":
         """The machine with reachable states only, and equivalent ones as one."""
         reached = [0]
         for state in reached:
             reached += [k for k in dict.fromkeys(self.moves[state]) if k not in reached]
-        group = {state: self.outputs[state] for state in reached}
-        while True:
-            keys = {s: (group[s], *(group[k] for k in self.moves[s])) for s in reached}
-            numbers = {key: n for n, key in enumerate(dict.fromkeys(keys.values()))}
-            finer: dict[int, Any] = {s: numbers[keys[s]] for s in reached}
-            done, group = len({*finer.values()}) == len({*group.values()}), finer
-            if done:
-                break
+        finer = self._equivalent(reached)
         first = {number: s for s, number in reversed(finer.items())}
         kept = [first[number] for number in range(len(first))]
         return Machine(

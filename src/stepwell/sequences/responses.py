@@ -406,6 +406,11 @@ def _assigned(
     return tuple(inputs.gaps[one] for one in chosen), known
 
 
+def _span(gaps: Floats, first: int, last: int) -> Span:
+    low, high = float(gaps[first, 0]), float(gaps[last, 1])
+    return Span((low + high) / 2, low, high)
+
+
 def _realised(
     response: _Response,
     machine: Machine,
@@ -418,10 +423,6 @@ def _realised(
     states = np.array([*known])
     windows = [_widened(moves, base, one, states, gaps) for one in chosen]
     middle = float(gaps[base].mean())
-    spans = tuple(
-        tuple(Span((gaps[a, 0] + gaps[b, 1]) / 2, gaps[a, 0], gaps[b, 1]) for a, b in one)
-        for one in windows
-    )
     number_of = {branch: k for k, branch in enumerate(known)}
     labels = {branch: response.atlas.label_at(branch, middle) for branch in known}
     outputs = {branch: machine.outputs[state] for branch, state in known.items()}
@@ -446,7 +447,7 @@ def _realised(
         response.chain,
         machine,
         Span(middle, float(gaps[base, 0]), float(gaps[base, 1])),
-        tuple(tuple(Span(*map(float, span)) for span in one) for one in spans),
+        tuple(tuple(_span(gaps, a, b) for a, b in one) for one in windows),
         reset,
         label[0],
         hand,

@@ -38,23 +38,14 @@ def mapped(
     if workers == 0:
         yield from _here(call, tasks)
         return
-    apart = multiprocessing.get_context("spawn")
     # Calls with the number of deaths of their process.
     left, dead = ((task, 0) for task in tasks), deque[tuple[Sequence[Any], int]]()
     busy: dict[Connection, tuple[BaseProcess, Sequence[Any], int]] = {}
     idle: list[tuple[BaseProcess, Connection]] = []
-
-    def begun() -> tuple[BaseProcess, Connection]:
-        ours, theirs = apart.Pipe()
-        process = apart.Process(target=_work, args=(theirs, call), daemon=True)
-        process.start()
-        theirs.close()
-        return process, ours
-
     try:
         while True:
             while len(busy) < workers and (more := dead.popleft() if dead else next(left, None)):
-                process, pipe = idle.pop() if idle else begun()
+                process, pipe = idle.pop() if idle else _begun(call)
                 task, deaths = more
                 with suppress(OSError):  # the death of the process is handled below
                     pipe.send(tuple(task))
@@ -79,10 +70,23 @@ def mapped(
                     idle.append((process, pipe))
                 yield task, raised
     finally:
-        for process, pipe in [*idle, *((one, pipe) for pipe, (one, _, _) in busy.items())]:
-            pipe.close()
-            process.kill()
-            process.join()
+        _end([*idle, *((process, pipe) for pipe, (process, _, _) in busy.items())])
+
+
+def _begun(call: Callable[..., Any]) -> tuple[BaseProcess, Connection]:
+    apart = multiprocessing.get_context("spawn")
+    ours, theirs = apart.Pipe()
+    process = apart.Process(target=_work, args=(theirs, call), daemon=True)
+    process.start()
+    theirs.close()
+    return process, ours
+
+
+def _end(processes: Iterable[tuple[BaseProcess, Connection]]) -> None:
+    for process, pipe in processes:
+        pipe.close()
+        process.kill()
+        process.join()
 
 
 def _here(
