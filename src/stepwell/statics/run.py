@@ -6,7 +6,7 @@ from time import process_time
 
 import numpy as np
 
-from stepwell.base import Floats, InputError, Measure, display_unit
+from stepwell.base import Floats, InputError, Ints, Measure, display_unit
 from stepwell.kernels import MOST, UNLIMITED, WORTH_LOADING, beside, end_early, watched
 from stepwell.mechanism import Chain, ends_of, packed
 from stepwell.statics import outcome, places, sorted_cycle
@@ -77,11 +77,34 @@ def _follow_from(
     start: State,
     progress: Progress | None,
 ) -> Path:
-    """Run the follower from a place and its state, with a longer log where needed."""
+    """Run the follower from a place and its state, and check the certificate of its log."""
+    sheets = np.array(place.sheet)
+    status, state = _followed(chain, problem, turning, sheets, start, progress)
+    if status != st.DONE:
+        outcome.refuse_failure(status, chain, state.travel, float(state.force[0]), _involved(state))
+    log, travel = state.log, start.travel
+    broken, promise, by = watched(
+        lambda effort: certificate.audit(problem._replace(effort=effort), log, travel, sheets),
+        long=int(log.used[0]) > _MANY_SEGMENTS,
+    )
+    if promise != certificate.KEPT:
+        drive = float(log.segments[broken, logged.DRIVE_1])
+        outcome.refuse_broken(promise, chain, drive, by, problem.scale)
+    return _as_path(chain, problem, turning, place, float(start.force[0]), log)
+
+
+def _followed(
+    chain: Chain,
+    problem: DrivenChain,
+    turning: Floats,
+    sheets: Ints,
+    start: State,
+    progress: Progress | None,
+) -> tuple[int, State]:
+    """Status and state at the end of the follower, with a longer log where needed."""
     capacity = 64 + 16 * len(chain) * len(turning)
     # A short chain ends or reaches the step limit in seconds; longer chains have no limit.
     most = _MOST_LOOKS if len(chain) <= _SHORT else UNLIMITED
-    sheets = np.array(place.sheet)
     aside = len(chain) * len(turning) > 3 * _SHORT or progress is not None
 
     def fresh() -> State:
@@ -110,19 +133,7 @@ def _follow_from(
         elif status == st.LOG_FULL and len(state.log.segments) <= _MOST_SEGMENTS:
             state = state._replace(log=logged.longer(state.log))
         else:
-            break
-    if status != st.DONE:
-        status = st.STALLED if status == st.LOG_FULL else status
-        outcome.refuse_failure(status, chain, state.travel, float(state.force[0]), _involved(state))
-    log, travel = state.log, start.travel
-    broken, promise, by = watched(
-        lambda effort: certificate.audit(problem._replace(effort=effort), log, travel, sheets),
-        long=int(log.used[0]) > _MANY_SEGMENTS,
-    )
-    if promise != certificate.KEPT:
-        drive = float(log.segments[broken, logged.DRIVE_1])
-        outcome.refuse_broken(promise, chain, drive, by, problem.scale)
-    return _as_path(chain, problem, turning, place, float(start.force[0]), log)
+            return st.STALLED if status == st.LOG_FULL else status, state
 
 
 def _involved(state: State) -> list[int]:

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from stepwell.base import ByValue, Measure, amount
+from stepwell.base import ByValue, Floats, Measure, amount
 from stepwell.concave import SortedChain
 from stepwell.kernels import UNLIMITED
 from stepwell.mechanism import FIRST, law, phase_at
-from stepwell.statics.events import SegmentKind
+from stepwell.statics.events import Segment, SegmentKind
 from stepwell.statics.following import log as logged
 from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.landings.proofs import energy_holds
@@ -94,12 +94,8 @@ def safe_rate(
     def result(rate: float | None, reason: str, proved: bool = False) -> SafeRate:
         return SafeRate(rate, reason, mass, damper, gap, slope, proved)
 
-    if masses is None and chain.measure is not Measure.TRAVEL:
-        return result(None, f"no {chain.measure.travel} has a usual mass: give masses")
-    if problem.alpha == 0.0:
-        return result(None, "under a prescribed force the masses decide how long a snap lasts")
-    if path.degenerate or not gap > 0.0:
-        return result(None, "a tie: the order is undecided even without masses")
+    if undefined := _why_undefined(path, inside, gap, usual=masses is None):
+        return result(None, undefined)
     rate = _balance(path, (mass, damper), gap, slope)
     if math.isinf(rate):
         return result(rate, "the only cell moves with the actuator", True)
@@ -163,6 +159,28 @@ def force_gap(path: Path, log: logged.Log) -> float:
     return min(_gaps(path, log), default=math.inf)
 
 
+def _why_undefined(path: Path, inside: Inside, gap: float, *, usual: bool) -> str:
+    """Why a path with this smallest gap of forces [N] has no safe rate for the masses; or ""."""
+    measure = path.chain.measure
+    if usual and measure is not Measure.TRAVEL:
+        return f"no {measure.travel} has a usual mass: give masses"
+    if inside.problem.alpha == 0.0:
+        return "under a prescribed force the masses decide how long a snap lasts"
+    if path.degenerate or not gap > 0.0:
+        return "a tie: the order is undecided even without masses"
+    return ""
+
+
+def _setting_off(one: Segment, then: Segment, row: Floats) -> tuple[set[int], set[int]]:
+    """Cells that moved before a segment and go on, and cells that set off in it; see `logged`."""
+    goes_on = one.kind is SegmentKind.MOVE and one.direction == then.direction
+    moved = {*one.cells} if goes_on else set[int]()
+    if then.kind is SegmentKind.SNAP:
+        return moved, {int(row[logged.LEADER])}
+    ends = then.kind is SegmentKind.HOLD or one.kind is SegmentKind.SNAP
+    return moved, set() if ends else {*then.cells} - moved
+
+
 def _gaps(path: Path, log: logged.Log) -> Iterator[float]:
     chain, rows = path.chain, log.segments
     stretches, phases = chain.stretches, [cell.phases for cell in chain.cells]
@@ -171,16 +189,8 @@ def _gaps(path: Path, log: logged.Log) -> Iterator[float]:
     for k, (one, then) in enumerate(pairwise(segments), 1):
         for cell, s, on in zip(one.cells, one.after, one.sheets_after, strict=True):
             travel[cell], sheet[cell] = s, on
-        if then.kind is SegmentKind.HOLD:
-            continue
-        goes_on = one.kind is SegmentKind.MOVE and one.direction == then.direction
-        moved = {*one.cells} if goes_on else set[int]()
-        off = (
-            {int(rows[k, logged.LEADER])}
-            if then.kind is SegmentKind.SNAP
-            else {*then.cells} - moved
-        )
-        if not off or (one.kind is SegmentKind.SNAP and then.kind is not SegmentKind.SNAP):
+        moved, off = _setting_off(one, then, rows[k])
+        if not off:
             continue
         for i in range(len(chain)):
             digit = phase_at(stretches[i], sheet[i], travel[i])
