@@ -123,17 +123,22 @@ def prepare(
     return Prepared((*cells, *in_pairs), tuple(pairs), tables or {}, (*used, *notes))
 
 
-def weigh(tests: Iterable[PairTest]) -> Weighing | None:
-    """Weight between two cells and friction from runs without a band; None without such runs.
-
-    They are half the sum and half the difference of loading and unloading at mid-travel.
-    """
+def _baseline_levels(tests: Iterable[PairTest]) -> dict[int, list[tuple[float, float]]]:
+    """Levels of all runs without a band, each run once, by direction: 1 loading, -1 unloading."""
     apart: dict[tuple[str, ...], PairTest] = {}
     for test in tests:
         apart.setdefault(tuple(run.source for run in test.series.baseline), test)
     based = (one for runs, one in apart.items() if runs)
     ways = ((-1 if one.series.unloading else 1, one.baseline_levels()) for one in based)
-    levels = grouped((way, level) for way, each in ways for level in each)
+    return grouped((way, level) for way, each in ways for level in each)
+
+
+def weigh(tests: Iterable[PairTest]) -> Weighing | None:
+    """Weight between two cells and friction from runs without a band; None without such runs.
+
+    They are half the sum and half the difference of loading and unloading at mid-travel.
+    """
+    levels = _baseline_levels(tests)
     if not levels:
         return None
     # Friction adds to the weight in loading, and is subtracted from it in unloading.
