@@ -80,6 +80,15 @@ def test_work_loss_and_stiffness_are_those_of_the_line():
     assert (out.start, out.end, back.end) == pytest.approx((0.0, 0.040, 0.0))
 
 
+def test_a_half_after_which_the_chain_takes_work_again_has_no_fraction_lost():
+    up = there(0.040)
+    stroke, force = np.concatenate([up, up[-2::-1]]), 0.3 * np.sign(0.02 - up)
+    # A snap in the middle, and friction, which takes 1 mJ either way.
+    every = np.concatenate([force + 0.025, force[-2::-1] - 0.025])
+    out, back = lab.half_cycles(recording("bistable.txt", stroke, every))
+    assert out.work > 0 and back.work > 0 and np.isnan(out.loss)
+
+
 def test_the_stiffness_begins_where_the_force_does():
     up = there(0.020)
     run = recording("approach.txt", up, 100 * np.maximum(up - 0.008, 0.0))

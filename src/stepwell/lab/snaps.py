@@ -165,7 +165,8 @@ class HalfCycle(ByValue):
             falls; none in the first and the last 2.5 % of the stroke, where the machine settles.
         work: ∫ F du in recorded order [J]; above zero if the machine does work.
         loss: of a loading half, the fraction of its work that the next half does not return [1];
-            NaN without an unloading half.
+            NaN without an unloading half, and where that half takes work too, as of a bistable
+            chain, which stores energy at either end: see `work` of both.
         stiffness_0, stiffness_1: slope over the first tenth of the stroke from the onset of force
             on, and over its last tenth, at the largest stroke [N/m].
         noise: standard deviation of a force, from fourth differences of the rows [N].
@@ -200,7 +201,7 @@ def half_cycles(recording: Recording) -> tuple[HalfCycle, ...]:
     for k, (half, work) in enumerate(zip(recording.halves, works, strict=True)):
         loading = recording.direction_of(half) == "loading"
         after = works[k + 1] if loading and k + 1 < len(works) else math.nan
-        loss = 1.0 + after / work if work > 0 else math.nan
+        loss = 1.0 + after / work if work > 0 >= after else math.nan
         halves.append(_half(recording, half, k + 1, work, loss))
     return tuple(halves)
 
