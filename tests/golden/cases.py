@@ -31,7 +31,8 @@ class Case:
         within: how closely numbers are compared.
         shown: its screens, its page and the words in its figures are frozen too.
         slow: takes about half a second or more, or differs little from a case that does not.
-        spare: another case is of its kind, so that it runs with STEPWELL_TESTS=full alone.
+        spare: another case is of its kind, so that it runs with STEPWELL_TESTS=full alone, and
+            lists of records in its result are frozen by their sums.
     """
 
     name: str
@@ -270,7 +271,7 @@ YIELDS = [
 ]
 
 CHECKS = [
-    _one("margin/cell", "margin preset:paper-cell-10-0"),
+    _one("check/margin-of-cell", "margin preset:paper-cell-10-0"),
     _one("check/robust", "check preset:paper-forward --samples 100"),
     _one("check/fails", "check preset:paper-forward --target '00>01>11>10>00' --samples 50"),
     _folder(
@@ -439,7 +440,6 @@ LABS = [
             "--cycle 1 --skip 0 --sample 1 --decimal . --save-reading --json",
         ),
         prepare=unclear,
-        shown=True,
     ),
     _folder(
         "lab/band", "lab band bands --gauge 15", prepare=bands, within=FITTED, shown=True, slow=True
@@ -551,9 +551,8 @@ ROBOTS = [
         "robot/converge",
         ("robot converge robot-forward", "robot converge robot-forward --cycles 2 --json"),
         within=SIMULATED,
-        shown=True,
         slow=True,
-        # The page of the commands shows the same screen.
+        # The page of the commands shows its screen.
         spare=True,
     ),
     Case(

@@ -38,16 +38,19 @@ _MEASURE = re.compile(
 )
 
 
-def reduced(value: Any, digits: int) -> Any:
-    """A record as it is frozen: floats of so many digits, prose and long lists made short."""
+def reduced(value: Any, digits: int, *, totals: bool = False) -> Any:
+    """A record as it is frozen: floats of so many digits, prose and long lists made short.
+
+    With `totals`, a list of records becomes the sums of its columns of numbers.
+    """
     if isinstance(value, Mapping):
         return {
-            name: reduced(part, digits)
+            name: reduced(part, digits, totals=totals)
             for name, part in value.items()
             if name not in _DROPPED and not name.endswith("sha256")
         }
     if isinstance(value, list):
-        return _list(value, digits)
+        return _list(value, digits, totals)
     if isinstance(value, float):
         return float(f"{value:.{digits}g}")
     return brief(lasting(value)) if isinstance(value, str) else value
@@ -66,15 +69,34 @@ def brief(text: str) -> str:
     return " ".join([f"{head}:" * bool(head) + "¶", *_MEASURE.findall(rest)])
 
 
-def _list(values: list[Any], digits: int) -> Any:
+def _list(values: list[Any], digits: int, totals: bool) -> Any:
     if len(values) > SHORT and all(_is_number(one) for one in values):
         return numbers(values, digits)
+    if totals and len(values) > 1 and all(isinstance(one, Mapping) for one in values):
+        return {"items": len(values)} | reduced(_sums(values), digits)
     flat = not any(isinstance(one, Mapping | list) for one in values)
     if len(values) <= (3 * SHORT if flat else SHORT):
-        return [reduced(one, digits) for one in values]
+        return [reduced(one, digits, totals=totals) for one in values]
     return {"items": len(values)} | {
-        str(k): reduced(values[k], digits) for k in some(len(values), SOME)
+        str(k): reduced(values[k], digits, totals=totals) for k in some(len(values), SOME)
     }
+
+
+def _sums(records: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+    """The sum of the absolute numbers in each column, in those that have any."""
+    columns: dict[str, list[float]] = {}
+    for record in records:
+        for name, part in record.items():
+            columns.setdefault(name, []).extend(_numbers_in(part))
+    return {name: math.fsum(found) for name, found in columns.items() if found}
+
+
+def _numbers_in(value: Any) -> Iterator[float]:
+    if isinstance(value, Mapping | list):
+        for part in value.values() if isinstance(value, Mapping) else value:
+            yield from _numbers_in(part)
+    elif value is not None and _is_number(value) and math.isfinite(value):
+        yield abs(value)
 
 
 def _is_number(value: Any) -> bool:

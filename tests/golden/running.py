@@ -32,7 +32,8 @@ _SLOW_CLAIMS = frozenset({
     "antennas-turn-away", "more-cells-sequenced", "more-cells-programmable", "directed-snaps",
     "robot-15-in-the-air", "robot-states", "antennas-bench-20", "antennas-bench-14",
 })  # fmt: skip
-_COMPILING = re.compile(r"stepwell: compiling \w+, once")
+# On a slow or busy machine.
+_PASSING = re.compile(r"stepwell: compiling \w+, once|[\w ]+: +\d+%(, about .* left)?$")
 _USAGE = re.compile(r"Usage: stepwell[^\n]*\nTry 'stepwell[^\n]*' for help\.\n\n")
 _commands = cache(typer.main.get_command)
 # No colours, and always the same width.
@@ -122,7 +123,7 @@ def _entry(
     entry: dict[str, Any] = {"command": command}
     if result.exit_code:
         entry["exit"] = result.exit_code
-    said = "\n".join(x for x in result.stderr.split("\n") if not _COMPILING.match(x)).strip()
+    said = "\n".join(x for x in result.stderr.split("\n") if not _PASSING.match(x)).strip()
     if said:
         said = reducing.lasting(_USAGE.sub("", said)).replace(str(folder), "<folder>")
         entry["error"] = said.split("\n") if "\n" in said else said
@@ -166,8 +167,10 @@ def _entry(
     if record is not None:
         if "schema" in record:
             found.records.append(record)
-        short = reducing.reduced(record, case.within.digits)
-        entry["record"] = {key: part for key, part in short.items() if key != "files"}
+        short = reducing.reduced(record, case.within.digits, totals=case.spare)
+        kept = {key: part for key, part in short.items() if key != "files"}
+        same = [one["command"] for one in found.entries if one.get("record") == kept]
+        entry["record"] = f"the same as of: {same[0]}" if same else kept
     return entry
 
 
