@@ -70,8 +70,8 @@ window.WebSocket = class extends Plain {
     });
   }
   send(text) {
-    const { type, seq } = JSON.parse(text);
-    if (type === "evaluate" && window.moved) this.began.set(seq, window.moved);
+    const { type, seq, ask } = JSON.parse(text);
+    if (type === "evaluate" && ask.moves && window.moved) this.began.set(seq, window.moved);
     super.send(text);
   }
 };

@@ -61,11 +61,17 @@ const plus = ([x, y]: Point, [dx, dy]: Point): Point => [x + dx, y + dy];
 export const bandEnds = ({ inner, outer, side }: Frame, { p_mm, q_mm }: BandTable): Line | null =>
   p_mm && q_mm ? [plus(inner, turned(p_mm, side)), plus(outer, turned(q_mm, side))] : null;
 
+/** The lever of a cell as a vector [mm], by its travel from the stop 0: s = r (sin θ + sin θc). */
+function leverAt({ lever_mm: r, limit_deg }: { lever_mm: number; limit_deg: number }, travel: number): Point {
+  const along = Math.max(-r, Math.min(r, travel - r * Math.sin((limit_deg * Math.PI) / 180)));
+  return [Math.sqrt(r * r - along * along), along];
+}
+
 /** All parts but the bands at a sample, or between two samples. */
 export function poseOf(view: View, at: number): Pose {
   const layout = layoutOf(view);
   const { reach, half_pair: pair, half_block: half, box, rod } = layout;
-  const [angle, travel, pull] = ["angle", "travel", "pull"].map((name) => row(view, name, at));
+  const [travel, pull] = ["travel", "pull"].map((name) => row(view, name, at));
   const pose: Pose = { blocks: [], frames: [], levers: [], boxes: [], rods: [] };
   let inner: Point = [0, 0];
   let left = -reach;
@@ -84,8 +90,7 @@ export function poseOf(view: View, at: number): Pose {
       const bottom = y - box / 2;
       pose.boxes.push({ cell: i, left: begin, bottom, dot: [begin + box * on[0], bottom + box * on[1]] });
     } else {
-      const theta = (angle[i] * Math.PI) / 180;
-      outer = plus(inner, turned([cell.lever_mm * Math.cos(theta), cell.lever_mm * Math.sin(theta)], side));
+      outer = plus(inner, turned(leverAt(cell, travel[i]), side));
       left = outer[0] - reach;
       for (const along of [-pair, pair]) pose.levers.push([plus(inner, [along, 0]), plus(outer, [along, 0])]);
     }

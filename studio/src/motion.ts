@@ -31,13 +31,33 @@ export const SNAP_MS = 700;
 /** How long the cycle takes without its snaps [ms]. */
 export const CYCLE_MS = 7000;
 
-/** True where the next sample is the landing of a snap. */
-export const snaps = (view: View, k: number): boolean =>
-  k + 1 < view.blocks.segment.length &&
-  view.blocks.segment[k] !== view.blocks.segment[k + 1] &&
-  view.events.some(
-    (event: { kind: string; sample: number }) => event.kind === "snap" && event.sample === k,
-  );
+/** True where the next sample is the landing of a snap, which leads from one segment to the next. */
+export const snaps = ({ blocks: { segment } }: View, k: number): boolean =>
+  k + 1 < segment.length && segment[k] !== segment[k + 1];
+
+// Smaller changes of a travel are rounding [mm].
+const MOVES = 1e-9;
+
+/** Switches and snaps; while a hand moves the design the snaps alone, which are read off the samples. */
+export function eventsOf(view: View): Event[] {
+  if (view.events) return view.events;
+  const { drive, stroke, direction, travel } = view.blocks;
+  const width = view.cells.length;
+  const events: Event[] = [];
+  for (let sample = 0; sample < drive.length; sample += 1) {
+    if (!snaps(view, sample)) continue;
+    const [cells, before_mm, after_mm]: number[][] = [[], [], []];
+    for (let i = 0, a = sample * width, b = a + width; i < width; i += 1, a += 1, b += 1) {
+      if (Math.abs(travel[b] - travel[a]) <= MOVES) continue;
+      cells.push(i);
+      before_mm.push(travel[a]);
+      after_mm.push(travel[b]);
+    }
+    const [stroke_mm, way] = [stroke[sample], direction[sample]];
+    events.push({ kind: "snap", sample, stroke_mm, direction: way, cells, before_mm, after_mm });
+  }
+  return events;
+}
 
 /** Row k of an (n, N) block, and between two rows while a motion is shown. */
 export function row(view: View, name: string, at: number): number[] {

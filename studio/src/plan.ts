@@ -15,10 +15,14 @@ export function written(design: Design | null): Plan | null {
   return { start, points: points.map(Number), ...ends };
 }
 
-/** The plan on the page: drawn by hand, else the design's own, else out and back. */
+let last: Plan | null = null;
+
+/** The plan on the page: drawn by hand, else the design's own, else out and back; the same object while it stays. */
 export function planned(): Plan | null {
   const { plan, design, views } = studio;
-  return plan ?? written(design) ?? (views.evaluate ? cycled(views.evaluate) : null);
+  const now = plan ?? written(design) ?? (views.evaluate ? cycled(views.evaluate) : null);
+  if (JSON.stringify(now) !== JSON.stringify(last)) last = now;
+  return last;
 }
 
 function cycled(view: View): Plan {

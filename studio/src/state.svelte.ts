@@ -147,6 +147,8 @@ class Studio {
   private drawing = 0;
   /** Number of the last request whose design is drawn. */
   private drawn = 0;
+  /** Whether the last request was of a move, whose answer leaves out what a hand at rest may ask. */
+  private brief = false;
   private readonly wire: Wire;
 
   constructor() {
@@ -309,7 +311,13 @@ class Studio {
   endDrag(): void {
     this.catchUp();
     this.dragging = null;
+    this.rest();
+  }
+
+  /** The hand is still: asks for what was left out of the answer to its last move. */
+  private rest(): void {
     this.moving = false;
+    if (this.brief) this.evaluate(this.design);
   }
 
   /** Ends a drag; the design is the one before it. */
@@ -512,7 +520,8 @@ class Studio {
     window.clearTimeout(this.stopping);
     for (const { type } of this.followers()) this.wire.cancel(type);
     this.busy = true;
-    this.asked = this.wire.ask("evaluate", design, this.leg, this.moving ? { moves: true } : {}, (view) =>
+    this.brief = this.moving;
+    this.asked = this.wire.ask("evaluate", design, this.leg, this.brief ? { moves: true } : {}, (view) =>
       this.answered(view, design),
     );
   }
@@ -524,7 +533,7 @@ class Studio {
     else if (this.ahead && view.seq > this.drawn) this.design = design;
     this.calm();
     window.clearTimeout(this.stopping);
-    if (this.moving) this.stopping = window.setTimeout(() => (this.moving = false), STILL_MS);
+    if (this.moving) this.stopping = window.setTimeout(() => this.rest(), STILL_MS);
     if (!view.ok) {
       this.problems = view.problems ?? [];
       return;

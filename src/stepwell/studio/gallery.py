@@ -58,7 +58,7 @@ def _entry(name: str, title: str) -> dict[str, Any]:
 
 # Samples of a motion in a small picture, in addition to the ends of its branches.
 _SAMPLES = 60
-_BLOCKS = ("drive", "travel", "angle", "tension", "pull", "segment", "direction")
+_BLOCKS = ("drive", "travel", "tension", "pull", "segment", "direction")
 
 
 @cache

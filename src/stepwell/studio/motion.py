@@ -57,8 +57,7 @@ def arrays_of(path: Path) -> dict[str, np.ndarray[Any, Any]]:
     is the force of every element on its curve. What is drawn and not printed has single precision.
     """
     (_, travel), (_, force), (_, drive) = _units_of(path.chain)
-    turned, angle = levers.Levers(path.chain.cells, path.travel), np.full_like(path.travel, np.nan)
-    angle[:, turned.number] = np.degrees(turned.angle)
+    turned = levers.Levers(path.chain.cells, path.travel)
     greatest = max(still.greatest_tension for still in _stills_of(path.chain))
     share = np.abs(turned.tension()) / (greatest or 1.0)
     tension = np.where(turned.slack, np.nan, share)
@@ -67,7 +66,6 @@ def arrays_of(path: Path) -> dict[str, np.ndarray[Any, Any]]:
         "stroke": path.stroke * travel,
         "force": path.force * force,
         "travel": path.travel * travel,
-        "angle": angle.astype(np.float32),
         "tension": tension.astype(np.float32),
         "pull": (_pulls(path) * force).astype(np.float32),
         "segment": path.branch,
@@ -212,16 +210,20 @@ def events_of(events: Iterable[Event], path: Path) -> list[dict[str, Any]]:
     ]
 
 
-def path_header(path: Path, few: Path) -> dict[str, Any]:
-    """Cells, events, forces and dissipated energy of a path; events refer to samples of `few`."""
+def path_header(path: Path, few: Path, *, events: bool = True) -> dict[str, Any]:
+    """Cells, events, forces and dissipated energy of a path; events refer to samples of `few`.
+
+    Without `events` the page reads the snaps off the samples.
+    """
     chain = path.chain
+    listed = {"events": events_of(path.events, few)} if events else {}
     return {
         "title": chain.title,
         "units": units_of(chain),
         "words": words_of(chain),
         "cells": cells_of(chain),
         "layout": layout_of(path),
-        "events": events_of(path.events, few),
+        **listed,
         "peak_force_N": path.peak_force * display_unit(chain.measure.force_unit)[1],
         "dissipated_mJ": path.dissipated * MJ,
     }

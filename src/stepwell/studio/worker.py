@@ -4,6 +4,7 @@ The server starts it in advance. Each worker is a copy of one process that has i
 or imports it at its start where processes cannot be copied.
 """
 
+import gc
 import os
 import signal
 from contextlib import suppress
@@ -62,6 +63,8 @@ def _load() -> None:
             import_module(f"stepwell.studio.panels.{name}")
     except Exception as error:  # the first answer is slower
         report_error(error)
+    # What is imported stays: a collection in the middle of a drag does not look through it.
+    gc.freeze()
 
 
 _load()

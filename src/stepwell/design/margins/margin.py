@@ -206,10 +206,10 @@ def proved_margin(chain: Chain) -> Margin | None:
     if forces is None:
         return None
     ways = Displacements.of(None, False, REACH)
-    now = sequence(chain)
+    now = Sequence.full_cycle(forces.loading, forces.unloading)
     changes: list[Change] = []
     for cell in range(len(chain)):
-        nearest_change = nearest_proved(forces, Parameter(f"{cell + 1}.q", cell, "q"), ways)
+        nearest_change = nearest_proved(forces, cell, REACH)
         if nearest_change is None:
             return None
         changes.append(Change(chain, cell, "anchor", *nearest_change))

@@ -344,9 +344,22 @@ def _nearest_searched(
     )
 
 
-def nearest_proved(forces: SortedChain, anchor: Parameter, ways: Displacements) -> Nearest | None:
-    """The nearest displacement that changes the sequence; None if no closed form proves it."""
-    known, proved = _in_closed_form(forces, anchor, None, ways)
+def nearest_proved(forces: SortedChain, cell: int, reach: float) -> Nearest | None:
+    """The nearest displacement of anchor q within reach [m] that changes the sequence.
+
+    None if no closed form proves it.
+    """
+    alone = len(forces.cells) == 1
+    return _proved_nearest(forces.cells[cell], tuple(forces.neighbours(cell)), alone, reach)
+
+
+# As for `_kept`: a cell whose neighbours in force stay keeps its result.
+@lru_cache(maxsize=1024)
+def _proved_nearest(
+    cell: Simple, neighbours: tuple[Neighbour, ...], alone: bool, reach: float
+) -> Nearest | None:
+    ways = Displacements.of(None, False, reach)
+    known, proved = _best(cell, [[one] for one in neighbours], ways, 1, alone)
     return _assembled(known, known and _just_past(known)[0], Method.EXACT) if proved else None
 
 
@@ -371,13 +384,21 @@ def _in_closed_form(
     """The nearest place, and whether the cell is proved concave all the way there."""
     assert anchor.cell is not None
     cell, sign = anchor.cell, 1 if anchor.part == "q" else -1
+    regions = _regions(forces, cell, target)
+    return _best(forces.cells[cell], regions, ways, sign, len(forces.cells) == 1)
+
+
+def _best(
+    cell: Simple, regions: list[list[Neighbour]], ways: Displacements, sign: int, alone: bool
+) -> tuple[Place | None, bool]:
+    """The nearest place in any of the regions of a cell, which may be `alone` in its chain."""
     best, far = None, ways.reach
-    for conditions in _regions(forces, cell, target):
-        place = nearest_place(forces.cells[cell], conditions, ways, sign, far)
+    for conditions in regions:
+        place = nearest_place(cell, conditions, ways, sign, far)
         if place is not None and (best is None or place.distance < far):
             best, far = place, place.distance
     # A single cell follows the actuator at any force.
-    return best, len(forces.cells) == 1 or ways.proved(forces.cells[cell], sign, far)
+    return best, alone or ways.proved(cell, sign, far)
 
 
 def _regions(forces: SortedChain, cell: int, target: Sequence | None) -> list[list[Neighbour]]:

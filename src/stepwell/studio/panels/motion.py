@@ -19,8 +19,8 @@ from stepwell.studio.ask import Ask, PageDesign, View
 def answer_evaluate(design: PageDesign, ask: Ask) -> View:
     """The cycle, and the margins that are known in closed form.
 
-    Keys have the same names for chains of volumes or angles; `units` has their units. The sequence
-    after the smallest change is left out for a design that `moves` under a hand.
+    Keys have the same names for chains of volumes or angles; `units` has their units. For a design
+    that `moves` under a hand, events and the sequence after the smallest change are left out.
     """
     moves = ask.switch("moves", default=False)
     ask.close()
@@ -28,7 +28,7 @@ def answer_evaluate(design: PageDesign, ask: Ask) -> View:
     cycle = chain.cycle()
     path = motion.drawn(cycle.path)
     header = {
-        **motion.path_header(cycle.path, path),
+        **motion.path_header(cycle.path, path, events=not moves),
         **motion.cycle_header(cycle),
         # A search takes 100 times as long as the rest: panel `margin` runs it separately.
         **motion.margins_of(proved_margin(chain), becomes=not moves),
