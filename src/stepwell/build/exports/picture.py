@@ -80,19 +80,27 @@ class ObliqueView:
             x0, y0, x1, y1 = part.outline.moved(*self.frames[part.name]).bounds
             corners += [(x, y, z) for x in (x0, x1) for y in (y0, y1) for z in (0.0, part.top)]
         highest = max([one.high for one in layout.fasteners] + [p.top for p in layout.parts])
+        above = _Z[1] * (highest - max(p.top for p in layout.parts) + LIFT)
+        self._fit(corners, size, above, _Z[1] * 0.003)  # heads of screws
+        # Outlines in plan, and parts around fasteners.
+        self._outlines: dict[str, Any] = {}
+        self._owners: dict[Vec2, set[str]] = {}
+        self._tops = sorted({part.top for part in layout.parts})
+
+    def _fit(
+        self, corners: Iterable[tuple[float, float, float]], size: Vec2, above: float, below: float
+    ) -> None:
+        """Scale to fit all corners, and heights of their image above and below them [m]."""
         flat = np.array([flat_of(*one) for one in corners])
         low, high = flat.min(axis=0), flat.max(axis=0)
-        high[1] += _Z[1] * (highest - max(p.top for p in layout.parts) + LIFT)
-        low[1] -= _Z[1] * 0.003  # heads of screws
+        high[1] += above
+        low[1] -= below
         self.scale = min(LARGEST, *(np.array(size) / (MM * (high - low))))
         self.origin = -MM * self.scale * low
         width, height = MM * self.scale * (high - low)
         self.size = float(width), float(height)
-        # The same for all pictures: shapes of solids, outlines in plan, parts around fasteners.
+        # The same for all pictures.
         self._drawn: dict[Any, list[tuple[list[Step], Pen]]] = {}
-        self._outlines: dict[str, Any] = {}
-        self._owners: dict[Vec2, set[str]] = {}
-        self._tops = sorted({part.top for part in layout.parts})
 
     def on(self, points: Floats, z: float) -> Floats:
         """(n, 2) places on the picture [mm] of points in plan [m] at a height [m]."""
@@ -241,9 +249,11 @@ class ObliqueView:
     def _band(self, page: Page, one: BandPath, colour: str, lift: float) -> None:
         """A band as the loop around its hooks."""
         p, q = self.blocks[one.cell] + one.p, self.blocks[one.cell + 1] + one.q
-        loop = Contour.slot((float(p[0]), float(p[1])), (float(q[0]), float(q[1])), one.width)
-        middle = (one.low + one.high) / 2.0 + lift
-        page.line(self.on(loop.ring(_SAGITTA), middle), Pen(colour, None, 0.9), closed=True)
+        ends = (float(p[0]), float(p[1])), (float(q[0]), float(q[1]))
+        self._loop(page, Contour.slot(*ends, one.width), (one.low + one.high) / 2.0 + lift, colour)
+
+    def _loop(self, page: Page, loop: Contour, z: float, colour: str) -> None:
+        page.line(self.on(loop.ring(_SAGITTA), z), Pen(colour, None, 0.9), closed=True)
 
 
 def flat_of(x: float, y: float, z: float) -> Vec2:

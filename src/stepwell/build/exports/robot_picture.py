@@ -37,20 +37,8 @@ class RobotView(ObliqueView):
             if place.upright:
                 y0, low, y1, high = low, y0, high, y1
             corners += [(x, y, z) for x in (x0, x1) for y in (y0, y1) for z in (low, high)]
-        flat = np.array([picture.flat_of(*one) for one in corners])
-        self._fit(flat, size)
-        self._drawn = {}
-        self._outlines = {}
-        self._owners = {}
+        self._fit(corners, size, picture.LIFT, 0.0)
         self._tops = sorted({part.top for part in layout.parts if not places[part.name].upright})
-
-    def _fit(self, flat: np.ndarray, size: Vec2) -> None:
-        low, high = flat.min(axis=0), flat.max(axis=0)
-        high[1] += picture.LIFT
-        self.scale = min(picture.LARGEST, *(np.array(size) / (MM * (high - low))))
-        self.origin = -MM * self.scale * low
-        width, height = MM * self.scale * (high - low)
-        self.size = float(width), float(height)
 
     def centre(self, one: Fastener) -> Vec2:
         """Place of a fastener in plan [m]."""
@@ -176,7 +164,6 @@ class RobotView(ObliqueView):
 
     def _stretched(self, page: Page, one: RobotBand, *, fresh: bool) -> None:
         """A band as the loop around its hooks."""
-        loop = Contour.slot(one.p, one.q, one.width)
         colour = picture.NEW_BAND if fresh else picture.BAND
-        middle = (one.low + one.high) / 2.0
-        page.line(self.on(loop.ring(_SAGITTA), middle), Pen(colour, None, 0.9), closed=True)
+        loop = Contour.slot(one.p, one.q, one.width)
+        self._loop(page, loop, (one.low + one.high) / 2.0, colour)
