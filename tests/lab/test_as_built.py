@@ -1,6 +1,7 @@
 """A first build: what is found out of it from what it did, and whether the advice is good."""
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -11,7 +12,7 @@ from accounts.schemas import violations
 from facts import refuses, says
 from lab.machine import pair
 from sizes import examples
-from stepwell.accounts import account, page
+from stepwell.accounts import account, page, terminal
 from stepwell.base import StepwellError
 from stepwell.design import Draws, Parameter, Tolerances, parameter
 from stepwell.lab import AsBuilt, LabError, Observed, Pull, as_built, builds, pulls_of
@@ -196,7 +197,16 @@ def test_a_build_that_does_what_it_should_is_left_alone():
     _, found = good()
     assert found.fraction > 0.99 and not found.moves
     assert found.advice.startswith("leave its anchors")
-    assert found.wider == 1.0
+    assert found.wider == 1.0 and found.converged
+
+
+@pytest.mark.slow
+def test_estimates_that_may_change_with_more_samples_are_reported():
+    _, found = good()
+    for converged in (True, False):
+        report = account(replace(found, converged=converged))
+        assert report.record["converged"] is converged
+        assert any("Not converged" in line.text for line in terminal(report)) is not converged
 
 
 @pytest.mark.slow

@@ -245,6 +245,8 @@ class AsBuilt(ByValue):
         chance: assumed probability of an anchor one hole off.
         wrong: anchors in a neighbouring hole in at least 5 % of the agreeing builds, likeliest
             first.
+        converged: whether enough random builds have the observed sequence of snaps, and the mean
+            deviation of the agreeing ones is within the uncertainty of the observations.
     """
 
     drawing: Chain = field(repr=False)
@@ -262,6 +264,7 @@ class AsBuilt(ByValue):
     hole: float
     chance: float = WRONG_HOLE
     wrong: tuple[builds.WrongHole, ...] = ()
+    converged: bool = True
 
     @property
     def single(self) -> bool:
@@ -345,7 +348,7 @@ def as_built(
         given = _wide(tolerances, wider, drawing)
         matching = builds.population(Draws(drawing, given, seed), holes, seen, samples, count)
         most = _AGREE * seen.numbers
-        agrees = matching and not matching.few and np.mean(matching.misfits) <= most
+        agrees = bool(matching and not matching.few and np.mean(matching.misfits) <= most)
         if agrees or wider >= _MOST_WIDE:
             break
         wider *= 2.0
@@ -380,6 +383,7 @@ def as_built(
         hole,
         wrong_hole,
         _wrong(drawing, holes, matching),
+        agrees,
     )
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from stepwell import base
+from stepwell.accounts import parts
 from stepwell.accounts.head import About, DesignShape, keys
 from stepwell.accounts.parts import CARD, FULL, TERMINAL, Account, Fact, Notes, RecordTable, Text
 from stepwell.accounts.words import cells_of
@@ -22,6 +23,10 @@ _MOVE: Schema = (
     Quantity("fraction", head="yield", form=base.percent, left=False, holds=float),
 )
 _WRONG: Schema = (Quantity("wrong", read=str), *_PLACED, Quantity("fraction", holds=float))
+_NOT_CONVERGED = (
+    "Few random builds have the observed snaps, or the agreeing builds deviate from the "
+    "observations by more than their uncertainty: the estimates are not final."
+)
 _ROWS = 8  # parameters that a terminal shows
 _PULL = keys(direction=int, stroke="mm", force="N")
 
@@ -56,6 +61,7 @@ def as_built_schema(shape: DesignShape) -> Schema:
         *keys(title=(str, "drawing.title"), advice=str, target=str, fraction=float, moves=[_MOVE]),
         *keys(hole="mm", wrong_hole=(float, "chance"), wrong_holes=([_WRONG], "wrong")),
         *keys(seen=seen, known=[_KNOWN], drawn=(int, "samples"), agreeing=float, wider=float),
+        *keys(converged=bool),
         *keys(anchor=("mm", "tolerances.anchor"), stiffness=("percent", "tolerances.stiffness")),
     )
 
@@ -101,7 +107,10 @@ def as_built_account(build: AsBuilt, about: About) -> Account:
     }
     title, answer = drawing.title or "A first build", f"{build.advice}."
     origin, seed = f"{cells_of(drawing)}.", build.seed
-    return Account(build, title, "lab.as_built/2", answer, facts, sections, (), origin, seed=seed)
+    unsure = [] if build.converged else [f"More than {build.samples} samples may change them."]
+    warned = [parts.Warned("Not converged", _NOT_CONVERGED, unsure)]
+    kind = "lab.as_built/2"
+    return Account(build, title, kind, answer, facts, sections, warned, origin, seed=seed)
 
 
 def _observed(build: AsBuilt) -> str:
