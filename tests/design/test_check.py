@@ -53,6 +53,15 @@ def test_two_bands_in_one_hole_are_odd_once():
     assert len(warnings) == len(set(warnings)) == 1
 
 
+def test_a_band_that_is_extended_past_its_measured_law_is_a_warning():
+    reach = CELL.bands[0].lengths(CELL.lever, CELL.limit)[1] - 0.010
+    for end, warned in ((0.999 * reach, True), (reach, False)):
+        extension = (0.0, 0.5 * end, end)
+        band = Band.from_table((-0.010, 0.0), (0.010, 0.0), 0.010, extension, (0.0, 0.3, 0.5))
+        warnings = check(Chain([Cell(band)]), samples=2).warnings
+        assert any("extrapolated" in one for one in warnings) is warned
+
+
 @pytest.mark.slow
 def test_what_stands_between_two_sequences_never_works():
     for place in (0.010, 0.020):

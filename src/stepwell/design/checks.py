@@ -18,7 +18,7 @@ from stepwell.design.synthesis.region import usual_box
 from stepwell.design.tolerances.draws import DEFAULT_TOLERANCES, Tolerances
 from stepwell.design.tolerances.survival import Survival, ends_right, survival
 from stepwell.design.tolerances.yields import Yield, parts_of, with_tightened_tolerance, yields
-from stepwell.mechanism import Band, Cell, Chain, Element, sizes
+from stepwell.mechanism import Band, Cell, Chain, Element, Table, sizes
 from stepwell.sequences import Program, cycle
 from stepwell.statics import Path, StaticsError
 
@@ -52,7 +52,7 @@ STRAIN = 5.0
 # Force of a hobby servo of 2 kg cm on a horn of 10 mm [N], air pressure by hand [Pa], and torque of
 # that servo [N m].
 PULLS = {base.Measure.TRAVEL: 20.0, base.Measure.VOLUME: 1e5, base.Measure.ANGLE: 0.2}
-_EDGE = 1e-9  # of the lever: an anchor this far outside is on the edge
+_EDGE = 1e-9  # relative: an anchor or an extension this far outside is on the edge
 
 
 def _warnings(chain: Chain, path: Path) -> Iterator[str]:
@@ -79,6 +79,14 @@ def _band_warnings(name: str, cell: Cell, band: Band) -> Iterator[str]:
             f"a band of {name} is stretched to {base.number(stretch, 3)} times "
             f"its rest length: rubber tears at about {1 + STRAIN:g} to 8 times"
         )
+    if isinstance(band.law, Table):
+        extension = band.lengths(cell.lever, cell.limit)[1] - band.rest_length
+        tested = band.law.extension[-1]
+        if extension > (1.0 + _EDGE) * tested:
+            yield (
+                f"a band of {name} is extended by {base.amount(extension, 'm')}, and its measured "
+                f"law ends at {base.amount(tested, 'm')}: the tension beyond is extrapolated"
+            )
     for which, place in (("p", band.p), ("q", band.q)):
         outside = usual_box(cell.lever, which).clamped(np.array([place])) - place
         if np.max(np.abs(outside)) > _EDGE * cell.lever:
