@@ -49,31 +49,18 @@ class LiveParts:
         mujoco.mj_kinematics(model, data)
         mujoco.mj_tendon(model, data)
         names = [model.tendon(i).name for i in range(model.ntendon)]
-        strands = {i: name for i, name in enumerate(names) if name.startswith(STRANDS)}
-        self.bands = [i for i, name in enumerate(names) if ".band" in name and i not in strands]
-        # What has the colour of each band: its strands, if they are drawn.
-        self.drawn = [
-            [k for k, one in strands.items() if one[len(STRANDS) :].rpartition(" ")[0] == names[i]]
-            for i in self.bands
-        ]
+        self.bands, self.drawn = _bands_and_strands(names)
         self.most = max((self.tension(i, data) for i in self.bands), default=0.0) or 1.0
         mujoco.mj_resetDataKeyframe(model, data, 0)
         mujoco.mj_kinematics(model, data)
-        bodies = [model.body(i) for i in range(model.nbody)]
-        self.followers = [
-            (int(body.mocapid[0]), model.site(f"near {name}").id, model.site(f"far {name}").id)
-            for body in bodies
-            if body.mocapid[0] >= 0
-            for name in [body.name.removeprefix("drawn ")]
-        ]
+        self.followers = _followers(model)
         self.root = model.body("body").id
         back = data.xmat[self.root].reshape(3, 3).T
         # The vector between the joints of each follower in the body's frame, with cells at 0 [m].
         self.rest = [back @ (data.site_xpos[b] - data.site_xpos[a]) for _, a, b in self.followers]
-        self.cells = [(i, name.removesuffix(".travel")) for i, name in enumerate(names)]
-        self.cells = [(i, name) for i, name in self.cells if names[i].endswith(".travel")]
-        self.full = np.array([np.ptp(model.tendon_range[i]) for i, _ in self.cells])
-        blocks = [model.body(f"{name}.side").id for _, name in self.cells]
+        self.cells = [i for i, name in enumerate(names) if name.endswith(".travel")]
+        self.full = np.array([np.ptp(model.tendon_range[i]) for i in self.cells])
+        blocks = [model.body(f"{names[i].removesuffix('.travel')}.side").id for i in self.cells]
         self.lights = [np.flatnonzero(model.geom_bodyid == block) for block in blocks]
         self.colours = model.geom_rgba.copy()
         self.stroke = int(model.joint("stroke").qposadr[0])
@@ -110,7 +97,7 @@ class LiveParts:
         self._light(data)
 
     def _light(self, data: Any) -> None:
-        travel = np.array([data.ten_length[i] for i, _ in self.cells])
+        travel = np.array([data.ten_length[i] for i in self.cells])
         stroke = float(data.qpos[self.stroke])
         if self.last is not None:
             before, at = self.last
@@ -121,6 +108,25 @@ class LiveParts:
             own = self.colours[geoms]
             shown = own[:, 3:] > 0
             self.model.geom_rgba[geoms] = np.where(shown, own + share * (LIT - own), own)
+
+
+def _bands_and_strands(names: list[str]) -> tuple[list[int], list[list[int]]]:
+    """The tendons that are bands, and for each the strands that have its colour, if drawn."""
+    strands = {i: name for i, name in enumerate(names) if name.startswith(STRANDS)}
+    bands = [i for i, name in enumerate(names) if ".band" in name and i not in strands]
+    of = {i: one[len(STRANDS) :].rpartition(" ")[0] for i, one in strands.items()}
+    return bands, [[i for i, band in of.items() if band == names[k]] for k in bands]
+
+
+def _followers(model: Model) -> list[tuple[int, int, int]]:
+    """The body that follows two joints, and the sites of the near and the far one."""
+    bodies = [model.body(i) for i in range(model.nbody)]
+    return [
+        (int(body.mocapid[0]), model.site(f"near {name}").id, model.site(f"far {name}").id)
+        for body in bodies
+        if body.mocapid[0] >= 0
+        for name in [body.name.removeprefix("drawn ")]
+    ]
 
 
 def turned(rest: Floats, now: Floats) -> Floats:

@@ -193,14 +193,17 @@ def _add_strands(spec: Any, robot: Robot) -> None:
         under = (max(levels.values()) - levels[band.name]) * LEVEL
         down = below - STRAND - under - band_height(robot)
         for number, side in enumerate((beside, -beside)):
-            name = f"{STRANDS}{band.name} {number + 1}"
-            for end in "pq":
-                own = spec.site(f"{band.name}.{end}")
-                x, y, z = own.pos + np.array((side, 0.0, down))
-                parts.site(own.parent, f"{name}.{end}", (x, y, z))
-            look = {"width": STRAND, "rgba": band.rgba}
-            parts.between(spec, name, [f"{name}.p", f"{name}.q"], **look)
+            _add_strand(spec, band, f"{STRANDS}{band.name} {number + 1}", (side, 0.0, down))
         band.rgba = parts.HIDDEN
+
+
+def _add_strand(spec: Any, band: Any, name: str, shift: tuple[float, float, float]) -> None:
+    """A line of the colour of a band, shifted from it by (x, y, z) [m]."""
+    for end in "pq":
+        own = spec.site(f"{band.name}.{end}")
+        x, y, z = own.pos + np.array(shift)
+        parts.site(own.parent, f"{name}.{end}", (x, y, z))
+    parts.between(spec, name, [f"{name}.p", f"{name}.q"], width=STRAND, rgba=band.rgba)
 
 
 def _set_masses(
@@ -226,16 +229,17 @@ def _set_masses(
         body.fullinertia = [*np.diag(inertia), inertia[0, 1], inertia[0, 2], inertia[1, 2]]
 
 
+def _is_of_robot(body: str) -> bool:
+    return bool(body) and body != "world" and not body.startswith(("wall ", "cylinder "))
+
+
 def _clear(spec: Any, robot: Robot, replaced: set[str]) -> None:
     """Remove what the parts replace: plain shapes, and the lines of levers and links.
 
     Balls under feet and supports still carry the robot, unseen; so do outlines and antennas that
     have no shape of their own.
     """
-    robot_bodies = [body for body in spec.bodies if body.name and body.geoms]
-    for body in robot_bodies:
-        if body.name == "world" or body.name.startswith(("wall ", "cylinder ")):
-            continue
+    for body in [body for body in spec.bodies if body.geoms and _is_of_robot(body.name)]:
         for geom in list(body.geoms):
             touches = bool(geom.contype or geom.conaffinity)
             on_floor = touches and bool(geom.conaffinity & FLOOR)

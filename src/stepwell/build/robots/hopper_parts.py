@@ -137,27 +137,12 @@ def _plates(layout: Layout, hopper: Hopper) -> Iterator[Part]:
     """
     build_file = layout.build_file
     sheet, edge = build_file.sheet, build_file.block.edge
-    start = layout.positions(layout.angles("0" * len(layout.cells)))
     foot = hopper.foot_after
     # Pins of the foot along and across, at all angles of the cells before it.
     pins, reach = [*_pins(layout, foot)], _sideways(layout, foot)
     width = build_file.pin.diameter + build_file.pin.lever_fit
     middle = max(y for _, y in pins) + reach + width / 2.0 + edge
-    first = layout.part("block-0-bottom")
-    mounts = [hole.centre for hole in first.holes if hole.name.startswith("mount")]
-    placed = [(float(start[0, 0]) + x, float(start[0, 1]) + y - middle) for x, y in mounts]
-
-    def part(name: str, corners: list[Vec2], holes: list[Hole], cutouts: list[Contour]) -> Part:
-        outline = Contour.rounded(corners, 0.0 if name == "foot-bar" else sheet.corner)
-        openings = tuple(holes), tuple(cutouts)
-        return Part(name, sheet.material, sheet.thickness, outline, *openings, _MARKS[name])
-
-    far = max(abs(y) for _, y in placed) + edge
-    left, right = (sign * edge + placed[0][0] for sign in (-1.0, 1.0))
-    both = [(x, sign * y) for sign in (1.0, -1.0) for x, y in placed]
-    holes = [Hole(at, build_file.screw.hole, f"m{k + 1}", "screw") for k, at in enumerate(both)]
-    for k in (1, 2):
-        yield part(f"frame-{k}", _box(left, right, far), holes, [])
+    yield from _frame_plates(layout, middle)
     slots = [
         Contour.slot((x, sign * (y - middle)), (x, sign * (y - middle - reach)), width)
         for sign in (1.0, -1.0)
@@ -172,9 +157,34 @@ def _plates(layout: Layout, hopper: Hopper) -> Iterator[Part]:
     begin, inner = max(x for x, _ in pins) + width / 2.0 + edge, wide - 2.0 * edge
     if (stop := end - slope * wide - 2.0 * edge) - begin > 2.0 * edge:
         slots.append(Contour.rounded(_box(begin, stop, inner), sheet.corner))
-    yield part("foot-bar", [(near, -wide), *tabs, (near, wide)], [], slots)
+    yield _plate(build_file, "foot-bar", [(near, -wide), *tabs, (near, wide)], [], slots)
     if hopper.task is Task.JUMP:
-        yield part("sole", *_sole(hopper, wide, sheet.thickness))
+        yield _plate(build_file, "sole", *_sole(hopper, wide, sheet.thickness))
+
+
+def _frame_plates(layout: Layout, middle: float) -> Iterator[Part]:
+    """Two plates that are screwed to the first block of both chains."""
+    build_file = layout.build_file
+    edge = build_file.block.edge
+    x0, y0 = layout.positions(layout.angles("0" * len(layout.cells)))[0].tolist()
+    first = layout.part("block-0-bottom")
+    mounts = [hole.centre for hole in first.holes if hole.name.startswith("mount")]
+    placed = [(x0 + x, y0 + y - middle) for x, y in mounts]
+    far = max(abs(y) for _, y in placed) + edge
+    left, right = (sign * edge + placed[0][0] for sign in (-1.0, 1.0))
+    both = [(x, sign * y) for sign in (1.0, -1.0) for x, y in placed]
+    holes = [Hole(at, build_file.screw.hole, f"m{k + 1}", "screw") for k, at in enumerate(both)]
+    for k in (1, 2):
+        yield _plate(build_file, f"frame-{k}", _box(left, right, far), holes, [])
+
+
+def _plate(
+    build_file: BuildFile, name: str, corners: list[Vec2], holes: list[Hole], cutouts: list[Contour]
+) -> Part:
+    sheet = build_file.sheet
+    outline = Contour.rounded(corners, 0.0 if name == "foot-bar" else sheet.corner)
+    openings = tuple(holes), tuple(cutouts)
+    return Part(name, sheet.material, sheet.thickness, outline, *openings, _MARKS[name])
 
 
 def _box(left: float, right: float, high: float) -> list[Vec2]:

@@ -50,38 +50,47 @@ def _cell_name(layout: RobotLayout, name: tuple[str, int | str]) -> str:
 
 
 def _way_out(layout: RobotLayout, parts: list[str], one: RobotOverlap) -> str:
-    names = [antenna.label for antenna in layout.plan.antennas]
-    antennas = [part for part in parts if part in {f"{name}-antenna" for name in names}]
+    antennas = {f"{antenna.label}-antenna" for antenna in layout.plan.antennas} & {*parts}
     far = mm(rounded_up(one.overlap + 1e-3, 1e-3))
-    if any("cord" in part for part in parts):
+    if _any_with(parts, "cord"):
         aligned = mm(layout.plan.antennas[0].aligned)
         return (
             f"Move the pivots of the antennas to y = {aligned} and -{aligned} mm, where the cords "
             f"run along the body (antenna.pivot_mm)."
         )
-    if len(antennas) == 2 or any("hub" in part or "spacer" in part for part in parts):
+    if len(antennas) == 2 or _any_with(parts, "hub", "spacer"):
         return f"Move the pivots of the two antennas {far} mm or more apart (antenna.pivot_mm)."
-    if antennas and any(part == "actuator" or part.startswith("holder") for part in parts):
+    if antennas:
+        return _way_out_of_antenna(layout, parts, one, far)
+    if _any_with(parts, "band", "hook") or any(part.endswith("-top") for part in parts):
+        return _shifted_anchors(layout, one)
+    if {"actuator", "battery", "board"} & {*parts}:
+        return f"Use a smaller one, or legs {far} mm or more further from the midline (leg.at_mm)."
+    return (
+        f"Move the leg or the support {far} mm or more apart (leg.at_mm, body.supports_mm), or use "
+        f"smaller parts in the build file."
+    )
+
+
+def _any_with(parts: list[str], *words: str) -> bool:
+    return any(word in part for part in parts for word in words)
+
+
+def _way_out_of_antenna(
+    layout: RobotLayout, parts: list[str], one: RobotOverlap, far: str | float
+) -> str:
+    if "actuator" in parts or any(part.startswith("holder") for part in parts):
         own = layout.build_file.linear_actuator
         return (
             f"Use an actuator with a linear_actuator.closed_mm of "
             f"{mm(own.closed - rounded_up(one.overlap, 1e-3) - 1e-3)} or less, or antennas with "
             f"less swing."
         )
-    if antennas:
-        swings = [low for name, low, _ in one.ranges if name[0] == "antenna"]
-        if swings and min(swings) > 0.02:
-            degrees = math.floor(math.degrees(min(swings)) - 1.0)
-            return f"Use swing_deg = {degrees} or less for this antenna, or a pivot further ahead."
-        return f"Move the pivot of this antenna {far} mm or more ahead (antenna.pivot_mm)."
-    if any("band" in part or "hook" in part or part.endswith("-top") for part in parts):
-        return _shifted_anchors(layout, one)
-    if "actuator" in parts or "battery" in parts or "board" in parts:
-        return f"Use a smaller one, or legs {far} mm or more further from the midline (leg.at_mm)."
-    return (
-        f"Move the leg or the support {far} mm or more apart (leg.at_mm, body.supports_mm), or use "
-        f"smaller parts in the build file."
-    )
+    swings = [low for name, low, _ in one.ranges if name[0] == "antenna"]
+    if swings and min(swings) > 0.02:
+        degrees = math.floor(math.degrees(min(swings)) - 1.0)
+        return f"Use swing_deg = {degrees} or less for this antenna, or a pivot further ahead."
+    return f"Move the pivot of this antenna {far} mm or more ahead (antenna.pivot_mm)."
 
 
 def _shifted_anchors(layout: RobotLayout, one: RobotOverlap) -> str:

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from stepwell.base import Floats, to_unit
-from stepwell.build import RobotLayout, build
+from stepwell.build import RobotBuild, RobotLayout, build
 from stepwell.mechanism import layout as drawing
-from stepwell.robot import Robot
+from stepwell.robot import Robot, Shape
 from stepwell.statics import Path
 from stepwell.studio.ask import Ask, PageDesign, View
 from stepwell.studio.motion import drawn
@@ -45,37 +45,10 @@ def answer_robot_parts(design: PageDesign, ask: Ask) -> View:
         poses.append({**_angles(robots[1], path), **swung})
     first = np.cumsum([0, *(len(one.vertices) for one in shapes)])
     header = {
-        "parts": [
-            {
-                "name": one.part,
-                "body": names.index(one.body),
-                "role": one.colour.value,
-                "corners": len(one.vertices),
-                "triangles": len(one.faces),
-            }
-            for one in shapes
-        ],
+        "parts": _parts(shapes, names),
         "bodies": _bodies(layout, names),
-        "bands": [
-            {
-                "name": f"band {one.number + 1} of {words}",
-                "bodies": [names.index(body) for body in one.bodies],
-                "at_mm": [_mm((*end, (one.low + one.high) / 2.0)) for end in (one.p, one.q)],
-                "width_mm": to_unit(one.width, "mm"),
-                "height_mm": to_unit(one.high - one.low, "mm"),
-            }
-            for one, use in zip(layout.bands, made.bands, strict=True)
-            for words in [made.band_words(use)[0]]
-        ],
-        "cords": [
-            {
-                "name": f"cord of {one.antenna}",
-                "bodies": [names.index(body) for body in (one.hub, one.crank)],
-                "at_mm": [_mm(end) for end in (one.start, one.end)],
-                "width_mm": to_unit(one.diameter, "mm"),
-            }
-            for one in layout.cords
-        ],
+        "bands": _bands(made, names),
+        "cords": _cords(layout, names),
         "antennas": list(swings),
         "mass_g": to_unit(made.mass, "g"),
         "materials": materials(),
@@ -97,6 +70,44 @@ def answer_robot_parts(design: PageDesign, ask: Ask) -> View:
             "direction": path.direction,
         },
     )
+
+
+def _parts(shapes: Sequence[Shape], bodies: Sequence[str]) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": one.part,
+            "body": bodies.index(one.body),
+            "role": one.colour.value,
+            "corners": len(one.vertices),
+            "triangles": len(one.faces),
+        }
+        for one in shapes
+    ]
+
+
+def _bands(made: RobotBuild, bodies: Sequence[str]) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": f"band {one.number + 1} of {made.band_words(use)[0]}",
+            "bodies": [bodies.index(body) for body in one.bodies],
+            "at_mm": [_mm((*end, (one.low + one.high) / 2.0)) for end in (one.p, one.q)],
+            "width_mm": to_unit(one.width, "mm"),
+            "height_mm": to_unit(one.high - one.low, "mm"),
+        }
+        for one, use in zip(made.layout.bands, made.bands, strict=True)
+    ]
+
+
+def _cords(layout: RobotLayout, bodies: Sequence[str]) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": f"cord of {one.antenna}",
+            "bodies": [bodies.index(body) for body in (one.hub, one.crank)],
+            "at_mm": [_mm(end) for end in (one.start, one.end)],
+            "width_mm": to_unit(one.diameter, "mm"),
+        }
+        for one in layout.cords
+    ]
 
 
 def _mm(place: Sequence[float]) -> list[float]:
