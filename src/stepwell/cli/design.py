@@ -1,5 +1,6 @@
 """`stepwell design` and `reprogram`: inverse design, and the smallest change of a design."""
 
+import itertools
 import math
 import re
 from collections.abc import Iterable
@@ -142,7 +143,7 @@ class Parts(Group):
         """Keyword arguments of `design.design`."""
         from stepwell.design import PAPER_LEVER, usual_box
 
-        kinds = [one for text in self.elements or () for one in elements_of(text)]
+        kinds = [*itertools.chain.from_iterable(map(elements_of, self.elements or ()))]
         self._refuse_combinations(kinds)
         levers = [from_unit(lever, "mm") for lever in self.levers or ()] or [PAPER_LEVER]
         usual, holes = usual_box(max(levers), self.place), self.holes
@@ -158,7 +159,7 @@ class Parts(Group):
             "travel_scale": (self.travel_scale.start, self.travel_scale.stop),
             "holes": None if holes is None else from_unit(holes, "mm"),
             "origin": tuple(from_unit(one, "mm") for one in self.origin or (0.0, 0.0)),
-            "bands": [one for text in self.bands or ["paper"] for one in bands_of(text)],
+            "bands": [*itertools.chain.from_iterable(map(bands_of, self.bands or ["paper"]))],
             "lever": levers,
             "equal_levers": not self.mixed_levers,
             "unusual": self.unusual,

@@ -141,12 +141,7 @@ def design_machine(
         notify(progress, done, chains)
         chain = _drawn(rng, cells, within, bands, levers)
         chain = replace(chain, actuator_stiffness=actuator_stiffness)
-        try:
-            ways = [*realisations(chain, machine, by_hand=by_hand, turns=turns)]
-        except (StaticsError, ValueError):
-            continue
-        if ways:
-            found.append(max(ways, key=lambda one: one.slack))
+        found += _widest(chain, machine, by_hand, turns)
     notify(progress, chains, chains)
     if not found:
         why = f"not decided after {chains} random chains of {cells} cells; none realises it"
@@ -175,6 +170,15 @@ def _drawn(
         band = Band((-0.010, 0.0), q, kind.stiffness, kind.rest_length)
         made.append(Cell(band, lever=levers[int(rng.integers(len(levers)))]))
     return Chain(made)
+
+
+def _widest(chain: Chain, machine: Machine, by_hand: bool, turns: int) -> list[Realisation]:
+    """The realisation with the widest intervals, if there is any."""
+    try:
+        ways = [*realisations(chain, machine, by_hand=by_hand, turns=turns)]
+    except (StaticsError, ValueError):
+        return []
+    return [max(ways, key=lambda one: one.slack)] if ways else []
 
 
 def _improved(

@@ -262,14 +262,18 @@ class DesignOutcome:
         )
 
 
+def _known_sequences(cells: int) -> list[Sequence]:
+    """Two cells have their four pathways under the same numbers in every map."""
+    known = [p for p in Pathway if p is not Pathway.OTHER] if cells == 2 else []
+    return [Sequence.parse(p.value) for p in known]
+
+
 class Outcomes:
     """Outcomes of a chain over two parameters with spans (2,), with numbered sequences."""
 
     def __init__(self, chain: Chain, parameters: tuple[Parameter, Parameter], spans: Floats):
         self.chain, self.parameters, self._spans = chain, parameters, spans
-        # Two cells have their four pathways under the same numbers in every map.
-        known = [p for p in Pathway if p is not Pathway.OTHER] if len(chain) == 2 else []
-        self.sequences = [Sequence.parse(p.value) for p in known]
+        self.sequences = _known_sequences(len(chain))
         self._numbers = {sequence: i for i, sequence in enumerate(self.sequences)}
         self._by_orders: dict[bytes, int] = {}
         self.turned = sorted({k.cell for k in parameters if k.cell is not None})

@@ -12,7 +12,7 @@ import numpy as np
 from stepwell import base, concave
 from stepwell.design.margins import nearest, numbers, search
 from stepwell.design.orders import checked_cycle
-from stepwell.design.parameters import parameter
+from stepwell.design.parameters import Parameter, parameter
 from stepwell.design.plane import Method
 from stepwell.design.tolerances.draws import refuse_reach
 from stepwell.mechanism import Cell, Chain, Element, geometry
@@ -245,6 +245,18 @@ class Reprogramming(base.ByValue):
         return f"Reprogramming({'; '.join(str(self).splitlines()[:2])})"
 
 
+def _changeable(chain: Chain, by: str) -> tuple[Parameter, bool]:
+    """The anchor, or the number of an element, of this name, and whether it is a number."""
+    moved = parameter(chain, by)
+    number = moved.cell is not None and isinstance(chain.cells[moved.cell], Element)
+    if not (moved.is_anchor or number):
+        raise base.InputError(
+            f"by = {by!r}: must be an anchor, for example {chain.names[0] + '.p'!r} or "
+            f"{chain.names[-1] + '.q'!r}."
+        )
+    return moved, number
+
+
 def reprogram(
     chain: Chain,
     target: str | Sequence | None,
@@ -259,16 +271,10 @@ def reprogram(
 
     All else as for `Chain.reprogram`.
     """
-    moved = parameter(chain, by)
-    number = moved.cell is not None and isinstance(chain.cells[moved.cell], Element)
+    moved, number = _changeable(chain, by)
     if number and (along is not None or one_way):
         raise base.InputError(
             f"by = {by!r} is a number, without a direction: leave `along` and `one_way` out."
-        )
-    if not (moved.is_anchor or number):
-        raise base.InputError(
-            f"by = {by!r}: must be an anchor, for example {chain.names[0] + '.p'!r} or "
-            f"{chain.names[-1] + '.q'!r}."
         )
     ways = search.Displacements.of(along, one_way, reach)
     refuse_reach(chain, reach)

@@ -239,6 +239,46 @@ class Impossible(Shown, StepwellError, ValueError):
         return proof.prove_impossible(self, progress)
 
 
+def _without_candidates(nearest: Attempt) -> tuple[str, str]:
+    """Why a cell has no candidate, and what to change."""
+    # Elsewhere than on holes there may be a place between those looked at.
+    within = " within the tolerances" * (not nearest.rule.as_drawn)
+    limited = math.isfinite(nearest.rule.most_force)
+    limit = ", below the force limit of the actuator" * limited
+    why = (
+        f"for some cell, at none of the {_places(nearest)} is the {nearest.bands} proved to stay "
+        f"in tension with falling force{within}{limit}"
+    )
+    force = ", a stronger actuator" * limited
+    return why, f"use a larger region, longer levers{force} or another band"
+
+
+def _too_close(attempts: list[Attempt], nearest: Attempt, needed: float) -> tuple[str, float]:
+    """Why no choice has the target orders, and the largest gap of the forces [N]."""
+    if nearest.holes is not None and all(attempt.complete for attempt in attempts):
+        largest = nearest.largest_gap()
+        nodes = sum(attempt.nodes for attempt in attempts)
+        holes = f"{nearest.candidates} hole{'s' * (nearest.candidates != 1)}"
+        how = f"no choice among {holes} and bands proved concave gives"
+        found = f"complete search, {nodes} partial choices; the smallest gap is at most"
+    else:
+        largest = max(attempt.smallest_gap() for attempt in attempts)
+        how = f"a search from {nearest.candidates} {_places(nearest)} and bands has not found"
+        found = "not a proof; the smallest gap found is"
+    rising = nearest.orders.rising
+    first, second = (" < ".join(str(cell + 1) for cell in order) for order in rising)
+    why = (
+        f"{how} F0 in the order {first} and F1 in the order {second} of cells ({found} "
+        f"{base.to_unit(largest, 'mN'):.4g} mN; more than "
+        f"{base.to_unit(needed, 'mN'):.2g} mN is needed)"
+    )
+    return why, largest
+
+
+def _places(attempt: Attempt) -> str:
+    return "lattice places" if attempt.holes is None else "holes"
+
+
 def explained(
     target: Target,
     attempts: list[Attempt],
@@ -257,20 +297,10 @@ def explained(
         why = _and_rest(target.orders.why, rest, proved)
         return Impossible(target.text, why, proved=proved, evidence=evidence)
     nearest = max(attempts, key=lambda attempt: attempt.quality[1])
-    kind = "lattice places" if nearest.holes is None else "holes"
     region: Sequence[Floats] = ()
     largest = needed = math.nan
     if any(not len(table.q) for table in nearest.tables):
-        # Elsewhere than on holes there may be a place between those looked at.
-        within = " within the tolerances" * (not nearest.rule.as_drawn)
-        limited = math.isfinite(nearest.rule.most_force)
-        limit = ", below the force limit of the actuator" * limited
-        why = (
-            f"for some cell, at none of the {kind} is the {nearest.bands} proved to stay in "
-            f"tension with falling force{within}{limit}"
-        )
-        force = ", a stronger actuator" * limited
-        advice = f"use a larger region, longer levers{force} or another band"
+        why, advice = _without_candidates(nearest)
     else:
         region = nearest.region()
         needed = TIED * max(float(np.max(np.abs(table.force))) for table in nearest.tables)
@@ -284,23 +314,7 @@ def explained(
             )
             advice = _other_levers(nearest)
         else:
-            if nearest.holes is not None and all(attempt.complete for attempt in attempts):
-                largest = nearest.largest_gap()
-                nodes = sum(attempt.nodes for attempt in attempts)
-                holes = f"{nearest.candidates} hole{'s' * (nearest.candidates != 1)}"
-                how = f"no choice among {holes} and bands proved concave gives"
-                found = f"complete search, {nodes} partial choices; the smallest gap is at most"
-            else:
-                largest = max(attempt.smallest_gap() for attempt in attempts)
-                how = f"a search from {nearest.candidates} {kind} and bands has not found"
-                found = "not a proof; the smallest gap found is"
-            rising = nearest.orders.rising
-            first, second = (" < ".join(str(cell + 1) for cell in order) for order in rising)
-            why = (
-                f"{how} F0 in the order {first} and F1 in the order {second} of cells ({found} "
-                f"{base.to_unit(largest, 'mN'):.4g} mN; more than "
-                f"{base.to_unit(needed, 'mN'):.2g} mN is needed)"
-            )
+            why, largest = _too_close(attempts, nearest, needed)
             advice = f"allow a larger region{', finer holes' * bool(nearest.holes)} or other bands"
     if not mismatch:
         slack, sizes = slack_advice(nearest, regions_of)

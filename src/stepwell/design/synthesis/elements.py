@@ -196,6 +196,11 @@ class Allowed:
         return Scales.of(made, orders, self.force_scale, self.most_force)
 
 
+def _without_order(goal: ElementTarget, relays: bool) -> Impossible:
+    states = StateEvidence(goal.states or frozenset(), ()) if goal.never else None
+    return Impossible(goal.text, goal.why, proved=goal.never or relays, evidence=states)
+
+
 def scaled(
     goal: ElementTarget, allowed: Allowed, actuator_stiffness: float, seed: int, progress: Progress
 ) -> Scaled:
@@ -206,8 +211,7 @@ def scaled(
     sets = _fitting(goal, allowed.elements)
     relays = actuator_stiffness == 0 and all(map(is_relay, allowed.elements))
     if not goal.orders:
-        states = StateEvidence(goal.states or frozenset(), ()) if goal.never else None
-        raise Impossible(goal.text, goal.why, proved=goal.never or relays, evidence=states)
+        raise _without_order(goal, relays)
     rng = np.random.default_rng(seed)
     whole = math.prod(map(len, sets)) <= _MOST_CHOICES
     choices = list(product(*sets)) if whole else _random_choices(sets, rng)

@@ -134,10 +134,7 @@ def design(
     sequence = _one_target(sequence, states, order, parts, samples)
     grid = _grid_of(holes, origin)
     if elements:
-        if parts is not None or weights:
-            raise InputError("elements: leave `requirements` and `weights` out, or use bands.")
-        if within is not None or grid is not None:
-            raise InputError("elements have no anchors: leave `within` and `holes` out.")
+        _check_elements_alone(parts, weights, within, grid)
         allowed = Allowed(elements, force_scale, travel_scale, most_force, tolerances)
         goal = ElementTarget.of(sequence, states, cells)
         choice = scaled(goal, allowed, actuator_stiffness, seed, progress)
@@ -152,7 +149,7 @@ def design(
     target, regions = _target_and_regions(parts or sequence, states, cells, within)
     rule = Rule(
         (float(fixed[0]), float(fixed[1])),
-        tuple(Kind(band, r, float(limit), unusual) for r in levers for band in bands),
+        _kinds(bands, levers, float(limit), unusual),
         tolerances,
         float(most_force),
         objective == "worst",
@@ -191,10 +188,28 @@ def design(
         () if attempt is None else attempt.region(),
         grid,
         placed.candidates,
-        attempt is not None and placed.complete,
+        placed.proved_best,
         how,
         _standing(attempt) + _not_searched(target, counted),
     )
+
+
+def _check_elements_alone(
+    parts: Requirements | None,
+    weights: Mapping[str, float] | None,
+    within: Region | Sequence[Region] | None,
+    holes: HoleGrid | None,
+) -> None:
+    if parts is not None or weights:
+        raise InputError("elements: leave `requirements` and `weights` out, or use bands.")
+    if within is not None or holes is not None:
+        raise InputError("elements have no anchors: leave `within` and `holes` out.")
+
+
+def _kinds(
+    bands: Sequence[BandType], levers: Sequence[float], limit: float, unusual: bool
+) -> tuple[Kind, ...]:
+    return tuple(Kind(band, lever, limit, unusual) for lever in levers for band in bands)
 
 
 def _one_lever_each(rule: Rule, bands: int) -> list[Rule]:

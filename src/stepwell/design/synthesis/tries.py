@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations, combinations_with_replacement, permutations, product, takewhile
 from typing import NamedTuple
@@ -226,6 +226,11 @@ class Placed:
         """Number of candidates for a cell in the first step."""
         return max((attempt.candidates for attempt in self.attempts), default=0)
 
+    @property
+    def proved_best(self) -> bool:
+        """Whether all choices were compared, and one reaches the target."""
+        return self.best is not None and self.complete
+
 
 @dataclass
 class TargetSearch:
@@ -324,22 +329,28 @@ class TargetSearch:
             for cells in picked:
                 self._advance(max(0, before + 100 * done // max(min(most, left), 1) - self._done))
                 done += 1
-                chain = Chain([way.cell for way in cells], self.actuator_stiffness)
                 try:
-                    seen = target.simulate(chain)
+                    chain = self._matching(cells, rule.most_force, alike)
                 except (StaticsError, ValueError):
                     unanswered += 1
                     continue
-                order = _matching_order(target, seen, alike)
-                if order is not None and seen.peak <= rule.most_force * (1 + 1e-9):
-                    these = [cells[k].cell for k in order]
-                    title = f"Designed for {target.text}"
-                    chains.append(named_chain(these, self.actuator_stiffness, title))
+                if chain is not None:
+                    chains.append(chain)
         choices = f"{left} remaining candidates were simulated" * (left > 0)
         if done == left and not unanswered:
             return chains, True, choices and f"all {choices}"
         mismatch = f", {unanswered} of them without an answer" * (unanswered > 0)
         return chains, False, f"{done} of {choices}{mismatch}"
+
+    def _matching(self, cells: Sequence[Buildable], most_force: float, alike: bool) -> Chain | None:
+        """The chain of these cells, if it reaches the target within the limit of force [N]."""
+        target, stiffness = self.target, self.actuator_stiffness
+        seen = target.simulate(Chain([way.cell for way in cells], stiffness))
+        order = _matching_order(target, seen, alike)
+        if order is None or not seen.peak <= most_force * (1 + 1e-9):
+            return None
+        these = [cells[k].cell for k in order]
+        return named_chain(these, stiffness, f"Designed for {target.text}")
 
     def simulated(
         self, rules: list[Rule], placed: Placed, tolerances: Tolerances
@@ -351,13 +362,10 @@ class TargetSearch:
             left = "" if proved else "only cells proved concave were tried"
             raise self._impossible(placed, left, proved=proved)
         if self.holes is None:
-            concave = not target.orders.stepwise and all(
-                all_proved(rule, region) for rule in rules for region in set(self.regions)
-            )
+            proved = target.orders.never or (not target.orders.stepwise and self._all_proved(rules))
             report = f"{placed.others} random choices in the target orders were simulated"
             report *= placed.others > 0
-            excluded = self._excluded_states(rules) if target.orders.never or concave else None
-            proved = target.orders.never or concave
+            excluded = self._excluded_states(rules) if proved else None
             raise self._impossible(placed, report, excluded, proved=proved)
         if target.orders.never or (not target.orders.orders and target.states is None):
             excluded = self._excluded_states(rules) if target.orders.never else None
@@ -391,9 +399,10 @@ class TargetSearch:
         if not any(one.state or one.kind == "apart" for one in conflict if one.kind != "place"):
             return bool(conflict)
         one_lever = all(len({kind.lever for kind in rule.kinds}) == 1 for rule in rules)
-        return one_lever and all(
-            all_proved(rule, region) for rule in rules for region in set(self.regions)
-        )
+        return one_lever and self._all_proved(rules)
+
+    def _all_proved(self, rules: list[Rule]) -> bool:
+        return all(all_proved(rule, region) for rule in rules for region in set(self.regions))
 
     def _excluded_states(self, rules: list[Rule]) -> StateEvidence | None:
         states, never = self.target.orders.states, self.target.orders.never
