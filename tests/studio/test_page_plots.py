@@ -2,8 +2,12 @@
 
 import re
 
+import numpy as np
+import pytest
+
 import stepwell as sw
-from studio.browser import Opened, output
+from stepwell.studio.motion import drawn
+from studio.browser import Opened, chain_shown, drag, output, settled, shown_as
 
 from playwright.sync_api import Locator, Page, expect  # isort: skip
 
@@ -116,3 +120,41 @@ def test_a_plot_is_copied_as_an_image_or_the_reason_is_given(shared: Opened):
 
 def test_a_finger_scrolls_the_page_over_a_plot(page: Page):
     assert plot(page, "Force").evaluate("one => getComputedStyle(one).touchAction") == "pan-y"
+
+
+# What was asked of the cycle, and whether for a move of a hand.
+ASKED = """() => {
+  window.asked = [];
+  const send = WebSocket.prototype.send;
+  WebSocket.prototype.send = function (text) {
+    const { type, ask } = JSON.parse(text);
+    if (type === "evaluate") window.asked.push(ask.moves === true);
+    send.call(this, text);
+  };
+}"""
+# Places of the marks of snaps below the slider, as parts of the stroke: as painted, and as clicked.
+MARKS = """() => [
+  [...document.querySelectorAll(".marks path")].flatMap((one) =>
+    [...one.getAttribute("d").matchAll(/M([\\d.]+) /g)].map(([, x]) => Number(x) / 1000)),
+  [...document.querySelectorAll(".marks button")].map((one) => parseFloat(one.style.left) / 100),
+]"""
+
+
+def test_moves_are_answered_in_brief_and_after_them_all_is_known_of_each_snap(page: Page):
+    page.evaluate(ASKED)
+    drag(page, "q", "outer", -30, 14)
+    settled(page)
+    asked = page.evaluate("asked")
+    assert asked[0] and not asked[-1]
+    cycle = chain_shown(page).cycle()
+    path = drawn(cycle.path)
+    snaps = [event for event in cycle.events if event.kind.name == "SNAP"]
+    at = [k / (len(path.drive) - 1) for k in np.flatnonzero(path.snap_after).tolist()]
+    painted, clicked = page.evaluate(MARKS)
+    assert sorted(painted) == pytest.approx(at, abs=1e-4)
+    assert clicked == pytest.approx(at, abs=1e-4)
+    said = page.locator(".marks button").evaluate_all("(all) => all.map((one) => one.title)")
+    for title, snap in zip(said, snaps, strict=True):
+        way = "loading" if snap.direction > 0 else "unloading"
+        assert title.startswith(f"Snap at {shown_as(snap.stroke * 1e3):g} mm, {way}: ")
+        assert title.count("→") + title.count(" at ") - 1 == len(snap.cells)
