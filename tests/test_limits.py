@@ -24,7 +24,7 @@ from stepwell.design import (
 from stepwell.figures.graphs import MOST_STATES
 from stepwell.files import DesignError, preset_text
 from stepwell.files.schema import wording
-from stepwell.robot import Arena, Body, Cylinder, Wall
+from stepwell.robot import Arena, Body, Cylinder, Patch, Plate, Wall
 from stepwell.sequences.planning import _MOST_BRANCHES
 from stepwell.simulation.drawing import VideoError
 
@@ -94,6 +94,14 @@ CASES = {
     "obstacles": (
         "obstacles",
         lambda: Arena([Wall((1.0, 0.0), (1.0, 1.0))], [Cylinder((2.0, 0.0))]),
+        2,
+    ),
+    "patches": (
+        "patches",
+        lambda: Arena(
+            patches=[Patch((1.0, 0.0), (2.0, 1.0))],
+            plates=[Plate((3.0, 0.0), (0.1, 0.1), 1e-3, 0.01)],
+        ),
         2,
     ),
     "sources": (

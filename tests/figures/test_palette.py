@@ -87,6 +87,15 @@ def test_parts_that_can_be_cut_have_the_same_colours_in_a_drawing_and_in_a_video
         assert colour[:3] == pytest.approx(to_rgb(_COLOURS[role]), abs=0.006), role
 
 
+def test_the_ground_has_the_same_colours_in_a_figure_and_in_a_video():
+    pytest.importorskip("mujoco")
+    from stepwell.figures.robots import parts as drawn
+    from stepwell.simulation import parts
+
+    for name in ("STEP", "GROOVE", "OTHER_FRICTION", "PLATE"):
+        assert getattr(parts, name)[:3] == getattr(drawn, name)
+
+
 @pytest.mark.parametrize("robot", [explorer(), three_cells(), files.preset("robot-explorer")])
 def test_a_robot_has_the_same_colours_in_a_picture_and_in_a_video(robot):
     pytest.importorskip("mujoco")

@@ -6,8 +6,17 @@ import pytest
 from hypothesis import assume, given, strategies as st
 
 from facts import refuses, says
-from stepwell.files import DesignError, arena_text, arenas, dumps, load_arena, loads_arena, save
-from stepwell.robot import Arena, Cylinder, Goal, Wall
+from stepwell.files import (
+    DesignError,
+    arena_text,
+    arenas,
+    dumps,
+    load_arena,
+    loads_arena,
+    save,
+    vary_arena,
+)
+from stepwell.robot import Arena, Cylinder, Goal, Patch, Plate, Slope, Wall, other_start
 
 NAMES = tuple(arenas())
 
@@ -207,6 +216,13 @@ points = st.tuples(coordinate, coordinate)
 text = st.text(st.characters(exclude_categories=["Cc", "Cs", "Zl", "Zp"]), max_size=9)
 
 
+level, some = st.floats(-0.01, 0.01), st.floats(0.01, 2)
+PATCHES = st.builds(Patch, points, points, level, st.none() | some, st.none() | some)
+PLATES = st.builds(
+    Plate, points, st.tuples(some, some), st.floats(1e-4, 0.01), some, some, st.floats(-7, 7)
+)
+
+
 @st.composite
 def any_arena(draw) -> Arena:
     size = st.floats(1e-3, 0.5)
@@ -218,6 +234,9 @@ def any_arena(draw) -> Arena:
             draw(st.floats(-7, 7)),
             draw(st.none() | st.builds(Goal, points, size)),
             draw(text),
+            slope=draw(st.none() | st.builds(Slope, st.floats(-0.78, 0.78), st.floats(-7, 7))),
+            patches=draw(st.lists(PATCHES, max_size=2)),
+            plates=draw(st.lists(PLATES, max_size=2)),
         )
     except ValueError:  # a wall without length, a start inside something
         assume(False)
@@ -283,3 +302,85 @@ def test_a_wrong_name_is_answered_with_the_nearest():
         arena_text("penn")
     with refuses(DesignError, "maze.toml: ", "no such file"):
         load_arena("maze.toml")
+
+
+GROUND = """
+[slope]
+angle_deg = 5
+uphill_deg = 90
+[[patch]]
+from_mm = [100, -500]
+to_mm = [90, 500]
+level_mm = -2
+[[patch]]
+from_mm = [200, 0]
+to_mm = [300, 500]
+foot_friction = 0.1
+drag_N = 0.8
+[[plate]]
+at_mm = [150, 60]
+size_mm = [60, 40]
+thickness_mm = 0.1
+mass_g = 2
+friction = 0.3
+heading_deg = 180
+"""
+
+
+def test_the_ground_is_read_in_its_units():
+    arena = loads_arena(GROUND)
+    assert arena.slope == Slope(math.radians(5), math.radians(90))
+    groove, ice = arena.patches
+    assert groove == Patch((0.1, -0.5), (0.09, 0.5), level=-0.002)
+    assert ice == Patch((0.2, 0.0), (0.3, 0.5), foot_friction=0.1, drag=0.8)
+    assert arena.plates == (Plate((0.15, 0.06), (0.06, 0.04), 1e-4, 0.002, 0.3, math.pi),)
+
+
+@pytest.mark.parametrize(
+    ("text", "says_"),
+    [
+        ("[slope]\nangle_deg = 50", "slope.angle_deg = 50: must be from -45 to 45"),
+        ("[slope]", "slope.angle_deg: is missing"),
+        ("[[patch]]\nfrom_mm = [0, 0]\nto_mm = [0, 9]", "patch[0]: start"),
+        ("[[patch]]\nfrom_mm = [0, 0]\nto_mm = [9, 9]\nlevel_mm = 11", "from -10 to 10"),
+        ("[[patch]]\nfrom_mm = [0, 0]\nto_mm = [9, 9]\nfoot_friction = 0", "foot_friction = 0"),
+        ("[[patch]]\nfrom_mm = [0, 0]\nto_mm = [9, 9]\ndrag_N = -1", "drag_N = -1"),
+        ("[[patch]]\nfrom_mm = [0, 0]\nto_mm = [9, 9]\nlevl_mm = 1", "Did you mean level_mm?"),
+        (
+            "[[patch]]\nfrom_mm = [0, 0]\nto_mm = [9, 9]\n[[patch]]\nfrom_mm = [8, 8]\n"
+            "to_mm = [99, 99]",
+            "patch[0] and patch[1] overlap",
+        ),
+        ("[[plate]]\nat_mm = [0, 0]", "plate[0].size_mm: is missing"),
+        (
+            "[[plate]]\nat_mm = [0, 0]\nsize_mm = [0, 9]\nthickness_mm = 1\nmass_g = 1",
+            "size[0] = 0.0 m: must be > 0",
+        ),
+        (
+            "[[plate]]\nat_mm = [0, 0]\nsize_mm = [9, 9]\nthickness_mm = 20\nmass_g = 1",
+            "thickness_mm = 20",
+        ),
+    ],
+)
+def test_an_impossible_ground_is_refused_with_its_key(text, says_):
+    assert says_ in answer(text)
+
+
+def test_numbers_of_an_arena_are_varied_by_their_keys():
+    arena = loads_arena(GROUND)
+    varied = vary_arena(
+        arena, {"slope.angle_deg": 7, "patch[0].level_mm": 1, "patch[0].foot_friction": 0.4}
+    )
+    assert varied.slope == Slope(math.radians(7), math.radians(90))
+    assert varied.patches[0] == Patch((0.1, -0.5), (0.09, 0.5), 0.001, foot_friction=0.4)
+    assert varied.patches[1:] == arena.patches[1:]
+    assert vary_arena(Arena(), {"slope.angle_deg": 3}).slope == Slope(math.radians(3))
+    assert vary_arena(arena, {"start_seed": 4}) == other_start(arena, 4)
+    with refuses(DesignError, "this arena's", "Did you mean", "slope.angle_deg?"):
+        vary_arena(arena, {"slop.angle_deg": 3})
+    with refuses(DesignError, "start_mm", "is a list", "start_mm[0]"):
+        vary_arena(arena, {"start_mm": 3})
+    with refuses(DesignError, "patch[0].level_mm = 30"):
+        vary_arena(arena, {"patch[0].level_mm": 30})
+    with refuses(DesignError, "start_seed = 0.5"):
+        vary_arena(arena, {"start_seed": 0.5})

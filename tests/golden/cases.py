@@ -542,6 +542,8 @@ ROBOTS = [
             "--cycles 1 --out out",
             "robot sweep robot-forward foot.below_mm=0:0.5 --random 2 --seed 4 --cycles 1 "
             "--out drawn --json",
+            "robot sweep robot-forward arena.slope.angle_deg=0:5:2 arena.start_seed=0:1:2 "
+            "--cycles 1 --arena open --out slopes --json",
         ),
         within=SIMULATED,
         shown=True,

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from facts import refuses
-from stepwell.robot import Arena, Cylinder, Goal, Wall
+from stepwell.robot import Arena, Cylinder, Goal, Patch, Plate, Slope, Wall
 
 places = st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0))
 ARENA = Arena(
@@ -72,3 +72,29 @@ def test_a_wall_has_length_and_direction():
 def test_an_obstacle_of_no_size_is_refused(make, says):
     with pytest.raises(ValueError, match=says):
         make()
+
+
+def test_the_level_of_the_ground_is_that_of_its_patch_and_of_plates_on_it():
+    patches = [Patch((0.3, 0.2), (0.1, -0.2), level=0.002), Patch((-1.0, -1.0), (0.0, 1.0), -0.001)]
+    plate = Plate((0.2, 0.0), (0.10, 0.02), 0.001, 0.005, heading=math.pi / 2)
+    arena = Arena(patches=patches, plates=[plate])
+    places = {(0.05, 0.0): 0.0, (0.25, 0.1): 0.002, (-0.5, 0.5): -0.001, (0.2, 0.04): 0.003}
+    for place, level in places.items():
+        assert arena.ground_level(*place) == pytest.approx(level)
+    assert arena.ground_level(0.24, 0.0) == 0.002  # beside the plate, which is 20 mm wide
+    assert arena.ground_level(0.24, 0.0, reach=0.035) == 0.003
+
+
+def test_a_ground_out_of_range_is_refused():
+    with refuses(ValueError, "angle = 50 deg", "from -45 to 45"):
+        Slope(math.radians(50))
+    with refuses(ValueError, "level = 11 mm", "from -10 to 10"):
+        Patch((0.0, 0.0), (1.0, 1.0), level=0.011)
+    with refuses(ValueError, "patch[0]", "patch[2]", "overlap"):
+        one, other = Patch((0.0, 0.0), (1.0, 1.0)), Patch((1.0, 0.0), (2.0, 1.0))
+        Arena(patches=[one, other, Patch((0.5, 0.5), (0.6, 0.6))])
+
+
+def test_an_arena_prints_its_ground():
+    arena = Arena(slope=Slope(math.radians(5)), patches=[Patch((0.0, 0.0), (1.0, 1.0))])
+    assert repr(arena) == "Arena(0 walls, 0 cylinders, slope 5°, 1 patch)"

@@ -29,6 +29,7 @@ LIMITS = {
     "antennas": Limit(100, "antennas of a robot"),
     "supports": Limit(1000, "supports of a body"),
     "obstacles": Limit(1000, "walls and cylinders in an arena"),
+    "patches": Limit(100, "patches and plates in an arena"),
     "sources": Limit(10_000, "keys of one source"),
     "letters": Limit(160_000, "letters of a map"),
     "depth": Limit(100, "names in one key"),

@@ -9,7 +9,7 @@ from contextlib import suppress
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeAlias
 
 import typer
 
@@ -46,7 +46,9 @@ def show(robot: options.Robot, output: options.Output) -> None:
 def sweep(
     robot: options.Robot,
     ranges: list[str] = argument(
-        "Parameter to vary: a key of `stepwell robot show --full`, with values in its unit.",
+        "Parameter to vary: a key of `stepwell robot show --full`, with values in its unit; or a "
+        "key of an arena's file after `arena.`, such as arena.slope.angle_deg, and "
+        "arena.start_seed, the random seed of the start.",
         "KEY=FROM:TO:COUNT...",
     ),
     random: int | None = option(
@@ -56,24 +58,30 @@ def sweep(
     ),
     seed: Seed = 0,
     cycles: int = option(options.CYCLES, "N", default=4, min=1),
+    arena: options.Arena = None,
     *,
     output: options.Folder,
 ) -> None:
     """Simulate the walk of a robot for many values of its parameters, in parallel.
 
-    The values are a grid over all ranges, or random. To resume after an interruption, run the same
-    command again. Table (CSV), data (NetCDF), JSON and a figure are written into the folder.
+    The values are a grid over all ranges, or random. The robot walks on a bare floor, or in an
+    arena, whose numbers may be varied too: slope, steps, friction and start. To resume after an
+    interruption, run the same command again. Table (CSV), data (NetCDF), JSON and a figure are
+    written into the folder.
 
     Example: stepwell robot sweep robot-forward foot.below_mm=0.6:1.0:5 --out feet
     """
     text, design = options.read_robot(robot)
     output.check_output_folder("robot sweep")
     values = _points(_ranges(ranges, random), random, seed)
+    place = None if arena is None else sw.files.load_arena(arena)
+    if place is None and any(key.startswith(_ARENA) for key in values):
+        place = sw.robot.Arena(title="open floor")
     seeds = {"values": seed if random else None}
     keep = output.out / "unfinished"
     kept = "finished robots are kept; to resume, run the same command again"
     with screen.usable("--out"), screen.progress("robots", kept=kept) as tell:
-        result = _swept(design, robot, values, cycles, keep, tell)
+        result = _swept((design, place), robot, values, cycles, keep, tell)
     output.report(result, text, robot, seeds=seeds)
     _forget(keep)
 
@@ -155,8 +163,13 @@ def _range(text: str, drawn: int | None) -> Range:
     return ends
 
 
+_ARENA = "arena."  # beginning of the keys of an arena's file
+
+_Entry: TypeAlias = "tuple[sw.robot.Robot, sw.robot.Arena | None]"
+
+
 def _swept(
-    robot: sw.robot.Robot,
+    nominal: _Entry,
     name: str,
     values: Mapping[str, Sequence[float]],
     cycles: int,
@@ -164,24 +177,41 @@ def _swept(
     progress: screen.Shows | None,
 ) -> sw.simulation.Sweep:
     """Results of all robots; for an invalid robot NaN, with the reason in `stopped`."""
-    made: list[sw.robot.Robot | sw.files.DesignError] = []
+    made: list[_Entry | sw.files.DesignError] = []
     for numbers in zip(*values.values(), strict=True):
         try:
-            made.append(sw.files.vary(robot, dict(zip(values, numbers, strict=True))))
+            made.append(_varied(nominal, dict(zip(values, numbers, strict=True))))
         except sw.files.DesignError as error:
             made.append(error)
-    robots = [one for one in made if isinstance(one, sw.robot.Robot)]
-    if not robots:
+    entries = [one for one in made if isinstance(one, tuple)]
+    if not entries:
         raise sw.files.DesignError(name, made[0].problems)  # type: ignore[union-attr]
-    done = iter(sw.simulation.sweep(robots, cycles=cycles, keep=keep, progress=progress).trials)
-    none, gaits = math.nan, ("",) * len(robot.legs)
+    robots, arenas = zip(*entries, strict=True)
+    arenas = None if nominal[1] is None else arenas
+    result = sw.simulation.sweep(robots, arenas=arenas, cycles=cycles, keep=keep, progress=progress)
+    done, none, gaits = iter(result.trials), math.nan, ("",) * len(nominal[0].legs)
     trials = (
         next(done)
-        if isinstance(one, sw.robot.Robot)
+        if isinstance(one, tuple)
         else sw.simulation.Trial(none, none, none, gaits, none, "; ".join(one.problems))
         for one in made
     )
-    return sw.simulation.Sweep(values, tuple(trials))
+    return sw.simulation.Sweep(values, tuple(trials), result.arena)
+
+
+def _varied(nominal: _Entry, values: Mapping[str, float]) -> _Entry:
+    """Robot and arena with these values of their keys."""
+    robot, arena = nominal
+    of_arena = {key: value for key, value in values.items() if key.startswith(_ARENA)}
+    own = {key: value for key, value in values.items() if key not in of_arena}
+    if arena is not None:
+        ground = {key.removeprefix(_ARENA): value for key, value in of_arena.items()}
+        try:
+            arena = sw.files.vary_arena(arena, ground)
+        except sw.files.DesignError as error:
+            problems = [f"{_ARENA}{problem}" for problem in error.problems]
+            raise sw.files.DesignError(error.name, problems) from None
+    return sw.files.vary(robot, own), arena
 
 
 def _forget(keep: Path) -> None:

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
         load_arena,
         loads_arena,
         loads_arena_tables,
+        vary_arena,
     )
     from stepwell.files.behaviour import behaviour_text, behaviours, load_behaviour, loads_behaviour
     from stepwell.files.hoppers import hopper_parameters
@@ -111,6 +112,7 @@ _LATE = {
         "load_arena",
         "loads_arena",
         "loads_arena_tables",
+        "vary_arena",
     ),
     "hoppers": ("hopper_parameters",),
     "behaviour": ("behaviour_text", "behaviours", "load_behaviour", "loads_behaviour"),

@@ -4,7 +4,7 @@ import math
 import os
 import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from decimal import Decimal
@@ -13,12 +13,13 @@ from importlib.resources import files
 from itertools import dropwhile, groupby, product
 from typing import Annotated, Any, NamedTuple
 
-from stepwell.base import from_unit, grouped, limits
+from stepwell.base import InputError, check, from_unit, grouped, limits
 from stepwell.files import design, robots, text
+from stepwell.files.paths import Item, find
 from stepwell.files.schema import keys, robot, wording
 from stepwell.files.schema.keys import fields, lines_of
 from stepwell.files.text import DesignError, parsed
-from stepwell.robot import Arena, Cylinder, Goal, Wall, of_arena
+from stepwell.robot import Arena, Cylinder, Goal, Patch, Plate, Slope, Wall, of_arena, other_start
 
 Heading = Annotated[Decimal, keys.bounded("-1e6", "1e6")]
 
@@ -38,6 +39,34 @@ class RoundKeys(keys.Keys):
     radius_mm: robot.Size | None = None
 
 
+class SlopeKeys(keys.Keys):
+    """A tilt of the whole floor."""
+
+    angle_deg: Annotated[Decimal, keys.bounded("-45", "45")]
+    uphill_deg: Heading | None = None
+
+
+class PatchKeys(keys.Keys):
+    """A rectangle of the floor with another level or other friction."""
+
+    from_mm: keys.Point
+    to_mm: keys.Point
+    level_mm: Annotated[Decimal, keys.bounded("-10", "10")] | None = None
+    foot_friction: robot.Grip | None = None
+    drag_N: robot.Friction | None = None
+
+
+class PlateKeys(keys.Keys):
+    """A loose plate on the floor."""
+
+    at_mm: keys.Point
+    size_mm: keys.Point
+    thickness_mm: Annotated[Decimal, keys.above_zero("1e-6", "10")]
+    mass_g: robot.Mass
+    friction: robot.Friction | None = None
+    heading_deg: Heading | None = None
+
+
 class ArenaKeys(keys.Keys):
     """A whole arena."""
 
@@ -48,6 +77,9 @@ class ArenaKeys(keys.Keys):
     goal: RoundKeys | None = None
     wall: Annotated[tuple[WallKeys, ...], keys.at_most("obstacles")] = ()
     cylinder: Annotated[tuple[RoundKeys, ...], keys.at_most("obstacles")] = ()
+    slope: SlopeKeys | None = None
+    patch: Annotated[tuple[PatchKeys, ...], keys.at_most("patches")] = ()
+    plate: Annotated[tuple[PlateKeys, ...], keys.at_most("patches")] = ()
 
 
 # Tables by path, used in messages on unknown keys.
@@ -309,31 +341,91 @@ def arena_tables(arena: Arena) -> dict[str, Any]:
 def _arena(tables: dict[str, Any], name: str) -> Arena:
     keys = wording.checked(ArenaKeys, tables, name)
     problems: list[str] = []
-    walls: list[Any] = [
-        robots.part_of(f"wall[{i}]", Wall, fields(one), problems) for i, one in enumerate(keys.wall)
-    ]
+
+    def parts(path: str, kind: type[Any], tables: Iterable[Any]) -> list[Any]:
+        each = enumerate(tables)
+        return [robots.part_of(f"{path}[{i}]", kind, fields(one), problems) for i, one in each]
+
+    walls, patches, plates = (
+        parts(path, kind, getattr(keys, path))
+        for path, kind in (("wall", Wall), ("patch", Patch), ("plate", Plate))
+    )
     text.refuse_any(name, problems)
     try:
         cylinders = [Cylinder(**fields(one)) for one in keys.cylinder]
         goal = None if keys.goal is None else Goal(**fields(keys.goal))
-        rest = fields(keys, left_out=["wall", "cylinder", "goal"])
-        return Arena(walls, cylinders, goal=goal, **rest)
+        slope = None if keys.slope is None else Slope(**fields(keys.slope))
+        ground = {"slope": slope, "patches": patches, "plates": plates}
+        rest = fields(keys, left_out=[*_PARTS, "goal", "slope"])
+        return Arena(walls, cylinders, goal=goal, **ground, **rest)
     except ValueError as error:
         raise DesignError(name, lines_of(error)) from None
 
 
+# Tables of an arena's file of which there may be several, and the fields of the arena.
+_PARTS: dict[str, tuple[type[keys.Keys], str]] = {
+    "patch": (PatchKeys, "patches"),
+    "plate": (PlateKeys, "plates"),
+    "wall": (WallKeys, "walls"),
+    "cylinder": (RoundKeys, "cylinders"),
+}
+
+
 def arena_toml(arena: Arena) -> str:
-    """Text of the file of an arena: start and goal first, then obstacles."""
-    left_out = ["goal", "wall", "cylinder", "unusual", *([] if arena.title else ["title"])]
+    """Text of the file of an arena: start and goal first, then ground and obstacles."""
+    left_out = [*_PARTS, "goal", "slope", "unusual", *([] if arena.title else ["title"])]
     odd = ["unusual = true"] if arena.unusual or any(of_arena(arena)) else []
     text = [*odd, *keys.table_lines(ArenaKeys, arena, left_out), ""]
-    if arena.goal is not None:
-        text += ["[goal]", *keys.table_lines(RoundKeys, arena.goal), ""]
-    for wall in arena.walls:
-        text += ["[[wall]]", *keys.table_lines(WallKeys, wall), ""]
-    for cylinder in arena.cylinders:
-        text += ["[[cylinder]]", *keys.table_lines(RoundKeys, cylinder), ""]
+    for table, kind, part in (("goal", RoundKeys, arena.goal), ("slope", SlopeKeys, arena.slope)):
+        if part is not None:
+            text += [f"[{table}]", *keys.table_lines(kind, part), ""]
+    for table, (kind, field) in _PARTS.items():
+        for part in getattr(arena, field):
+            text += [f"[[{table}]]", *keys.table_lines(kind, part), ""]
     return "\n".join(text).rstrip("\n") + "\n"
+
+
+START_SEED = "start_seed"  # the key of `vary_arena` that is a seed, not a key of the file
+
+
+def vary_arena(arena: Arena, values: Mapping[str, float]) -> Arena:
+    """The same arena with other values, checked like its file.
+
+    Args:
+        arena: any arena.
+        values: key path to value, in the unit of the key, such as "slope.angle_deg" or
+            "patch[0].level_mm"; or "start_seed" to a whole number >= 0, the seed of a random start
+            as of `other_start`. A slope and the friction of a patch need not be in the arena.
+
+    Raises:
+        DesignError: a path selects no number, or values are invalid for an arena.
+    """
+    name = arena.title or "arena"
+    tree = parsed(arena_toml(arena), name, _EMPTY)
+    tree.setdefault("slope", {"angle_deg": Decimal(0), "uphill_deg": Decimal(0)})
+    known = {steps for steps, value in robots.leaves(tree) if robots.is_number(value)}
+    for i in range(len(arena.patches)):
+        known |= {("patch", Item(i), key) for key in ("foot_friction", "drag_N")}
+    problems: list[str] = []
+    for path, value in values.items():
+        if path == START_SEED:
+            continue
+        try:
+            found = [steps for steps, rest in find(path, known, "arena") if not rest]
+            if not found:
+                raise InputError(f"is a list: name one of its numbers, such as {path}[0].")
+            for steps in found:
+                robots.set_leaf(tree, steps, Decimal(repr(float(value))))
+        except ValueError as error:
+            problems.append(f"{path}: {error}")
+    text.refuse_any(name, problems)
+    changed = _arena(tree, name)
+    if START_SEED not in values:
+        return changed
+    try:
+        return other_start(changed, check.whole(START_SEED, values[START_SEED], 0))
+    except ValueError as error:
+        raise DesignError(name, [str(error)]) from None
 
 
 @cache

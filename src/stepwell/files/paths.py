@@ -45,7 +45,6 @@ _TOKEN = re.compile(
 _NO_PATH = (
     "is no key path; one looks like foot.link_mm, leg.left.at_mm[0] or chain.cell.inner.q_mm[0]."
 )
-_NONE = "selects none of this robot's numbers"
 # Keys that are common to all cells of a chain.
 _OF_EVERY_CELL = ("lever_mm", "limit_deg", "band")
 
@@ -55,15 +54,15 @@ def spelled(steps: Iterable[str | Item]) -> str:
     return _shown(map(_token, steps))
 
 
-def find(path: str, known: Iterable[Steps]) -> list[tuple[Steps, Steps]]:
+def find(path: str, known: Iterable[Steps], of: str = "robot") -> list[tuple[Steps, Steps]]:
     """Known numbers that a path selects, each with its steps below the path.
 
-    ValueError if it selects none; the message suggests a path.
+    ValueError if it selects none; the message suggests a path, `of` this robot or arena.
     """
     known, tokens = list(known), _tokens(path)
     matches = [(steps, rest) for steps in known if (rest := _below(tokens, steps)) is not None]
     if not matches:
-        raise InputError(_advice(tokens, known))
+        raise InputError(_advice(tokens, known, of))
     return matches
 
 
@@ -117,27 +116,28 @@ def _get(tokens: list[Token], index: int) -> Token | None:
     return tokens[index] if index < len(tokens) else None
 
 
-def _advice(tokens: list[Token], known: list[Steps]) -> str:
+def _advice(tokens: list[Token], known: list[Steps], of: str) -> str:
     """Message on the first unknown step of a path, with possible steps."""
+    none = f"selects none of this {of}'s numbers"
     for k in range(len(tokens) - 1, -1, -1):
         rests = [rest for steps in known if (rest := _below(tokens[:k], steps)) is not None]
         if rests:
             break
     else:
-        return f"{_NONE}: it has none."
+        return f"{none}: it has none."
     before, wrong = tokens[:k], _shown(tokens[k : k + 1])
     heads = [rest[0] for rest in rests if rest]
     if not heads:
-        return f"{_NONE}: {_shown(before)} is one number, leave out the rest."
-    options = _options(heads, before)
+        return f"{none}: {_shown(before)} is one number, leave out the rest."
+    options = _options(heads, before if of == "robot" else [of])
     near = nearest_word(wrong.strip(".[]"), options)
     if near:
         meant = [*before, options[near], *tokens[k + 1 :]]
         if not any(_below(meant, steps) is not None for steps in known):
             meant = meant[: k + 1]
-        return f"{_NONE}. Did you mean {_shown(meant)}?"
+        return f"{none}. Did you mean {_shown(meant)}?"
     after = f" after {_shown(before)}" if before else ""
-    return f"{_NONE}. Known{after}: {', '.join(options)}."
+    return f"{none}. Known{after}: {', '.join(options)}."
 
 
 def _options(heads: Iterable[str | Item], before: list[Token]) -> dict[str, Token]:

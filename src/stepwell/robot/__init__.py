@@ -1,6 +1,17 @@
 """Robots and hoppers as values: legs, body, antennas, arena; the predicted gait and jump."""
 
-from stepwell.robot.arena import Arena, Cylinder, Floor, Goal, Wall, other_layout, other_start
+from stepwell.robot.arena import (
+    Arena,
+    Cylinder,
+    Floor,
+    Goal,
+    Patch,
+    Plate,
+    Slope,
+    Wall,
+    other_layout,
+    other_start,
+)
 from stepwell.robot.behaviour import (
     BACKS,
     STEPS,
@@ -116,6 +127,8 @@ __all__ = [
     "LegGait",
     "LegPrediction",
     "PartRole",
+    "Patch",
+    "Plate",
     "PushEnd",
     "Motion",
     "GaitForces",
@@ -127,6 +140,7 @@ __all__ = [
     "BehaviourRow",
     "RowMargin",
     "Shape",
+    "Slope",
     "Wall",
     "body_names",
     "compile_behaviour",

@@ -209,7 +209,8 @@ def _mass(name: str, mass: float, own: float) -> Iterator[Slip]:
 def of_arena(arena: Arena) -> Iterator[Slip]:
     """All numbers of an arena that are probably in another unit."""
     points = [arena.start, *(end for wall in arena.walls for end in (wall.start, wall.end))]
-    points += [one.at for one in arena.cylinders]
+    points += [one.at for one in (*arena.cylinders, *arena.plates)]
+    points += [corner for patch in arena.patches for corner in (patch.start, patch.end)]
     points += [arena.goal.at] if arena.goal else []
     farthest = max(points, key=lambda point: math.hypot(*point))
     low, high = FARTHEST

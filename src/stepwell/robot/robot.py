@@ -91,7 +91,7 @@ class Robot(ByValue, Drawn):
     @property
     def support_friction(self) -> float:
         """Coulomb's coefficient [1] under the passive support, from the floor's drag."""
-        return self.floor.drag / (self.mass * 9.81)
+        return self.floor.support_friction(self.mass)
 
     @property
     def pivot_height(self) -> float:

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from stepwell.base import late
+from stepwell.simulation.arenas.surroundings import HEIGHT, obstacle_names
 from stepwell.simulation.behaviours import CompiledRobot, RowTrial, behaviour_trials, verified
 from stepwell.simulation.comparison import (
     Convergence,
@@ -17,7 +18,7 @@ from stepwell.simulation.hoppers.jumps import HalvedStep, Jump, RecordFactor, ju
 from stepwell.simulation.hoppers.run import EnergyFlow, Hop, JumpSettings
 from stepwell.simulation.hoppers.video import jump_video
 from stepwell.simulation.mazes import TOUCHED, Contact, GaitChange, Maze, Outcome, maze, mazes
-from stepwell.simulation.model import HEIGHT, obstacle_names, spec
+from stepwell.simulation.model import spec
 from stepwell.simulation.simulator import Integrator, Linkage, Settings, mujoco
 from stepwell.simulation.sweeps import Sweep, Trial, sweep
 from stepwell.simulation.videos import picture, video

@@ -10,9 +10,10 @@ import numpy as np
 
 from stepwell.base import ByValue, Floats, InputError, check, need
 from stepwell.robot import Arena, Robot, other_start
+from stepwell.simulation.arenas.surroundings import obstacle_names
 from stepwell.simulation.drawing import Camera, DrawingProcess, Frame, view_angles
 from stepwell.simulation.engine import SimulatedRun
-from stepwell.simulation.model import obstacle_names, spec
+from stepwell.simulation.model import spec
 from stepwell.simulation.simulator import Settings
 
 need("env")

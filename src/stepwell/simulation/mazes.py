@@ -14,8 +14,8 @@ import numpy as np
 from stepwell.base import ByValue, Drawn, InputError, brief, notify
 from stepwell.kernels import cores
 from stepwell.robot import Arena, Robot
+from stepwell.simulation.arenas.surroundings import obstacle_names
 from stepwell.simulation.engine import SimulatedRun
-from stepwell.simulation.model import obstacle_names
 from stepwell.simulation.simulator import Settings
 from stepwell.simulation.walks import Walk, recorded
 

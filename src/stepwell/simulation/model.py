@@ -1,7 +1,7 @@
 """MuJoCo model of a robot, and its sensors."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from stepwell.base import Floats, InputError, Ints
 from stepwell.robot import Antenna, Arena, Robot
 from stepwell.simulation import parts
+from stepwell.simulation.arenas.surroundings import add_arena, obstacle_names, start_level
 from stepwell.simulation.leg import (
     LegModel,
     add_leg,
@@ -31,12 +32,6 @@ def rod_names(robot: Robot) -> Iterator[str]:
     for leg in robot.legs:
         yield from (f"{leg.name}.{cell}.lever" for cell in leg.chain.names)
         yield from (f"{leg.name}.link.{end}" for end in ("in", "out"))
-
-
-def obstacle_names(arena: Arena) -> tuple[str, ...]:
-    """Names of the obstacles in the model: walls first, numbered from 1."""
-    walls = (f"wall {i + 1}" for i in range(len(arena.walls)))
-    return (*walls, *(f"cylinder {i + 1}" for i in range(len(arena.cylinders))))
 
 
 def add_sensors(spec: Any, robot: Robot, arena: Arena | None) -> None:
@@ -100,7 +95,6 @@ def sampled(readings: Floats, pending: Floats, every: int, columns: Ints) -> tup
 
 SUPPORT = 0.003  # radius of the balls under the T-foot [m]
 HUNG = 0.050  # height of the feet above the floor of a robot without gravity [m]
-HEIGHT = 0.10  # of walls [m]: above all parts of the robot that collide with them
 GUIDE = 1.0  # damping of the actuator's guide [N s/m]
 
 
@@ -147,7 +141,7 @@ def spec(
     for leg in robot.legs:
         add_leg(LegModel(model, body, carriage, robot, leg, anchors[leg.name], settings))
     if arena is not None:
-        _add_arena(model, arena)
+        add_arena(model, arena, robot, settings)
     add_sensors(model, robot, arena)
     compiled = model.compile()
     start = _start_position(compiled, robot, arena, settings)
@@ -199,7 +193,7 @@ def scenery(model: Any) -> None:
         name="floor", textures=layers, texrepeat=(5, 5), texuniform=True, specular=0.0
     )
     floor = {"type": mujoco.mjtGeom.mjGEOM_PLANE, "size": (0, 0, 0.05), "material": "floor"}
-    model.worldbody.add_geom(name="floor", **floor, **parts.STANDS)
+    model.worldbody.add_geom(name="floor", **floor, **parts.FLOOR)
 
 
 def _light(body: Any) -> None:
@@ -260,30 +254,6 @@ def _carriage(model: Any, robot: Robot, body: Any) -> Any:
     return carriage
 
 
-def _add_arena(model: Any, arena: Arena) -> None:
-    """Add every obstacle as a separate body, so that its contact force is known."""
-    names = iter(obstacle_names(arena))
-
-    def add(at: Sequence[float], shape: Any, size: Sequence[float], angle: float = 0.0) -> None:
-        body = model.worldbody.add_body(
-            name=next(names),
-            pos=(*at, HEIGHT / 2),
-            quat=(math.cos(angle / 2), 0, 0, math.sin(angle / 2)),
-        )
-        body.add_geom(type=shape, size=size, rgba=parts.WALL, **parts.OBSTACLE)
-        # The touch sensor extends beyond the surface.
-        felt = [length + 0.01 if length else 0.0 for length in size]
-        body.add_site(name=body.name, type=shape, size=felt, rgba=parts.HIDDEN)
-
-    for wall in arena.walls:
-        middle = [(a + b) / 2 for a, b in zip(wall.start, wall.end, strict=True)]
-        size = (wall.length / 2, wall.thickness / 2, HEIGHT / 2)
-        add(middle, mujoco.mjtGeom.mjGEOM_BOX, size, wall.angle)
-    for cylinder in arena.cylinders:
-        size = (cylinder.radius, HEIGHT / 2, 0.0)
-        add(cylinder.at, mujoco.mjtGeom.mjGEOM_CYLINDER, size)
-
-
 def _start_position(
     model: Model, robot: Robot, arena: Arena | None, settings: Settings
 ) -> np.ndarray:
@@ -307,7 +277,8 @@ def _start_position(
     root = model.joint("body").qposadr[0]
     # Without gravity the robot hangs clear of the floor, or its feet would push it off.
     gap = 1e-5 if robot.floor.gravity > 0 else HUNG
-    q[root : root + 3] = x, y, robot.pivot_height + robot.foot.below + gap
+    level = start_level(arena, robot) if arena else 0.0
+    q[root : root + 3] = x, y, level + robot.pivot_height + robot.foot.below + gap
     q[root + 3 : root + 7] = np.cos(heading / 2), 0.0, 0.0, np.sin(heading / 2)
     return q
 

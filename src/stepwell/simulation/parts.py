@@ -33,10 +33,21 @@ BANDS: tuple[Colour, ...] = (
 WALL = (0.35, 0.38, 0.45, 1.0)
 HIDDEN = (0.0, 0.0, 0.0, 0.0)
 
-# Collision groups. The floor collides with supports and feet, walls with all other parts of the
-# robot, antennas with each other and with moving parts of a leg, not with body or carriage.
-STANDS: dict[str, Any] = {"contype": 1, "conaffinity": 1}
-FEET: dict[str, Any] = {"contype": 1 | 8, "conaffinity": 1}
+STEP = (0.80, 0.70, 0.55, 1.0)
+GROOVE = (0.45, 0.45, 0.47, 1.0)
+OTHER_FRICTION = (0.72, 0.82, 0.90, 1.0)
+PLATE = (0.62, 0.74, 0.58, 1.0)
+
+# Collision groups. The floor collides with supports, feet and loose plates, walls with all other
+# parts of the robot, antennas with each other and with moving parts of a leg, not with body or
+# carriage. A patch of the floor has a block for the feet and one for the supports.
+FLOOR: dict[str, Any] = {"contype": 1, "conaffinity": 1 | 64}
+STANDS: dict[str, Any] = {"contype": 1 | 32, "conaffinity": 1}
+FEET: dict[str, Any] = {"contype": 1 | 8 | 16, "conaffinity": 1}
+UNDER_FEET: dict[str, Any] = {"contype": 0, "conaffinity": 16 | 64}
+UNDER_SUPPORTS: dict[str, Any] = {"contype": 0, "conaffinity": 32}
+UNDER_ROBOT: dict[str, Any] = {"contype": 0, "conaffinity": 16 | 32}
+PLATES: dict[str, Any] = {"contype": 64, "conaffinity": 64}
 OUTLINE: dict[str, Any] = {"contype": 2, "conaffinity": 4}
 BLOCKS: dict[str, Any] = {"contype": 2 | 8, "conaffinity": 4}
 ANTENNAS: dict[str, Any] = {"contype": 2 | 8, "conaffinity": 4 | 8}

@@ -134,8 +134,17 @@ class _Writer:
         self.add_bands(robot)
 
     def add_surroundings(self, world: Xml.Element) -> None:
-        """Add the floor and all obstacles as a model that does not move."""
+        """Add the floor and all obstacles as a model that does not move, and loose plates."""
         m = self.model
+        free = m.jnt_bodyid[np.flatnonzero(m.jnt_type == JOINT.mjJNT_FREE)]
+        # The first body that moves freely is the robot's.
+        for body in free[1:].tolist():
+            plate = _add(world, "model", name=self.name(body))
+            self.frame(body).add_to(plate)
+            link = _add(plate, "link", name=self.name(body))
+            inertial = _Frame(m.body_ipos[body], m.body_iquat[body])
+            _add_inertia(link, inertial, m.body_mass[body], m.body_inertia[body])
+            self.add_shapes(link, body)
         still = _add(world, "model", name="surroundings")
         _add(still, "static", "true")
         drawn = (m.body_mocapid >= 0) | (m.body_geomnum == 0)

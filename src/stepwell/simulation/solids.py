@@ -230,7 +230,8 @@ def _set_masses(
 
 
 def _is_of_robot(body: str) -> bool:
-    return bool(body) and body != "world" and not body.startswith(("wall ", "cylinder "))
+    others = ("wall ", "cylinder ", "plate ")
+    return bool(body) and body != "world" and not body.startswith(others)
 
 
 def _clear(spec: Any, robot: Robot, replaced: set[str]) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from stepwell import base
 from stepwell.kernels import cores
-from stepwell.robot import TRIAL, Robot
+from stepwell.robot import TRIAL, Arena, Robot
 from stepwell.simulation.engine import SimulatedRun
 from stepwell.simulation.simulator import Settings, mujoco, quietly, rollout
 from stepwell.simulation.walks import Walk, recorded
@@ -24,6 +24,11 @@ if TYPE_CHECKING:
 # Robots that are stepped together, per core: enough to keep the cores busy to the end.
 PER_CORE = 8
 CHUNK = 500  # steps at a time
+# Sizes that models have in common if one buffer serves the steps of all of them.
+_SIZES = (
+    *("nq", "nv", "nbody", "njnt", "ngeom", "nsite", "ntendon", "nwrap", "neq", "nsensordata"),
+    *("nM", "nD", "nbvh"),
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -60,10 +65,14 @@ class Trial(base.ByValue):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sweep(base.ByValue, base.Drawn):
-    """Results of many robots: `values` (n,) by the parameter's name, and (n,) `trials`."""
+    """Results of many robots: `values` (n,) by the parameter's name, and (n,) `trials`.
+
+    `arena` is the title of the arena, "" for a bare floor.
+    """
 
     values: Mapping[str, Sequence[float]] = field(repr=False)
     trials: tuple[Trial, ...] = field(repr=False)
+    arena: str = ""
 
     def to_xarray(self) -> "xr.Dataset":
         """A data set with one row per trial, with units."""
@@ -108,17 +117,19 @@ def sweep(
     robots: Sequence[Robot],
     *,
     values: Mapping[str, Sequence[float]] | None = None,
+    arenas: Sequence[Arena] | None = None,
     cycles: int = 4,
     settings: Settings | None = None,
     threads: int | None = None,
     keep: str | os.PathLike[str] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Sweep:
-    """Simulate walks of many robots on a bare floor, in parallel on all cores.
+    """Simulate walks of many robots, on a bare floor or in arenas, in parallel on all cores.
 
     Args:
         robots: (n,) robots.
         values: varied parameters by name, (n,) numbers each; only stored in the result.
+        arenas: (n,) arena of each robot; a bare floor by default. Walks do not end at a goal.
         cycles: of each walk, >= 1.
         settings: of the simulation.
         threads: number of parallel runs; all cores by default.
@@ -130,40 +141,51 @@ def sweep(
         Results of the robots, in the order given; they do not depend on the number of threads.
 
     Raises:
-        ValueError: no cycles, values of other lengths, or a folder that holds another sweep.
+        ValueError: no cycles, values or arenas of other lengths, or a folder that holds another
+            sweep.
         ModuleNotFoundError: MuJoCo is not installed.
         OSError: the folder cannot be written.
     """
     settings = settings or Settings()
     values = dict(values or {})
-    if cycles < 1:
-        raise base.InputError(f"cycles = {cycles}: must be >= 1.")
-    for name, numbers in values.items():
-        if len(numbers) != len(robots):
-            raise base.InputError(
-                f"values[{name!r}] has {len(numbers)} numbers: must have {len(robots)}, one per "
-                f"robot."
-            )
-    base.require("robots", len(robots), "these are")
+    _require_usable(values, len(robots), arenas, cycles)
     threads = threads or cores()
-    kept = _Kept(keep, robots, cycles, settings) if keep is not None else None
+    entries = list(zip(robots, arenas or [None] * len(robots), strict=True))
+    kept = _Kept(keep, entries, cycles, settings) if keep is not None else None
     trials: dict[int, Trial] = kept.trials() if kept is not None else {}
     missing = [i for i in range(len(robots)) if i not in trials]
     for first in range(0, len(missing), PER_CORE * threads):
         batch = missing[first : first + PER_CORE * threads]
         step = partial(_step_together, threads=threads)
-        walks = walked([SimulatedRun(robots[i], None, settings) for i in batch], cycles, step)
+        walks = walked([SimulatedRun(*entries[i], settings) for i in batch], cycles, step)
         trials |= (new := dict(zip(batch, map(Trial.of, walks), strict=True)))
         if kept is not None:
             kept.add(new)
         base.notify(progress, len(trials), len(robots))
-    return Sweep(values, tuple(trials[i] for i in range(len(robots))))
+    title = (arenas[0].title or "without a name") if arenas else ""
+    return Sweep(values, tuple(trials[i] for i in range(len(robots))), title)
+
+
+def _require_usable(
+    values: Mapping[str, Sequence[float]], count: int, arenas: Sequence[Arena] | None, cycles: int
+) -> None:
+    """Refuse no cycles, too many robots, and values or arenas of another number than `count`."""
+    if cycles < 1:
+        raise base.InputError(f"cycles = {cycles}: must be >= 1.")
+    for name, numbers in values.items():
+        if len(numbers) != count:
+            raise base.InputError(
+                f"values[{name!r}] has {len(numbers)} numbers: must have {count}, one per robot."
+            )
+    if arenas is not None and len(arenas) != count:
+        raise base.InputError(f"arenas has {len(arenas)} arenas: must have {count}.")
+    base.require("robots", count, "these are")
 
 
 def walked(
     runs: Sequence[SimulatedRun], cycles: int, step: Callable[[Sequence[SimulatedRun], float], None]
 ) -> list[Walk]:
-    """The walk of every run on a bare floor; models of one size are stepped together.
+    """The walk of every run; models of one size are stepped together.
 
     `step` advances runs from their start to a time [s].
     """
@@ -171,7 +193,7 @@ def walked(
     for run in runs:
         period = run.robot.drive.period
         run.require_affordable(cycles * period)
-        key = (run.model.nq, run.model.nv, run.model.nsensordata, round(period * 1e9))
+        key = (*(getattr(run.model, size) for size in _SIZES), round(period * 1e9))
         alike.setdefault(key, []).append(run)
     for group in alike.values():
         step(group, cycles * group[0].robot.drive.period)
@@ -198,15 +220,20 @@ class _Kept:
     """Finished trials in a folder, one file for every batch."""
 
     def __init__(
-        self, folder: str | os.PathLike[str], robots: Sequence[Robot], cycles: int, given: Settings
+        self,
+        folder: str | os.PathLike[str],
+        entries: Sequence[tuple[Robot, Arena | None]],
+        cycles: int,
+        given: Settings,
     ):
         self.folder = Path(folder)
-        text = repr((base.__version__, cycles, given, [_fingerprint(robot) for robot in robots]))
+        prints = [_fingerprint(*entry) for entry in entries]
+        text = repr((base.__version__, cycles, given, prints))
         request = hashlib.sha256(text.encode()).hexdigest()
         self.folder.mkdir(parents=True, exist_ok=True)
         note = self.folder / "sweep.json"
         if not note.exists():
-            base.write_atomic(note, json.dumps({"request": request, "robots": len(robots)}) + "\n")
+            base.write_atomic(note, json.dumps({"request": request, "robots": len(entries)}) + "\n")
         elif json.loads(note.read_text("utf-8")).get("request") != request:
             raise base.InputError(
                 f"{self.folder} holds another sweep (other robots, cycles or settings); use "
@@ -225,7 +252,7 @@ class _Kept:
         base.write_atomic(self.folder / f"part-{min(trials):06d}.json", json.dumps(record) + "\n")
 
 
-def _fingerprint(robot: Robot) -> str:
+def _fingerprint(robot: Robot, arena: Arena | None) -> str:
     """All inputs of a robot's walk, as text."""
     parts = (robot.legs, robot.body, robot.foot, robot.blocks, robot.floor, robot.drive)
     cells = [
@@ -242,4 +269,5 @@ def _fingerprint(robot: Robot) -> str:
         ]
     )
     masses = [] if robot.made is None else robot.made.masses
-    return repr((parts, cells, robot.antennas, *([made, masses] if made else [])))
+    where = [] if arena is None else [asdict(arena)]
+    return repr((parts, cells, robot.antennas, *([made, masses] if made else []), *where))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from stepwell import base
 from stepwell.robot import TOLERANCE, Arena, Leg, Robot
 from stepwell.simulation import parts
+from stepwell.simulation.arenas.surroundings import HEIGHT
 from stepwell.simulation.drawing import (
     FIELD,
     Camera,
@@ -22,7 +23,7 @@ from stepwell.simulation.drawing import (
     view_angles,
 )
 from stepwell.simulation.mazes import Maze
-from stepwell.simulation.model import HEIGHT, spec
+from stepwell.simulation.model import spec
 from stepwell.simulation.simulator import Model, mujoco
 from stepwell.simulation.walks import Walk
 

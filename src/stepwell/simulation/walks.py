@@ -9,8 +9,8 @@ import numpy as np
 
 from stepwell import base
 from stepwell.robot import Arena, Robot, gait, states
+from stepwell.simulation.arenas.surroundings import obstacle_names
 from stepwell.simulation.engine import RunSamples, SimulatedRun
-from stepwell.simulation.model import obstacle_names
 from stepwell.simulation.simulator import Settings
 
 if TYPE_CHECKING:

@@ -145,7 +145,7 @@ def walk_account(walk: Walk, about: About) -> Account:
         **_input_sections(walk),
     }
     answer = f"Walked {amount(walk.distance, 'm')} in {cycles}"
-    origin = "Simulated on a flat floor." if walk.arena is None else _simulated_in(walk.arena)
+    origin = "Simulated on a flat floor." if walk.arena is None else _simulated_in(walk.arena.title)
     warned = _stopped_early("The simulation", walk.stopped)
     options = _simulated(about)
     return Account(walk, title, "walk/1", answer, facts, sections, warned, origin, **options)
@@ -172,8 +172,8 @@ def _input_sections(walk: Walk) -> parts.Sections:
     return {**of_robot.parameter_section(walk.robot), "Assumptions": assumptions}
 
 
-def _simulated_in(arena: robots.Arena) -> str:
-    return f"Simulated in the arena: {arena.title or 'without a name'}."
+def _simulated_in(arena: str) -> str:
+    return f"Simulated in the arena: {arena or 'without a name'}."
 
 
 def _transport_fact(walk: Walk, level: parts.Level) -> Fact:
@@ -255,7 +255,7 @@ def maze_account(maze: Maze, about: About) -> Account:
         "Gait changes": RecordTable(_CHANGE, "changes", changes, more="changes", level=CARD),
         **_input_sections(walk),
     }
-    origin, warned = _simulated_in(maze.arena), _stopped_early("The simulation", walk.stopped)
+    origin, warned = _simulated_in(maze.arena.title), _stopped_early("The simulation", walk.stopped)
     seeds = {name: about.seeds.get(name) for name in ("start_seed", "layout_seed")}
     options = {**_simulated(about, *hints), "given": seeds}
     return Account(maze, title, "maze/1", maze.ending, facts, sections, warned, origin, **options)
@@ -266,7 +266,11 @@ def _trials(sweep: Sweep) -> Sequence[Row]:
     return base.rows_of({"values": values, "trial": sweep.trials})
 
 
-SWEEP = keys(keys=([str], lambda sweep: list(sweep.values)), trials=([_TRIAL], _trials))
+SWEEP = keys(
+    keys=([str], lambda sweep: list(sweep.values)),
+    arena=(str | None, lambda sweep: sweep.arena or None),
+    trials=([_TRIAL], _trials),
+)
 
 
 def sweep_account(sweep: Sweep, about: About) -> Account:
@@ -285,7 +289,8 @@ def sweep_account(sweep: Sweep, about: About) -> Account:
         "Robots": RecordTable(columns, "trials", "", wide, more="robots", level=CARD),
     }
     answer = f"{completed} of {counted(len(sweep.trials), 'run')} completed"
-    origin = f"Varied: {', '.join(sweep.values) or 'nothing'}."
+    where = f" {_simulated_in(sweep.arena)}" if sweep.arena else ""
+    origin = f"Varied: {', '.join(sweep.values) or 'nothing'}.{where}"
     reason = f"{early}{failed[0].stopped}" if failed else ""
     warned = _stopped_early("The simulation of some robots", reason)
     options: dict[str, Any] = {"seed": about.seeds.get("values"), "packages": ["mujoco"]}

@@ -16,6 +16,7 @@ from matplotlib.patches import Polygon
 from stepwell.base import Floats
 from stepwell.figures.common import legends, marks, sheet, style, words
 from stepwell.figures.robots import parts, walks
+from stepwell.robot import Arena
 
 if TYPE_CHECKING:
     from stepwell.simulation import Maze, Walk
@@ -166,16 +167,24 @@ def _placed(line: Floats, walk: Walk, sample: int) -> Floats:
 
 def _key(maze: Maze) -> list[Artist]:
     """Legend entries for the colours and marks that occur."""
-    kinds, touched = walks.motions(maze.walk), maze.touched.values()
+    kinds, touched, arena = walks.motions(maze.walk), maze.touched.values(), maze.arena
+    ground = dict(map(parts.patch_colour, arena.patches))
     edge = {"edgecolor": style.INK, "linewidth": 0.5}
     return legends.applicable(
         *((kind in kinds, legends.line(kind, one, 1.7)) for kind, one in walks.MOTION.items()),
         (maze.contacts, legends.line("antenna pressed", _HALO, 5.5)),
         ({*touched} - {None}, legends.shade("touched obstacle", parts.TOUCHED)),
         (None in touched, legends.shade("obstacle not touched", parts.OBSTACLE, **edge)),
+        *((True, legends.shade(what, colour)) for what, colour in ground.items()),
+        (arena.plates, legends.shade("loose plate, at the start", parts.PLATE, **edge)),
+        (arena.slope, legends.mark(_slope_words(arena), marker=">", size=4.5)),
         (True, legends.mark("start", **_START)),
         (True, legends.mark("end", size=5.0)),
     )
+
+
+def _slope_words(arena: Arena) -> str:
+    return "" if arena.slope is None else f"uphill, {abs(np.degrees(arena.slope.angle)):.3g}°"
 
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 24.0, 4.0, 2.0, 9.0

@@ -10,16 +10,32 @@ from matplotlib.patches import Circle, Polygon
 from numpy.typing import NDArray
 
 from stepwell.base import Floats, InputError
-from stepwell.figures.common import style
+from stepwell.figures.common import marks, style
 from stepwell.figures.common.sheet import Point
 from stepwell.mechanism import Element
-from stepwell.robot import Antenna, Arena, Leg, Robot, Wall
+from stepwell.robot import Antenna, Arena, Leg, Patch, Plate, Robot, Slope, Wall
 
 OBSTACLE, TOUCHED = style.FIXED_BLOCK, style.INK
+STEP, GROOVE, OTHER_FRICTION = (0.80, 0.70, 0.55), (0.45, 0.45, 0.47), (0.72, 0.82, 0.90)
+PLATE = (0.62, 0.74, 0.58)
+_ARROW = 0.1  # length of the arrow that points uphill [m]
+_ASIDE = 0.2  # distance of the arrow from the start, to the right [m]
 
 
 def draw_arena(ax: Axes, arena: Arena, touched: Sequence[bool]) -> None:
-    """Draw the obstacles, walls first, touched ones darker, and the goal into axes in mm."""
+    """Draw ground, goal and obstacles, walls first, touched ones darker, into axes in mm."""
+    for patch in arena.patches:
+        shape = Polygon(_rectangle(patch) * style.MM, linewidth=0, zorder=0.2, gid="patch")
+        shape.set_facecolor(patch_colour(patch)[1])
+        ax.add_patch(shape)
+    for plate in arena.plates:
+        shape = Polygon(_plate(plate) * style.MM, linewidth=0.5, zorder=0.4, gid="plate")
+        shape.set(facecolor=PLATE, edgecolor=style.INK)
+        ax.add_patch(shape)
+    if arena.slope is not None:
+        tail, tip = (point * style.MM for point in _uphill(arena))
+        ax.plot(*np.array([tail, tip]).T, color=style.INK, linewidth=1.0, gid="uphill")
+        marks.head(ax, tail.tolist(), tip.tolist(), style.INK, size=12.0)
     walls = [Polygon(_wall(wall) * style.MM) for wall in arena.walls]
     rounds = [_disc(one.at, one.radius) for one in arena.cylinders]
     for shape, felt in zip([*walls, *rounds], touched, strict=True):
@@ -38,12 +54,41 @@ def _disc(at: Sequence[float], radius: float) -> Circle:
 
 
 def outlines(arena: Arena) -> list[Floats]:
-    """Points (n, 2) that enclose every obstacle and the goal [m]."""
+    """Points (n, 2) that enclose every obstacle, plate and the goal [m]; patches may be endless."""
     discs = [(one.at, one.radius) for one in arena.cylinders]
     if arena.goal is not None:
         discs.append((arena.goal.at, arena.goal.radius))
     corners = np.array([(-1.0, -1.0), (1.0, 1.0)])
-    return [*map(_wall, arena.walls), *(np.array(at) + radius * corners for at, radius in discs)]
+    shapes = [*map(_wall, arena.walls), *map(_plate, arena.plates)]
+    shapes += [_uphill(arena)] * (arena.slope is not None)
+    return [*shapes, *(np.array(at) + radius * corners for at, radius in discs)]
+
+
+def patch_colour(patch: Patch) -> tuple[str, tuple[float, float, float]]:
+    """What a patch is, in words, and its colour."""
+    if patch.level == 0:
+        return "other friction", OTHER_FRICTION
+    return ("step", STEP) if patch.level > 0 else ("groove", GROOVE)
+
+
+def _rectangle(patch: Patch) -> Floats:
+    """(4, 2) corners [m]."""
+    (left, low), (right, high) = patch.low, patch.high
+    return np.array([(left, low), (right, low), (right, high), (left, high)])
+
+
+def _plate(plate: Plate) -> Floats:
+    """(4, 2) corners at the start [m]."""
+    corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2 * plate.size
+    return in_world(corners, *plate.at, plate.heading)
+
+
+def _uphill(arena: Arena) -> Floats:
+    """(2, 2) ends of the arrow that points uphill [m], beside the start."""
+    slope, side = arena.slope or Slope(0.0), arena.heading - math.pi / 2
+    tail = np.array(arena.start) + _ASIDE * np.array([math.cos(side), math.sin(side)])
+    up = slope.uphill if slope.angle >= 0 else slope.uphill + math.pi
+    return np.array([tail, tail + _ARROW * np.array([math.cos(up), math.sin(up)])])
 
 
 def _wall(wall: Wall) -> Floats:

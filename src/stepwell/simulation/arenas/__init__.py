@@ -1,0 +1,1 @@
+"""Arenas in a model: the ground and obstacles on it."""
