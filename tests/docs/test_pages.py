@@ -15,6 +15,7 @@ from PIL import Image
 import docs.antennas_found as antennas
 import docs.compiled as compiled
 import docs.larger_atlases as larger
+import docs.rough_ground as rough
 import stepwell as sw
 from docs.architecture import page as architecture_page, picture
 from docs.pages import ROOT, run, unchecked
@@ -328,6 +329,17 @@ def test_the_page_of_compiled_robots_shows_its_records_and_the_robot_that_is_fou
     found = sw.robot.compile_behaviour(sw.files.load_behaviour("turn-away"))
     assert sw.files.dumps(found.designs[0].robot) == record["robot"]
     assert 1e3 * found.designs[0].margin == pytest.approx(record["margin_mN"])
+
+
+def test_the_page_of_rough_ground_shows_its_record_and_the_walks_are_those_of_today():
+    text = rough.PAGE.read_text("utf-8")
+    assert rough.page(text) == text
+    record = json.loads(rough.FILE.read_text("utf-8"))
+    assert f"beyond\n  {record['limit_deg']:.1f}°" in text
+    robot = sw.preset("robot-forward")
+    (again,) = rough.trials(robot, [rough.slope(5)], rough.SHORT, [0])
+    (row,) = [row for row in record["grounds"]["uphill"] if row["value"] == 5]
+    assert again[0].advance == pytest.approx(row["advance"][0], abs=0.01)
 
 
 def test_the_larger_atlases_are_those_that_the_page_s_commands_make(monkeypatch):
