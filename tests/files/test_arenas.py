@@ -268,13 +268,21 @@ def test_every_arena_of_the_package_loads_has_a_title_and_room_to_start(name):
 
 
 def test_the_arenas_are_what_their_names_promise():
-    assert set(NAMES) == {"open", "wall", "cylinder", "three-walls", "corridor", "pen"}
+    others = {"wall-ahead", "long-wall", "corner", "bend-left", "bend-right"}
+    assert set(NAMES) - others == {"open", "wall", "cylinder", "three-walls", "corridor", "pen"}
     nothing = load_arena("open")
     assert (nothing.walls, nothing.cylinders) == ((), ())
     (wall,) = load_arena("wall").walls
     assert math.degrees(wall.angle) == pytest.approx(45)
     (cylinder,) = load_arena("cylinder").cylinders
     assert cylinder == Cylinder((0.32, 0.04), 0.025)
+    corner = load_arena("corner").walls
+    assert math.degrees(corner[0].angle - corner[1].angle) % 180 == pytest.approx(90)
+    left, right = load_arena("bend-left"), load_arena("bend-right")
+    # Mirror images; the width is that between the walls' faces.
+    assert [one.start for one in left.walls] == [(x, -y) for x, y in (w.start for w in right.walls)]
+    assert left.walls[2].start[1] - left.walls[0].start[1] == pytest.approx(0.6 + 0.02)
+    assert left.walls[1].start[0] - left.walls[3].start[0] == pytest.approx(0.6 + 0.02)
     three, corridor = load_arena("three-walls"), load_arena("corridor")
     assert len(three.walls) == 3
     assert corridor.walls[:3] == three.walls

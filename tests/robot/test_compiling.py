@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,10 @@ import pytest
 import stepwell as sw
 from facts import refuses
 from stepwell.robot import (
+    CURVE,
+    STEPS,
     BehaviourRow,
+    LegNumbers,
     RobotBehaviour,
     RobotChoice,
     compile_behaviour,
@@ -18,7 +22,7 @@ from stepwell.robot import (
     rows_of,
 )
 from stepwell.robot.behaviour import Action, LegGait
-from stepwell.robot.behaviour_search import DesignSearch, pressed
+from stepwell.robot.behaviour_search import DesignSearch, PairSearch, pressed, row_margins
 from stepwell.robot.compiling import contradiction
 from stepwell.robot.gait_rules import Bands, GaitRules
 from stepwell.robot.stance import Leaning, leaning
@@ -206,3 +210,128 @@ def test_rules_hold_the_rail_friction_against_the_inner_cell():
     wiring = compiled().designs[0].places.wiring
     forward = [rows_of(compiled().behaviour, one, wiring)[0].force for one in (robot, rubbing)]
     assert forward[1] == pytest.approx(forward[0] - 0.05, abs=0.01)
+
+
+def follower(**given) -> RobotBehaviour:
+    """A table that no two equal legs have, with few holes."""
+    keys = {"pitch": 0.01, "inner_bands": (1, 2), "outer_bands": (1, 2), "directions": 2}
+    choice = replace(FEW, below=(0.001,), **keys | given)
+    return behaviour(("veer right", "any", "back left", "back left"), choice)
+
+
+@cache
+def unequal():
+    return compile_behaviour(follower(inner_bands=(2,)), samples=50)
+
+
+def every_pair(table: RobotBehaviour) -> dict[Any, float]:
+    """Smallest margin of all rows, for every pair of usable legs, one pair after another."""
+    choice, robot, margins = table.choice, table.robot, {}
+    rules = GaitRules.at_depth(robot, choice.below[0])
+    band = robot.legs[0].chain.levers[-1].bands[0]
+    holes = [np.array(one) for one in choice.holes]
+
+    def bands(cell: int, hole: Any, count: int) -> Bands:
+        d = hole - np.array(robot.legs[0].chain.levers[cell].bands[0].p)
+        return Bands(d[0], d[1], count * band.stiffness, band.rest_length, band.law)
+
+    moves, legs = np.array(choice.displacements[1]), []
+    for inner, outer in product(holes, holes):
+        for i, o in product(choice.inner_bands, choice.outer_bands):
+            rest, lifts = bands(0, inner, i), bands(1, outer, o)
+            moved = rest.displaced(*moves)
+            fall = all(rules.falling(one) for one in (rest, moved, lifts))
+            if fall and all(rules.returned(one, moves) for one in (rest, moved)):
+                key = LegNumbers(tuple(inner), tuple(outer), i, o)
+                legs.append((key, (rules.forces(rest, lifts), rules.forces(moved, lifts))))
+    for wiring in ((1, 0), (0, 1)):
+        rows = [(row.motion, pressed(table, wiring, row.contact)) for row in table.rows]
+        for (one, left), (other, right) in product(legs, legs):
+            margins[one, other, wiring] = float(row_margins(rules, rows, (left, right))[0].min())
+    return margins
+
+
+def test_bounds_leave_out_no_pair_of_legs_with_a_larger_margin():
+    table = follower(left=0.01, bottom=0.0, top=0.01, inner_bands=(2,))
+    margins = every_pair(table)
+    search = PairSearch(table)
+    assert search.run(10**9, None) == search.total == table.choice.pairs
+    found = {(*places.legs, places.wiring): places for places in search.best()}
+    best = sorted((margin for margin in margins.values() if margin > 0), reverse=True)
+    ours = sorted((margins[key] for key in found), reverse=True)
+    assert ours == pytest.approx(best[: len(ours)]) and len(ours) == min(len(best), 200)
+
+
+def test_a_table_that_is_not_its_mirror_image_has_legs_that_differ():
+    design = unequal().designs[0]
+    assert not unequal().equal_legs and design.places.right is not None
+    assert unequal().total == unequal().behaviour.choice.pairs
+    left, right = (leg.chain.levers[0].bands[0].q for leg in design.robot.legs)
+    assert (left, right) == tuple(one.inner for one in design.places.legs)
+    assert predicted_gaits(design.robot) == tuple(gait.states for gait in design.rows[0].gaits)
+    few = compile_behaviour(unequal().behaviour, most=1)
+    assert (few.decided, few.searched < few.total, few.designs) == (False, True, ())
+
+
+def test_a_curve_is_a_difference_of_steps_and_counts_in_the_yield():
+    choice = replace(FEW, below=(0.001,), directions=2, pitch=0.01)
+    table = behaviour(("curve right", "any", "turn left", "any"), choice)
+    found = compile_behaviour(table, samples=50)
+    design = found.designs[0]
+    rules = GaitRules(design.robot)
+    left, right = (
+        float(rules.step(*(bands_of(leg.chain.levers[i].bands[0]) for i in (0, 1))))
+        for leg in design.robot.legs
+    )
+    least, most = CURVE
+    assert least <= -rules.turn(left, right) <= most
+    assert all(gait == STEPS for gait in design.rows[0].gaits)
+    # The mirrored table has the mirrored designs.
+    other = PairSearch(behaviour(("curve left", "turn right", "any", "any"), choice))
+    assert other.run(10**9, None) == found.total and other.met == found.met
+
+
+def bands_of(band: Any) -> Bands:
+    dx, dy = band.d
+    return Bands(dx, dy, band.stiffness, band.rest_length, band.law)
+
+
+def test_one_touch_reverses_no_two_legs_and_both_antennas_turn_as_one_of_them():
+    # One antenna moves one leg; the order in which the other unloads stays as it is.
+    table = behaviour(("forward", "backward", "any", "any"))
+    assert not table.is_mirrored
+    assert contradiction(table) == ("free", "left")
+    # The right leg, displaced, would have to unload in both orders.
+    table = behaviour(("forward", "turn right", "turn left", "turn left"))
+    assert contradiction(table) == ("left", "both")
+    assert contradiction(behaviour(("forward", "any", "turn left", "turn left"))) == ()
+
+
+def test_the_smallest_conflict_of_unequal_legs_is_among_all_pairs():
+    table = follower(left=0.02, bottom=0.0, inner_bands=(1,), outer_bands=(1,), directions=1)
+    found = compile_behaviour(table)
+    assert found.searched == found.total and not found.designs and not found.proved
+    margins = every_pair(follower(left=0.02, bottom=0.0, inner_bands=(1,), outer_bands=(1,)))
+    assert max(margins.values(), default=-1.0) < 0
+    assert found.conflict
+
+
+def test_no_band_holds_an_anchor_displaced_that_it_returns_at_rest():
+    # The energy of a band that only pulls is convex along a straight displacement of its anchor:
+    # here from the energy itself, with anchors that need not be those of a bistable cell.
+    random = np.random.default_rng(4)
+    lever, rest, shares = 0.01414, 0.022, np.linspace(0.0, 1.0, 21)
+    law = sw.preset("robot-antennas").legs[0].chain.levers[0].bands[0].law
+    for _ in range(300):
+        dx, dy = random.uniform(-0.03, 0.03, 2)
+        x, y = random.uniform(-0.01, 0.01, 2)
+        theta = random.uniform(-0.78, 0.78)
+        along = lever * np.cos(theta) + dx - shares * x, lever * np.sin(theta) + dy - shares * y
+        energy = np.maximum(np.hypot(*along) - rest, 0.0) ** 2
+        slopes = np.diff(energy)
+        assert (np.diff(slopes) >= -1e-15).all()
+        band = Bands(dx, dy, 47.0, rest, law)
+        pulls = [
+            float(band.displaced(s * x, s * y).pull(theta, lever, (x, y))) for s in (0.0, 0.5, 1.0)
+        ]
+        assert pulls[0] <= pulls[1] + 1e-12 and pulls[1] <= pulls[2] + 1e-12

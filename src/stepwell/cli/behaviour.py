@@ -60,7 +60,7 @@ class FurtherTrials(Group):
 
 def compile_(
     behaviour: str = argument(
-        "Behaviour file (TOML), or its name: turn-away.",
+        "Behaviour file (TOML), or its name, such as turn-away.",
         "BEHAVIOUR",
         autocompletion=options.behaviours,
     ),

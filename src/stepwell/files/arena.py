@@ -434,5 +434,15 @@ def _texts() -> dict[str, str]:
     arena_files = (file for file in folder.iterdir() if file.name.endswith(_SUFFIXES))
     texts = {file.name.rpartition(".")[0]: file.read_text("utf-8") for file in arena_files}
     # From the empty floor to the hardest.
-    order = ("open", "wall", "cylinder", "pen", "three-walls", "corridor")
+    order = (
+        "open",
+        "wall",
+        "wall-ahead",
+        "long-wall",
+        "corner",
+        "cylinder",
+        "pen",
+        "three-walls",
+        "corridor",
+    )
     return {name: texts[name] for name in order} | texts

@@ -14,6 +14,7 @@ from stepwell.robot.arena import (
 )
 from stepwell.robot.behaviour import (
     BACKS,
+    CURVE,
     STEPS,
     Action,
     BehaviourRow,
@@ -21,7 +22,7 @@ from stepwell.robot.behaviour import (
     RobotBehaviour,
     RobotChoice,
 )
-from stepwell.robot.behaviour_search import ChosenNumbers, Displaced
+from stepwell.robot.behaviour_search import ChosenNumbers, Displaced, LegNumbers
 from stepwell.robot.compiling import (
     Compiled,
     CompiledDesign,
@@ -125,6 +126,7 @@ __all__ = [
     "Goal",
     "Leg",
     "LegGait",
+    "LegNumbers",
     "LegPrediction",
     "PartRole",
     "Patch",

@@ -15,6 +15,8 @@ from stepwell.robot.parts import Antenna
 from stepwell.robot.robot import Robot
 
 FREE, BOTH = "free", "both"
+# Turn in a cycle of a curve, in closed form [rad]; the simulation may deviate by about 1°.
+CURVE = (math.radians(2.5), math.radians(6.0))
 
 
 class LegGait(NamedTuple):
@@ -43,6 +45,10 @@ class Action(StrEnum):
     TURN_RIGHT = "turn right"
     VEER_LEFT = "veer left"
     VEER_RIGHT = "veer right"
+    CURVE_LEFT = "curve left"
+    CURVE_RIGHT = "curve right"
+    BACK_LEFT = "back left"
+    BACK_RIGHT = "back right"
     STOP = "stop"
     ANY = "any"
 
@@ -50,20 +56,31 @@ class Action(StrEnum):
     def gaits(self) -> tuple[tuple[LegGait, LegGait], ...]:
         """Gaits of the left and the right leg, in pairs of which any makes this motion.
 
-        A turn has one leg forward and one backward; while a robot veers, one leg is idle.
+        A turn has one leg forward and one backward. While a robot veers, one leg is idle and the
+        other steps forward; to go back to the left, the left one steps backward. In a curve both
+        step forward, one further than the other: see `curve`.
         """
         still = tuple(product(IDLE, IDLE))
         every = tuple(product((STEPS, BACKS, *IDLE), repeat=2))
         return {
             Action.FORWARD: ((STEPS, STEPS),),
+            Action.CURVE_LEFT: ((STEPS, STEPS),),
+            Action.CURVE_RIGHT: ((STEPS, STEPS),),
             Action.BACKWARD: ((BACKS, BACKS),),
             Action.TURN_LEFT: ((BACKS, STEPS),),
             Action.TURN_RIGHT: ((STEPS, BACKS),),
             Action.VEER_LEFT: tuple((idle, STEPS) for idle in IDLE),
             Action.VEER_RIGHT: tuple((STEPS, idle) for idle in IDLE),
+            Action.BACK_LEFT: tuple((BACKS, idle) for idle in IDLE),
+            Action.BACK_RIGHT: tuple((idle, BACKS) for idle in IDLE),
             Action.STOP: still,
             Action.ANY: every,
         }[self]
+
+    @property
+    def curve(self) -> int:
+        """+1 for a curve to the left, -1 to the right, 0 for any other motion."""
+        return (self is Action.CURVE_LEFT) - (self is Action.CURVE_RIGHT)
 
     @property
     def mirrored(self) -> Action:
@@ -160,6 +177,17 @@ class RobotChoice(ByValue):
         """Number of designs with two equal legs."""
         bands = len(self.inner_bands) * len(self.outer_bands) * max(len(self.bands), 1)
         return len(self.holes) ** 2 * len(self.displacements) * len(self.below) * bands
+
+    @property
+    def leg_designs(self) -> int:
+        """Number of designs of a leg with one type of band, depth and displacement."""
+        return len(self.holes) ** 2 * len(self.inner_bands) * len(self.outer_bands)
+
+    @property
+    def pairs(self) -> int:
+        """Number of designs with a left and a right leg that may differ."""
+        shared = len(self.displacements) * len(self.below) * max(len(self.bands), 1)
+        return self.leg_designs**2 * shared
 
 
 @dataclass(frozen=True, slots=True, eq=False)

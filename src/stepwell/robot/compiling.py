@@ -19,9 +19,11 @@ from stepwell.robot.behaviour_search import (
     DesignSearch,
     Displaced,
     Leg,
+    PairSearch,
     Pressed,
     Wiring,
     band_types,
+    curves,
     pressed,
     row_margins,
     wirings,
@@ -133,7 +135,13 @@ class Compiled(ByValue):
     @property
     def total(self) -> int:
         """Number of all designs of the choice."""
-        return self.behaviour.choice.designs
+        choice = self.behaviour.choice
+        return choice.designs if self.equal_legs else choice.pairs
+
+    @property
+    def equal_legs(self) -> bool:
+        """Whether designs with two equal legs were searched: the table is its mirror image."""
+        return self.behaviour.is_mirrored
 
     @property
     def force(self) -> float:
@@ -166,9 +174,11 @@ def compile_behaviour(
     most: int = MOST_DESIGNS,
     progress: Progress | None = None,
 ) -> Compiled:
-    """DesignSearch designs with two equal legs that have a behaviour, in closed form.
+    """Search designs of a robot that have a behaviour, in closed form.
 
-    All designs of the choice are evaluated by `GaitRules`. Those of the largest margins are
+    If the table is its own mirror image, both legs are equal, and all designs of the choice are
+    evaluated by `GaitRules`. Otherwise the legs may differ, and pairs of legs are evaluated whose
+    bound is above the margins that were found, see `PairSearch`. Designs of the largest margins are
     sampled within tolerances and ordered by yield. Nothing is simulated here:
     `stepwell.simulation.behaviour_trials` walks a design through all rows.
 
@@ -185,12 +195,13 @@ def compile_behaviour(
     """
     check.whole("samples", samples, 1)
     check.whole("most", most, 1)
-    conflict, search = contradiction(behaviour), DesignSearch(behaviour)
-    proved = bool(conflict)
+    conflict = contradiction(behaviour)
+    search = (DesignSearch if behaviour.is_mirrored else PairSearch)(behaviour)
+    proved, total = bool(conflict), search.total
     searched = 0 if proved else search.run(most, progress)
     designs = [_designed(behaviour, one, tolerances, samples, seed) for one in search.best()]
     designs.sort(key=_rank)
-    if not proved and not designs and searched == behaviour.choice.designs:
+    if not proved and not designs and searched == total:
         conflict = search.conflict()
     return Compiled(
         behaviour,
@@ -212,11 +223,12 @@ def _rank(design: CompiledDesign) -> tuple[bool, int, float]:
 
 
 def contradiction(behaviour: RobotBehaviour) -> tuple[str, ...]:
-    """Contacts of the fewest rows that exclude each other for all designs with equal legs.
+    """Contacts of the fewest rows that exclude each other for all designs.
 
-    Which cell of a leg moves first while unloading depends on this leg and its own antenna alone:
-    then its foot is in the air, so no weight of the body is on it. Rows that need both orders
-    exclude each other.
+    Both legs are equal if the table is its own mirror image; otherwise they may differ. Which cell
+    of a leg moves first while unloading depends on this leg and its own antenna alone: then its
+    foot is in the air, so no weight of the body is on it. Rows that need both orders exclude each
+    other.
     """
     rows = behaviour.rows
     for size in range(1, len(rows) + 1):
@@ -227,14 +239,14 @@ def contradiction(behaviour: RobotBehaviour) -> tuple[str, ...]:
 
 
 def _consistent(behaviour: RobotBehaviour, wiring: Wiring, rows: Sequence[BehaviourRow]) -> bool:
-    """Whether the unloading orders of some rows agree, for equal legs."""
+    """Whether the unloading orders of some rows agree, of each leg or of two equal ones."""
     moved = [pressed(behaviour, wiring, row.contact) for row in rows]
     for gaits in product(*(row.motion.gaits for row in rows)):
-        order: dict[bool, bool] = {}
+        order: dict[tuple[int, bool], bool] = {}
         orders = [
-            (at, gait.unloading)
+            ((0 if behaviour.is_mirrored else side, at), gait.unloading)
             for pair, legs in zip(gaits, moved, strict=True)
-            for gait, at in zip(pair, legs, strict=True)
+            for side, (gait, at) in enumerate(zip(pair, legs, strict=True))
         ]
         if all(order.setdefault(at, unloading) == unloading for at, unloading in orders):
             return True
@@ -249,27 +261,38 @@ class _Numbers(NamedTuple):
     rest: Floats  # (m, 4) [m]
 
 
-def _legs(robot: Robot, rules: GaitRules, numbers: _Numbers) -> tuple[Leg, Leg]:
-    """Forces of m variants of both legs, at rest and with their anchors displaced."""
-    law, moves = robot.legs[0].chain.levers[0].bands[0].law, robot.antennas[0].moves
-    d, k, rest = numbers
-    cells = [Bands(d[:, i, 0], d[:, i, 1], k[:, i], rest[:, i], law) for i in range(4)]
-    left, right = (
-        (rules.forces(inner, outer), rules.forces(inner.displaced(*moves), outer))
-        for inner, outer in (cells[:2], cells[2:])
-    )
-    return left, right
+class _Variants(NamedTuple):
+    """Left and right legs of m variants of a robot, at rest and with their anchors displaced."""
 
+    forces: tuple[Leg, Leg]
+    steps: tuple[tuple[Floats, Floats], tuple[Floats, Floats]]  # parts of a forward step [1]
 
-def _margins(
-    behaviour: RobotBehaviour, wiring: Wiring, rules: GaitRules, legs: tuple[Leg, Leg]
-) -> tuple[Floats, list[Any]]:
-    rows = [(row.motion, pressed(behaviour, wiring, row.contact)) for row in behaviour.rows]
-    return row_margins(rules, rows, legs)
+    @classmethod
+    def of(cls, robot: Robot, rules: GaitRules, numbers: _Numbers) -> _Variants:
+        """Variants with the bands of `numbers`, and the antennas of the robot."""
+        law, moves = robot.legs[0].chain.levers[0].bands[0].law, robot.antennas[0].moves
+        d, k, rest = numbers
+        cells = [Bands(d[:, i, 0], d[:, i, 1], k[:, i], rest[:, i], law) for i in range(4)]
+        (left, left_moved), (right, right_moved) = (
+            ((inner, outer), (inner.displaced(*moves), outer))
+            for inner, outer in (cells[:2], cells[2:])
+        )
+        forces, step = rules.forces, rules.step
+        return cls(
+            ((forces(*left), forces(*left_moved)), (forces(*right), forces(*right_moved))),
+            ((step(*left), step(*left_moved)), (step(*right), step(*right_moved))),
+        )
+
+    def margins(
+        self, behaviour: RobotBehaviour, wiring: Wiring, rules: GaitRules
+    ) -> tuple[Floats, list[Any], Any]:
+        """Margins of all rows (R, m) [N], numbers of their gaits, and whether they have a curve."""
+        rows = [(row.motion, pressed(behaviour, wiring, row.contact)) for row in behaviour.rows]
+        return *row_margins(rules, rows, self.forces), curves(rules, rows, *self.steps)
 
 
 def rows_of(behaviour: RobotBehaviour, robot: Robot, wiring: Wiring) -> tuple[RowMargin, ...]:
-    """Margins of all rows of a table for a robot of two equal legs, with antennas wired so."""
+    """Margins of all rows of a table for a robot, with antennas wired so."""
     numbers = _numbers(_cells(robot))
     # The nominal robot, then each coordinate of each cell's q - p a little further.
     nudged = np.repeat(numbers.d, 9, axis=0)
@@ -277,8 +300,8 @@ def rows_of(behaviour: RobotBehaviour, robot: Robot, wiring: Wiring) -> tuple[Ro
         nudged[i, cell, axis] += NUDGE
     variants = _Numbers(nudged, *(np.repeat(one, 9, axis=0) for one in numbers[1:]))
     rules = GaitRules(robot)
-    legs = _legs(robot, rules, variants)
-    force, which = _margins(behaviour, wiring, rules, legs)
+    legs = _Variants.of(robot, rules, variants)
+    force, which, _ = legs.margins(behaviour, wiring, rules)
     slopes = (force[:, 1:] - force[:, :1]).reshape(-1, 4, 2) / NUDGE
     steepest = np.hypot(slopes[..., 0], slopes[..., 1]).max(axis=1)
     return tuple(
@@ -287,7 +310,7 @@ def rows_of(behaviour: RobotBehaviour, robot: Robot, wiring: Wiring) -> tuple[Ro
             row.motion.gaits[int(best[0])],
             float(now),
             float(now / slope) if slope > 0.0 else math.inf,
-            _orders(rules, legs, pressed(behaviour, wiring, row.contact)),
+            _orders(rules, legs.forces, pressed(behaviour, wiring, row.contact)),
         )
         for row, best, now, slope in zip(behaviour.rows, which, force[:, 0], steepest, strict=True)
     )
@@ -336,36 +359,37 @@ def _designed(
         assert sampled is not None, "a chain of four cells with bands"
         bands = sampled.bands
         numbers = _Numbers(bands[..., :2], bands[..., 2], bands[..., 3])
-        margins, _ = _margins(behaviour, places.wiring, rules, _legs(robot, rules, numbers))
-        right += int((margins > 0.0).all(axis=0).sum())
+        variants = _Variants.of(robot, rules, numbers)
+        margins, _, curved = variants.margins(behaviour, places.wiring, rules)
+        right += int(((margins > 0.0) & curved).all(axis=0).sum())
     rows = rows_of(behaviour, robot, places.wiring)
-    inner, outer, moved = _bands_of(robot)
-    # The step of the legs that step forward: at rest, or only with their anchors displaced.
-    at = [
-        moved if displaced else inner
+    # The steps of the legs that step forward: at rest, or only with their anchors displaced.
+    legs = [_bands_of(robot, side) for side in (0, 1)]
+    steps = [
+        float(rules.step(moved if displaced else inner, outer))
         for row in rows
-        for gait, displaced in zip(
-            row.gaits, pressed(behaviour, places.wiring, row.row.contact), strict=True
+        for gait, displaced, (inner, outer, moved) in zip(
+            row.gaits, pressed(behaviour, places.wiring, row.row.contact), legs, strict=True
         )
         if gait == STEPS and row.row.motion is not Action.ANY
     ]
-    step = min((rules.step(one, outer) for one in at), default=math.nan)
+    tip = max(_tip_force(robot, rules, moved) for _, _, moved in legs)
     built = fraction_of(right, samples)
-    return CompiledDesign(robot, places, rows, built, step, _tip_force(robot, rules))
+    return CompiledDesign(robot, places, rows, built, min(steps, default=math.nan), tip)
 
 
-def _bands_of(robot: Robot) -> tuple[Bands, Bands, Bands]:
+def _bands_of(robot: Robot, side: int) -> tuple[Bands, Bands, Bands]:
     """Bands of the inner and of the outer cell of a leg, and of the inner one displaced."""
-    cells = _cells(robot)[:2]
+    cells = _cells(robot)[2 * side : 2 * side + 2]
     (d,), (k,), (rest,) = _numbers(cells)
     law = cells[0].bands[0].law
     inner, outer = (Bands(d[i, 0], d[i, 1], k[i], rest[i], law) for i in range(2))
     return inner, outer, inner.displaced(*robot.antennas[0].moves)
 
 
-def _tip_force(robot: Robot, rules: GaitRules) -> float:
-    """Largest force at the tip of an antenna that its band resists with [N]."""
-    antenna, bands = robot.antennas[0], _bands_of(robot)[2]
+def _tip_force(robot: Robot, rules: GaitRules, bands: Bands) -> float:
+    """Largest force at the tip of an antenna that a displaced band resists with [N]."""
+    antenna = robot.antennas[0]
     angles = np.linspace(-rules.limit, rules.limit, _LOOKS)
     moves = np.array(antenna.moves)
     pull = max(float(bands.pull(angle, rules.lever, moves)) for angle in angles)
@@ -375,13 +399,13 @@ def _tip_force(robot: Robot, rules: GaitRules) -> float:
 def robot_of(behaviour: RobotBehaviour, places: ChosenNumbers) -> Robot:
     """The robot of a behaviour with chosen numbers; its antennas keep their gearing."""
     base, band = behaviour.robot, places.band
-    anchors = (places.inner, places.outer)
-    counts = (places.inner_bands, places.outer_bands)
     legs = []
     for leg in base.legs:
+        own = places.legs[leg.side < 0]
+        anchors = (own.inner, own.inner_bands), (own.outer, own.outer_bands)
         cells = [
             replace(cell, band=band.between(cell.bands[0].p, q, count))
-            for cell, q, count in zip(leg.chain.levers, anchors, counts, strict=True)
+            for cell, (q, count) in zip(leg.chain.levers, anchors, strict=True)
         ]
         legs.append(replace(leg, chain=replace(leg.chain, cells=tuple(cells))))
     sides = {int(leg.side < 0): leg.name for leg in base.legs}

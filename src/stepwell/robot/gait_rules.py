@@ -89,6 +89,8 @@ class GaitRules:
         self._edge = edge = touch(robot)
         self.lever, self.limit = cell.lever, cell.limit
         self.touching = float(cell.angle(edge))
+        self.travel, places = cell.full_travel, [leg.at[1] for leg in robot.legs]
+        self.track = max(places) - min(places)
         self.leaning = Leaning.of(robot)
         self.own = foot.mass * robot.floor.gravity
         self.arms = float(foot.lever(edge)), float(foot.lever(cell.full_travel))
@@ -121,26 +123,50 @@ class GaitRules:
         weight = np.moveaxis(self.leaning.force(lacks), -1, 0)
         return tuple(self._gaps(*each) for each in zip(legs, weight, strict=True))
 
+    def limits(self, leg: LegForces, side: int) -> tuple[Floats, Floats, Floats]:
+        """Gaps of one leg whatever the other leg is: L - F0 at the least and most weight, F1 - U.
+
+        The weight on its foot is between these two for every other leg, and L falls as it rises.
+        `side` is 0 for the left leg, 1 for the right one.
+        """
+        ends = self.leaning.least[side], self.leaning.most[side]
+        (light, unloading), (heavy, _) = (self._gaps(leg, np.array(one)) for one in ends)
+        return light, heavy, unloading
+
     def _gaps(self, leg: LegForces, weight: Floats) -> tuple[Floats, Floats]:
         # `Stance.push` is the force by which the floor opens the outer cell as loading begins.
         opens = leg.outer_0 - self._stance.push(weight, 0.0, 0.0, 1)
         loading = np.maximum(leg.lifted, opens) - (leg.inner_0 + self.rail)
         return loading, leg.inner_1 - self.rail - leg.outer_1
 
-    def step(self, inner: Bands, outer: Bands) -> float:
-        """Part of a forward step after the foot grips [1], for one leg in a table of equal legs.
+    def step(self, inner: Bands, outer: Bands) -> Floats:
+        """Part of a forward step after the foot grips [1], if both feet carry the same weight.
 
         The foot slides as the inner cell moves, until the force of that cell has fallen to the
         force at which the weight closes the outer cell; from there on the foot drives the body.
         """
         angles = np.linspace(-self.limit, self.limit, _LOOKS)
-        forces = np.array([float(inner.force(angle, self.lever)) for angle in angles])
-        opens = float(outer.force(self.touching, self.lever))
+        opens = outer.force(self.touching, self.lever)
         weight = self.leaning.even[:1]
         grips = opens - float(self._stance.push(weight, self._edge, 0.0, 1)[0])
-        # Forces fall along travel; `interp` needs rising ones.
-        at = float(np.interp(-grips, -forces, np.sin(angles)))
-        return (1.0 - at / math.sin(self.limit)) / 2.0
+        forces = [inner.force(angle, self.lever) for angle in angles]
+        forces = np.stack(np.broadcast_arrays(*forces, grips)[:-1])
+        # Forces fall along travel: the foot grips between the last one above `grips` and the next.
+        after = np.clip((forces > grips).sum(axis=0), 1, _LOOKS - 1)
+        above, below = (np.take_along_axis(forces, (after - k)[None], axis=0)[0] for k in (1, 0))
+        # Rubber with a plateau has equal forces; then the foot grips at once.
+        with np.errstate(divide="ignore", invalid="ignore"):
+            part = np.nan_to_num(np.clip((above - grips) / (above - below), 0.0, 1.0))
+        sines = np.sin(angles)
+        at = sines[after - 1] + part * (sines[after] - sines[after - 1])
+        return np.asarray((1.0 - at / math.sin(self.limit)) / 2.0)
+
+    def turn(self, left: Any, right: Any) -> Any:
+        """Turn in a cycle [rad], to the left, of two legs that step forward by unequal parts.
+
+        `left` and `right` are the parts of `step`; the longer step turns the robot away.
+        """
+        return (right - left) * self.travel / self.track
 
     def falling(self, bands: Bands) -> Bools:
         """Whether the force of cells falls along all of their travel, as the rules assume."""

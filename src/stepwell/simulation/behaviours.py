@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from stepwell.base import ByValue, Drawn, Progress, notify
 from stepwell.robot import (
+    CURVE,
     TURNS,
     WALKS,
     Action,
@@ -25,6 +26,8 @@ from stepwell.simulation.simulator import Settings
 from stepwell.simulation.sweeps import Trial, sweep
 
 CYCLES = 4
+# Turn in a cycle of a curve in the simulation [rad]: that of the closed form, and 1° more or less.
+CURVES = (CURVE[0] - math.radians(1.0), CURVE[1] + math.radians(1.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,7 +46,8 @@ class RowTrial(ByValue):
 def moves_as(action: Action, trial: Trial) -> bool:
     """Whether the mean motion per cycle is that of an action.
 
-    A robot walks from 0.1 u_max per cycle on, and turns from 3° per cycle on.
+    A robot walks from 0.1 u_max per cycle on, and turns from 3° per cycle on. A curve is a walk
+    that turns by 1.5° to 7° per cycle.
     """
     if trial.stopped or not math.isfinite(trial.advance):
         return False
@@ -51,10 +55,14 @@ def moves_as(action: Action, trial: Trial) -> bool:
     side = (trial.turn > TURNS) - (trial.turn < -TURNS)
     if action is Action.ANY:
         return True
+    if action.curve:
+        return way > 0 and CURVES[0] <= action.curve * trial.turn <= CURVES[1]
     if action in (Action.TURN_LEFT, Action.VEER_LEFT):
         return side > 0
     if action in (Action.TURN_RIGHT, Action.VEER_RIGHT):
         return side < 0
+    if action in (Action.BACK_LEFT, Action.BACK_RIGHT):
+        return way < 0 and (side > 0) == (action is Action.BACK_LEFT) and side != 0
     wanted = {Action.FORWARD: 1, Action.BACKWARD: -1, Action.STOP: 0}
     return not side and way == wanted[action]
 

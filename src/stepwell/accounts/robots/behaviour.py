@@ -57,6 +57,12 @@ _PLACES: Schema = (
         stiffness=("N/m", "places.band.stiffness"), rest_length=("mm", "places.band.rest_length")
     ),
 )
+_RIGHT: Schema = (
+    Quantity("inner", "mm", "right inner q", holds=[float]),
+    Quantity("outer", "mm", "right outer q", holds=[float]),
+    Quantity("inner_bands", head="right inner bands", holds=int, left=False),
+    Quantity("outer_bands", head="right outer bands", holds=int, left=False),
+)
 _DESIGN: Schema = (
     *_PLACES,
     Quantity("margin", "mN", "margin", form=3, holds=float),
@@ -67,6 +73,8 @@ _DESIGN: Schema = (
     *keys(fraction_low=(float, "built.low"), fraction_high=(float, "built.high")),
     Quantity("step", "over_u_max", "step", form=".2f", holds=float, none="none"),
     *keys(tip_force="mN"),
+    # Numbers of the right leg, if they are not those of the left one.
+    Quantity("right", read="places.right", holds=_RIGHT, missing=True),
 )
 _DISPLACED: Schema = (
     Quantity("moves", "mm", "displacement", holds=float),
@@ -98,6 +106,7 @@ COMPILE: Schema = (
         keys(decided=bool, searched=int, total=int, met=int, conflict=[str], proved=bool),
         "compiled",
     ),
+    *keys(equal_legs=(bool, "compiled.equal_legs")),
     *keys(verified=bool, simulated=(int, lambda result: len(result.trials))),
     *keys(
         relative=("N", "compiled.force"),
@@ -144,7 +153,7 @@ def compiled_robot_account(result: CompiledRobot, about: About) -> Account:
     title = compiled.behaviour.title or "A compiled behaviour"
     searched = f"{compiled.searched:,} of {compiled.total:,}"
     facts = [
-        Fact("Designs evaluated", searched),
+        Fact("Designs evaluated" if compiled.equal_legs else "Pairs of legs decided", searched),
         Fact("Designs with all rows", f"{compiled.met:,}", FULL),
     ]
     sections: dict[str, Any] = {}
@@ -153,16 +162,20 @@ def compiled_robot_account(result: CompiledRobot, about: About) -> Account:
         facts += _design_facts(result, design)
         sections |= _design_sections(result)
         warned += _warnings(result)
-    sections["Displacements and bands"] = RecordTable(
-        _DISPLACED,
-        "displaced",
-        "Bound: half of the smaller change of F0 and of F1 of the inner cell by the displacement. "
-        "A leg that changes from forward to backward has no larger margin at fixed thresholds.",
-        more="rows",
-    )
-    sections["Assumptions"] = parts.Notes(_ASSUMPTIONS, FULL)
+    if compiled.equal_legs:
+        about_bound = (
+            "Bound: half of the smaller change of F0 and of F1 of the inner cell by the "
+            "displacement. A leg that changes from forward to backward has no larger margin at "
+            "fixed thresholds."
+        )
+        sections["Displacements and bands"] = RecordTable(
+            _DISPLACED, "displaced", about_bound, more="rows"
+        )
+    legs = "two equal legs" if compiled.equal_legs else "pairs of legs"
+    first = _EQUAL if compiled.equal_legs else _UNEQUAL
+    sections["Assumptions"] = parts.Notes((first, *_ASSUMPTIONS), FULL)
     hints = ["`--most N` evaluates up to N designs."] * (not compiled.decided)
-    origin = "Found in closed form among two equal legs, then simulated."
+    origin = f"Found in closed form among {legs}, then simulated."
     return Account(
         result,
         title,
@@ -178,8 +191,12 @@ def compiled_robot_account(result: CompiledRobot, about: About) -> Account:
     )
 
 
+_EQUAL = "Both legs are equal, and their cells have negative stiffness at every angle."
+_UNEQUAL = (
+    "Both legs have the same displacement by antennas, foot depth and type of band; their cells "
+    "have negative stiffness at every angle."
+)
 _ASSUMPTIONS = (
-    "Both legs are equal, and their cells have negative stiffness at every angle.",
     "The order of the cells follows from forces at the stops and the weight on each foot.",
     "A contact displaces the anchor fully; the band returns it at every angle.",
     "Samples have equal bands on one cell with one common deviation.",
@@ -195,16 +212,26 @@ def _answer(result: CompiledRobot) -> str:
         rows = {row.contact: row.motion for row in compiled.behaviour.rows}
         some = ", ".join(f"{contact}: {rows[contact]}" for contact in compiled.conflict)
         if compiled.proved:
-            return f"No two equal legs have together: {some}. This is proved for every anchor"
+            legs = "No two equal legs have" if compiled.equal_legs else "No two legs have"
+            return f"{legs} together: {some}. This is proved for every anchor"
         return f"None of {counted(compiled.total, 'design')} has together: {some}"
-    q = (", ".join(number(to_unit(one, "mm")) for one in at) for at in design.places[:3])
-    inner, outer, moves = q
-    text = f"q = ({inner}) mm inner, ({outer}) mm outer, displacement ({moves}) mm"
+    text = f"{_anchors(design.places)}, displacement {_point(design.places.moves)} mm"
     if not result.trials:
         return f"{text}: all rows in closed form, not simulated"
     if result.verified:
         return f"{text}: all rows, also in simulation"
     return f"{text}: all rows in closed form, but in none of {len(result.trials)} simulated designs"
+
+
+def _point(at: base.Vec2) -> str:
+    return f"({', '.join(number(to_unit(one, 'mm')) for one in at)})"
+
+
+def _anchors(places: ChosenNumbers) -> str:
+    texts = [f"{_point(one.inner)} mm inner, {_point(one.outer)} mm outer" for one in places.legs]
+    if places.right is None:
+        return f"q = {texts[0]}"
+    return f"left q = {texts[0]}, right q = {texts[1]}"
 
 
 def _design_facts(result: CompiledRobot, design: CompiledDesign) -> list[Fact]:
@@ -230,7 +257,10 @@ def _design_facts(result: CompiledRobot, design: CompiledDesign) -> list[Fact]:
 def _bands(places: ChosenNumbers) -> str:
     band = places.band
     kind = f"{number(band.stiffness)} N/m, {amount(band.rest_length, 'm')}"
-    return f"{places.inner_bands} inner, {places.outer_bands} outer, each {kind}"
+    counts = [f"{one.inner_bands} inner, {one.outer_bands} outer" for one in places.legs]
+    if places.right is None:
+        return f"{counts[0]}, each {kind}"
+    return f"left {counts[0]}, right {counts[1]}, each {kind}"
 
 
 def _gearing(gear: float, swing: float, force: float) -> str:
@@ -276,7 +306,8 @@ def _design_sections(result: CompiledRobot) -> dict[str, Any]:
         mass = amount(result.made.mass, "kg")
         about = f"The same robot with the masses of its parts, {mass}. Rail friction is as given."
         sections["As made"] = _table(result.made_rows, result.made_trials, about)
-    columns = (*_PLACES[:6], _DESIGN[8], _DESIGN[10], _DESIGN[13])
+    right = () if compiled.equal_legs else [_of_right(one) for one in _RIGHT]
+    columns = (*_PLACES[:4], *right, *_PLACES[4:6], _DESIGN[8], _DESIGN[10], _DESIGN[13])
     sections["Alternatives"] = RecordTable(
         columns,
         recorded(_DESIGN, compiled.designs),
@@ -284,6 +315,15 @@ def _design_sections(result: CompiledRobot) -> dict[str, Any]:
         more="designs",
     )
     return {**sections, **parameter_section(result.robot)}
+
+
+def _of_right(quantity: Quantity) -> base.Column:
+    """A column of the right leg; a right leg without own numbers has those of the left one."""
+
+    def cell(row: Row) -> str:
+        return quantity.cell(row if row["right"] is None else row["right"])
+
+    return base.Column(quantity.heading, cell, quantity.left is False)
 
 
 def _warnings(result: CompiledRobot) -> list[parts.Warned]:
