@@ -1,6 +1,7 @@
 """Paths proved in ball arithmetic, against the engine and against wrong answers."""
 
 import json
+import math
 from collections import Counter
 from dataclasses import replace
 
@@ -13,6 +14,10 @@ from accounts.schemas import violations
 from stepwell.accounts import account
 from stepwell.design import Run
 from stepwell.proof import PathProof, ProvedRun, Theorem, prove
+from stepwell.proof.balls import ball
+from stepwell.proof.tube import Tube
+from stepwell.proof.walk import EnclosedWalk
+from stepwell.statics import Configuration, problem_of
 
 # Presets with a cycle that is proved from beginning to end.
 PROVED = (
@@ -147,3 +152,32 @@ def test_a_kink_behind_the_start_of_a_snap_is_seen():
     outer = sw.Cell(second, 0.0193103885, 0.67730528, load=load, unusual=True)
     proof = sw.Chain([inner, outer]).cycle().path.prove()
     assert proof.proved and any(event.theorem for event in proof.events)
+
+
+def test_landings_of_flows_of_several_cells_are_enclosed():
+    # One snap of three falling cells, one that begins with two rising ones, and one from a fold.
+    for seed in (23, 51, 54):
+        rng = np.random.default_rng([41, seed])
+        chain = chains.any_chain(rng, int(rng.integers(2, 7)), friction=False)
+        proof = chain.cycle().path.prove()
+        flows = [one for one in proof.events if one.theorem is Theorem.FLOW]
+        assert proof.proved and flows and proof.worst_error < 1e-13
+        moved = [_moved(one.event, 1e-9) for one in flows]
+        for one, claim in zip(flows, moved, strict=True):
+            claims = list(proof.path.events)
+            claims[one.number] = claim
+            assert not prove(proof.path, claims=claims).proved
+            break
+
+
+def _moved(event: sw.statics.Event, by: float) -> sw.statics.Event:
+    return replace(event, after=(event.after[0] + by, *event.after[1:]))
+
+
+def test_a_tube_of_unknown_radius_covers_the_whole_travel():
+    chain = sw.preset("three-wave")
+    walk = EnclosedWalk(chain, problem_of(chain))
+    walk.stand_at(Configuration((0.0,) * 3, (0,) * 3), 0.0)
+    tube = Tube(walk, {0: ball(0.001), 1: ball(0.002)})
+    around = tube.around({0: ball(0.001)}, ball(math.nan))
+    assert around[0].contains(walk.cells[0].low) and around[0].contains(walk.cells[0].high)

@@ -11,6 +11,7 @@ from functools import reduce
 
 from stepwell.proof import balls
 from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull, low
+from stepwell.proof.tube import follow
 from stepwell.proof.walk import FREE, HELD, EnclosedWalk, Stand
 
 # Steps as a fraction of the shortest time scale 1/(m |κ|), one after the other where a flow is not
@@ -26,7 +27,14 @@ def land(walk: EnclosedWalk, places: dict[int, Ball]) -> None:
     Raises:
         UndecidedError: its landing is not proved.
     """
-    cause = UndecidedError("the flow of a snap")
+    stands = [replace(stand) for stand in walk.stands]
+    try:
+        follow(walk, places)
+        return
+    except UndecidedError as why:
+        walk.stands, cause = stands, why
+        if not any(cell.rubs for cell in walk.cells):
+            raise
     for step in _STEPS:
         stands = [replace(stand) for stand in walk.stands]
         try:
@@ -319,7 +327,7 @@ class EnclosedFlow:
         rest = self._rest()
         radius = ball(0.0)
         for i, s in self.s.items():
-            radius = radius + (s - rest[i]) ** 2 / self.mobility[i]
+            radius = radius + (s - rest[i]) * (s - rest[i]) / self.mobility[i]
         radius = high(high(radius).sqrt())
         near = {i: rest[i] + radius * self.mobility[i].sqrt() * ball(0.0, 1.0) for i in rest}
         if any(not cells[i].law(s)[1] > 0 or self._touches(i, s) for i, s in near.items()):

@@ -2,11 +2,14 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import reduce
 
 from stepwell.proof import balls
 from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull, low
 from stepwell.proof.flow import land
+from stepwell.proof.leaving import leave
+from stepwell.proof.tube import follow
 from stepwell.proof.walk import FOLD, FREE, HELD, TURN, Enclosed, EnclosedWalk, Stand, _root
 
 LINE, RISING, RACE, FLOW = "line", "rising", "race", "flow"
@@ -59,9 +62,20 @@ def _land(walk: EnclosedWalk, direction: int, leader: int, others: list[int]) ->
     if walk.dead or not others or (walk.rigid and len(others) == 1):
         partner = others[0] if others and walk.rigid else -1
         return _along_line(walk, direction, leader, partner)
-    if all(walk.branch(i).sign > 0 for i in others):
-        return _behind_rising(walk, direction, leader, others)
-    raise UndecidedError(f"the landing of a snap in which {1 + len(others)} cells move")
+    stands = [replace(stand) for stand in walk.stands]
+    try:
+        if all(walk.branch(i).sign > 0 for i in others):
+            return _behind_rising(walk, direction, leader, others)
+    except UndecidedError:
+        if not walk.rigid:
+            raise
+    if not walk.rigid:
+        raise UndecidedError(f"the landing of a snap in which {1 + len(others)} cells move")
+    walk.stands = stands
+    _without_range(walk)
+    follow(walk, *leave(walk, direction, leader))
+    _settle(walk)
+    return FLOW
 
 
 def _released(walk: EnclosedWalk, moves, force, direction) -> Ball | None:

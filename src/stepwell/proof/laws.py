@@ -13,6 +13,8 @@ from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple
 
+from flint import arb_series  # pyright: ignore[reportMissingImports]
+
 from stepwell import mechanism as mech
 from stepwell.base import Floats
 from stepwell.mechanism import Laws
@@ -86,6 +88,12 @@ class EnclosedCurve:
             scale * (2 * c2 + 6 * c3 * x),
         )
 
+    def series(self, k: int, e: Any) -> Any:
+        """T on a row as a power series, by that of the extension."""
+        x0, c0, c1, c2, c3 = self._rows[k]
+        x = e - x0
+        return self._k * (c0 + x * (c1 + x * (c2 + x * c3)))
+
     def tension(self, e: Any) -> Any:
         """T alone, of a ball or of one with slopes."""
         if not isinstance(e, Sloped):
@@ -153,6 +161,22 @@ class EnclosedBand:
         bend = first * (t2 * square + 3 * h * (g1 - square)) + ratio * g2
         return ratio * g, h * first * g + ratio * g1, bend, one < two
 
+    def taylor(self, sin: Any, cos: Any, s: tuple[Ball, Ball]) -> Any:
+        """F as a power series, by those of sin and cos; None at a joint of the law.
+
+        Args:
+            sin, cos: power series.
+            s: balls of sin and cos.
+        """
+        one, two = self.curve.rows_at(self.reach(*s).length - self._rest)
+        if one < two:
+            return None
+        dx, dy = self._dx, self._dy
+        if one < 0:
+            return sin * 0
+        length = (2 * self._r * (dx * cos + dy * sin) + self._square).sqrt()
+        return self.curve.series(one, length - self._rest) * (dy - dx * (sin / cos)) / length
+
     def force(self, sin: Any, cos: Any) -> Any:
         """F alone, with slopes where numbers have them."""
         length, g, _, _ = self.reach(sin, cos)
@@ -208,6 +232,25 @@ class EnclosedCell:
         """F [N], κ [N/m] and dκ/ds [N/m²] in a ball; for `lean` see `EnclosedCurve.at`."""
         force, slope, bend, _ = self._law(s, lean)
         return force, slope, bend
+
+    def taylor(self, s: Ball, degree: int) -> list[Ball] | None:
+        """Taylor coefficients of F by travel, over a ball of it; None where it holds a joint."""
+        at = arb_series([s, 1], degree + 1)
+        total = at * 0
+        if self._lever is not None:
+            sin = at / self._lever - self._sine
+            cos = (1 - sin * sin).sqrt()
+            for band in self._bands:
+                more = band.taylor(sin, cos, self._turned(s))
+                if more is None:
+                    return None
+                total = total + more
+        if self._load is not None:
+            one, two = self._load.rows_at(s)
+            if one < two:
+                return None
+            total = total + self._load.series(one, at)
+        return [total[k] for k in range(degree + 1)]
 
     def law_on(self, branch: MonotoneBranch, s: Ball) -> tuple[Ball, Ball, Ball]:
         """`law` over a ball of travel on a branch, with the slopes of that branch at its ends."""
