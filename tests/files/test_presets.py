@@ -49,6 +49,8 @@ def unit_cell(qx: float, qy: float) -> Cell:
 
 
 MACHINES = ("finger-selector", "combination-lock", "used-before", "countdown", "metachronal-wave")
+# What these promise is held in tests/sequences/test_machines.py.
+STATE_MACHINES = ("second-touch", "two-point-gate", "lock-with-alarm", "stiffness-gripper")
 
 
 def test_every_preset_is_promised_something_here():
@@ -56,6 +58,7 @@ def test_every_preset_is_promised_something_here():
     chains = cells | {"paper-identical"} | PATHWAYS.keys() | SEQUENCES.keys()
     # What the machines promise is held in tests/design/test_gallery.py.
     promised = chains | set(ROBOTS) | set(MACHINES)
+    promised |= set(STATE_MACHINES)
     assert set(NAMES) == promised, "say above what the preset promises"
 
 

@@ -122,8 +122,10 @@ def program(
     target: Target = None,
     robust: options.Robust = None,
     machine: str | None = option(
-        "State machine or regular language (TOML): search turning points of its inputs instead.",
-        "--machine FILE",
+        "State machine or regular language (TOML), or one of the package, such as second-touch: "
+        "search turning points of its inputs instead.",
+        "--machine FILE|NAME",
+        autocompletion=options.machines,
     ),
     *,
     output: options.Output,
@@ -160,10 +162,10 @@ def program(
 
 def realised(chain: sw.Chain, machine: str) -> Realisation:
     """The realisation of the machine in a file; raises `Unreachable` if there is none."""
-    from stepwell.sequences import Machine, realise
+    from stepwell.sequences import realise
 
     with screen.usable("--machine", sw.Unreachable):
-        return realise(chain, Machine.parse(sw.files.text_of(machine)))
+        return realise(chain, sw.files.load_machine(machine))
 
 
 class MotionOptions(options.Group):

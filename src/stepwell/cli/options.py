@@ -45,6 +45,11 @@ def behaviours(incomplete: str) -> list[str]:
     return [*_begun(sw.files.behaviours(), incomplete), *_files(incomplete, ".toml")]
 
 
+def machines(incomplete: str) -> list[str]:
+    """State machines with this beginning, and files."""
+    return [*_begun(sw.files.machines(), incomplete), *_files(incomplete, ".toml")]
+
+
 def results(incomplete: str) -> list[str]:
     """Kinds of results with a JSON Schema."""
     return _begun(sw.accounts.schema_kinds(), incomplete)

@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from stepwell.files.behaviour import behaviour_text, behaviours, load_behaviour, loads_behaviour
     from stepwell.files.hoppers import hopper_parameters
     from stepwell.files.known import columns_of, known_keys, new_cells
+    from stepwell.files.machine import load_machine, machine_text, machines
     from stepwell.files.robot_parameters import (
         RobotParameter,
         key_unit,
@@ -79,12 +80,15 @@ __all__ = [
     "load_arena",
     "load_behaviour",
     "load_element",
+    "load_machine",
     "loads",
     "loads_arena",
     "loads_arena_tables",
     "loads_behaviour",
     "loads_rig",
     "loads_tables",
+    "machine_text",
+    "machines",
     "manifest",
     "parameters",
     "pictures",
@@ -116,6 +120,7 @@ _LATE = {
     ),
     "hoppers": ("hopper_parameters",),
     "behaviour": ("behaviour_text", "behaviours", "load_behaviour", "loads_behaviour"),
+    "machine": ("load_machine", "machine_text", "machines"),
     "known": ("columns_of", "known_keys", "new_cells"),
     "robot_parameters": ("RobotParameter", "key_unit", "parameters", "provenance", "vary"),
     "write": ("dumps", "loads_rig", "rig_toml", "save", "with_program"),

@@ -99,14 +99,13 @@ class Realisation(ByValue):
     def simulate(self, inputs: Sequence[str]) -> tuple[str, ...]:
         """Outputs by the engine: the one at the start first, then after each input.
 
-        Raises InputError where the chain is in no state of the table.
+        The engine follows each input once from each place at the base.
         """
-        states = self._states
-        place = self._start_in(self.chain)
-        outputs = [self.machine.outputs[states.at(place)]]
+        known, at = self._states, 0
+        outputs = [self.machine.outputs[known.states[at]]]
         for name in inputs:
-            place = self.chain.path(list(self.drives([name])), start=place).end_configuration
-            outputs.append(self.machine.outputs[states.at(place)])
+            at = known.after[at][self.machine.inputs.index(name)]
+            outputs.append(self.machine.outputs[known.states[at]])
         return tuple(outputs)
 
     @cached_property
@@ -127,12 +126,14 @@ class Realisation(ByValue):
 
     def _followed(self, chain: Chain) -> "_Places | None":
         """All places at the base that the inputs reach, by the engine; None for a mismatch."""
-        known = _Places([self._start_in(chain)], [0])
+        known = _Places([self._start_in(chain)], [0], [])
         for k, place in enumerate(known.places):
+            known.after.append(row := list[int]())
             for one, name in enumerate(self.machine.inputs):
                 after = chain.path(list(self.drives([name])), start=place).end_configuration
                 state = self.machine.moves[known.states[k]][one]
                 at = known.find(after)
+                row.append(len(known.places) if at is None else at)
                 if at is None:
                     known.places.append(after)
                     known.states.append(state)
@@ -191,10 +192,14 @@ class Realisation(ByValue):
 
 @dataclass
 class _Places:
-    """Places of a chain at the base, and the number of the machine's state in each."""
+    """Places of a chain at the base, the machine's state in each, and the place after each input.
+
+    States and places are numbers.
+    """
 
     places: list[Configuration]
     states: list[int]
+    after: list[list[int]]
 
     def find(self, place: Configuration) -> int | None:
         """The number of a place; None for a new one."""
@@ -203,13 +208,6 @@ class _Places:
             if near and place.sheet == known.sheet:
                 return k
         return None
-
-    def at(self, place: Configuration) -> int:
-        """The state of the machine in a place; InputError in no known place."""
-        number_of = self.find(place)
-        if number_of is None:
-            raise InputError("the chain is in no state of the table of replies.")
-        return self.states[number_of]
 
 
 class _Response:
