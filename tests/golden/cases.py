@@ -493,7 +493,8 @@ LABS = [
             "--name clip --json",
         ),
         prepare=clip,
-        within=FITTED,
+        # Another processor orders sums otherwise; the fit's rounds enlarge this to 3e-5 of a force.
+        within=Tolerance(1e-4, 1e-5),
     ),
     Case(
         "lab/compare-options",
