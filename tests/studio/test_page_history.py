@@ -151,7 +151,13 @@ def test_the_nearest_anchor_is_the_one_that_moves(beside: Opened, empty_address:
     page.goto(link(empty_address, design))
     output(page, "sequence").wait_for()
     settled(page)
-    dots = page.locator(".handle .dot")
+    dots, drawing = page.locator(".handle .dot"), page.locator(".drawing svg").first
+    # To take hold of what is in view moves nothing.
+    seen = drawing.get_attribute("viewBox")
+    page.mouse.move(*middle(dots.first))
+    page.mouse.down()
+    assert drawing.get_attribute("viewBox") == seen
+    page.mouse.up()
     chosen = cells  # an anchor in the middle of the chain, which the focus brings into view
     page.locator(".handle").nth(chosen).focus()
     middle(dots.nth(chosen))
