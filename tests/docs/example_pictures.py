@@ -73,6 +73,7 @@ DRAWN: MappingProxyType[str, Callable[[Names], Figure]] = MappingProxyType(
         "15_what_an_antenna_must_deliver": lambda of: figures.force_stroke(
             of["pushed"].chain_after.cycle()
         ),
+        "16_six_legs_on_one_actuator": lambda of: figures.gait(of["walks"][6], cycles=1),
     }
 )
 
