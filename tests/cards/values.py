@@ -117,6 +117,7 @@ def of_chains() -> dict[str, Any]:
         _installation(),
         designed,
         impossible,
+        sw.design.design_tapped("00>10>00>01>00", samples=20),
         sw.transition_map(chain, "outer", x=axis, y=axis).stepwell,
         *(_proofs(cycle, designed, impossible) if have("proof") else ()),
     )

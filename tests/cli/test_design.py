@@ -264,3 +264,14 @@ def test_a_strike_has_another_load_and_options_of_sequences_are_refused(stepwell
     failed = stepwell("design", "jump", "--force-limit", 3, *ask)
     assert failed.exit_code == 3
     says(json.loads(failed.stdout)["reason"], "none within", "actuator")
+
+
+def test_two_actuators_are_reported_with_positions_and_written_with_both_sides(stepwell):
+    text = ("design", "00>10>00>01>00", "--actuators", 2, "--samples", 50)
+    run = stepwell(*text, "-o", "two")
+    says(run.stdout.splitlines(), "between cells 1 and 2")
+    assert sw.load("two/design.toml") and sw.load("two/beyond.toml")
+    refused = stepwell(*text, "--drive", "force")
+    assert refused.exit_code == 2 and "--actuators 2" in refused.stderr
+    none = stepwell("design", "000>100>000>010>000>001>000", "--actuators", 2, "--samples", 50)
+    assert none.exit_code == 3

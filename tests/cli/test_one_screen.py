@@ -26,6 +26,7 @@ QUICK = {
     "design '00>10>11>01>00' --samples 200": "inner q (",
     "design 00,10,11 --samples 20": "inner q (",
     "design '00>10>11>01>00' --holes 40": "impossible",
+    "design '00>10>00>01>00' --actuators 2 --samples 20": "after cell 1",
     "design jump --holes 10 --samples 20": "in one snap",
     "reprogram paper-forward --by inner.p": "inner.p moved",
     "check paper-forward --samples 200": "Robust",

@@ -42,6 +42,12 @@ def meets(text, loading, unloading):
         return apart(loading, unloading)
     if words[0] == "state":
         return words[1] in states
+    if words[1] == "to":
+        # From a reached state, the first free cell of the order is the one that moves.
+        loading_step = words[2].count("1") > words[0].count("1")
+        ordered, digit = (loading, "0") if loading_step else (unloading, "1")
+        first = next(cell for cell in ordered if words[0][cell] == digit)
+        return words[0] in states and words[0][first] != words[2][first]
     if words[0] == "never":
         pattern = re.compile(words[1].replace("*", "."))
         return not any(pattern.fullmatch(state) for state in states)
@@ -69,6 +75,11 @@ def texts(n):
     yield from (f"{a} {p} {way}" for a in cells for p in ("first", "last") for way in WAYS)
     yield from (f"{a} never without {b}" for a, b in pairs)
     yield "never two half way"
+    states = ["".join(digits) for digits in product("01", repeat=n)]
+    flipped = (
+        (one, one[:k] + "10"[int(one[k])] + one[k + 1 :]) for one in states for k in range(n)
+    )
+    yield from (f"{one} to {other}" for one, other in flipped)
     yield f"order {'-'.join(map(str, cells))} loading"
     yield from (f"state {''.join(digits)}" for digits in product("01", repeat=n))
     yield from (f"never {''.join(digits)}" for digits in product("01*", repeat=n))
@@ -244,6 +255,9 @@ def test_a_weight_moves_the_choice_its_own_way(weight, sign):
         ("3 cells; 2 cells", "one number of"),
         ("order 2-2 loading", "each cell once"),
         ("0 cells", "between 1 and"),
+        ("00 to 11", "differ in one"),
+        ("00 to 010", "have one length"),
+        ("00 to 01; 3 cells", "does not fit"),
         ("never both half way; 3 cells", "Write 'never two"),
         ("never two half way; 1 cells", "does not fit"),
     ],

@@ -46,6 +46,7 @@ FILES = {
     "robots.walks": ("Convergence Maze Sweep Walk", "convergence/1 maze/1 sweep/1 walk/1"),
     "run": ("Cycle Path Program Run Unreachable", "program/2 run/2"),
     "study": ("Status", "study/1"),
+    "tapped": ("TappedDesign", "tapped_design/1"),
     "yields": ("Survival Yield", "survival/2 yield/2"),
 }
 _INNER_CAPITAL = re.compile(r"\B(?=[A-Z])")

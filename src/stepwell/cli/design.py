@@ -40,7 +40,7 @@ BANDS = {"paper": (28.5, 10.0), "robot": (30.0, 10.0), "antennas": (47.0, 22.0)}
 _ANYWHERE = "[[chain.cell]]\np_mm = [-10, 0]\nq_mm = [10, 0]\n"
 
 # Words of requirements, which no other target has.
-_REQUIREMENTS = re.compile(r"\b(before|first|last|order|state|never|after|cells?)\b")
+_REQUIREMENTS = re.compile(r"\b(before|first|last|order|state|to|never|after|cells?)\b")
 
 # Targets of a hopper.
 TASKS = "jump", "throw", "strike"
@@ -228,6 +228,13 @@ class AimOptions(Group):
     )
     force_limit: float | None = option("Maximum force of the actuator [N].", "FORCE", min=0)
     drive: NewDrive = None
+    actuators: int = option(
+        "Number of actuators. With 2, one of them holds a block between two cells, and TARGET is a "
+        "list of states such as '00>10>00>01>00'; each step moves one cell.",
+        default=1,
+        min=1,
+        max=2,
+    )
     hopper: str | None = option(
         "Jump, throw or strike: design file with a table [hopper] of masses, actuator and stretch; "
         "the preset hopper by default.",
@@ -244,7 +251,14 @@ class AimOptions(Group):
     def refuse_for_jumps(self) -> None:
         """Refuse options that have no meaning for a jump."""
         unused = {"--weight": self.weights, "--drive": self.drive}
+        unused |= {"--actuators": self.actuators > 1}
         _refuse_given(unused | {"--objective": self.objective is not Objective.YIELD})
+
+    def refuse_for_two(self, prove: bool) -> None:
+        """Refuse options that have no meaning for two actuators."""
+        for name, value in {"--drive": self.drive, "--prove": prove}.items():
+            if value:
+                raise wrong(name, "cannot be combined with --actuators 2.")
 
 
 def _refuse_given(options: dict[str, Any]) -> None:
@@ -283,7 +297,7 @@ def design(
 
     Example: stepwell design '00>10>11>01>00' --out leg
     """
-    from stepwell.design import Impossible, design
+    from stepwell.design import Impossible, design, design_tapped
 
     if target in TASKS:
         _design_jump(target, parts, aim, within, sampling, output)
@@ -292,7 +306,8 @@ def design(
         raise wrong(
             "--hopper" if aim.hopper else "--stretch", f"needs TARGET {' or '.join(TASKS)}."
         )
-    goal, spread, allowed = target_of(target), within.tolerances(), parts.allowed()
+    goal = {} if aim.actuators > 1 else target_of(target)
+    spread, allowed = within.tolerances(), parts.allowed()
     output.check_output_folder("design")
     aims = {
         "objective": aim.objective.value,
@@ -300,10 +315,14 @@ def design(
         "actuator_stiffness": stiffness_of(aim.drive),
         "weights": weights_of(aim.weights or ()),
     }
-    how = goal | allowed | aims | vars(sampling)
+    how: dict[str, Any] = goal | allowed | aims | vars(sampling) | {"tolerances": spread}
+    if aim.actuators > 1:
+        aim.refuse_for_two(prove)
+        _report(lambda tell: design_tapped(target, progress=tell, **how), output)
+        return
     try:
         with usable("TARGET", Impossible), progress("design") as tell:
-            result = design(**how, tolerances=spread, progress=tell)
+            result = design(**how, progress=tell)
         if prove:
             with usable("--prove"), progress("proof") as tell:
                 result = result.prove(tell)
@@ -317,6 +336,20 @@ def design(
         output.report(result)
 
 
+def _report(search: Any, output: Output, name: str = "TARGET") -> None:
+    """The design that a search returns, or the reason why there is none."""
+    from stepwell.design import Impossible
+
+    try:
+        with usable(name, Impossible), progress("design") as tell:
+            made = search(tell)
+    except Impossible as why:
+        replace(output, out=None).report(why)
+        answered(False)
+    else:
+        output.report(made)
+
+
 def _design_jump(
     task: str,
     parts: Parts,
@@ -326,7 +359,6 @@ def _design_jump(
     output: Output,
 ) -> None:
     """The hopper with the strongest snap, or the reason why there is none."""
-    from stepwell.design import Impossible
     from stepwell.robot import Task, design_jump, usual_means
 
     parts.refuse_for_jumps()
@@ -344,14 +376,8 @@ def _design_jump(
     bands = [one for text in parts.bands or () for one in bands_of(text)]
     how = {"lever": lever, "sampling": (sampling.samples, sampling.seed)}
     hopper = replace(hopper, task=Task(task))
-    try:
-        with usable(name, Impossible), progress("design"):
-            made = design_jump(hopper, bands, means, tolerances=within.tolerances(), **how)
-    except Impossible as why:
-        replace(output, out=None).report(why)
-        answered(False)
-    else:
-        output.report(made)
+    how |= {"tolerances": within.tolerances()}
+    _report(lambda _tell: design_jump(hopper, bands, means, **how), output, name)
 
 
 class Direction(NamedTuple):

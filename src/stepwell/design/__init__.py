@@ -41,6 +41,7 @@ if TYPE_CHECKING:
         strongest_snap,
         strongest_snaps,
     )
+    from stepwell.design.synthesis.tapped import TappedDesign, design_tapped
     from stepwell.design.targets import Reached
     from stepwell.design.tolerances.survival import Survival, survival
     from stepwell.design.tolerances.tally import Fraction, fraction_of
@@ -83,6 +84,7 @@ __all__ = [
     "Fraction",
     "BandType",
     "Survival",
+    "TappedDesign",
     "Tolerances",
     "Verdict",
     "Yield",
@@ -91,6 +93,7 @@ __all__ = [
     "checked_cycle",
     "design",
     "design_machine",
+    "design_tapped",
     "machine_yield",
     "verdict_of",
     "margin",
@@ -140,6 +143,7 @@ _LATE = {
         "usual_box",
     ),
     "synthesis.strongest": ("Means", "StrongestSnap", "strongest_snap", "strongest_snaps"),
+    "synthesis.tapped": ("TappedDesign", "design_tapped"),
     "targets": ("Reached",),
     "tolerances.survival": ("Survival", "survival"),
     "tolerances.tally": ("Fraction", "fraction_of"),

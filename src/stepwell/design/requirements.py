@@ -7,10 +7,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations, islice, product
 
+import numpy as np
+
 from stepwell.base import ByValue, InputError, from_unit, number, to_unit
 from stepwell.design.orders import Orders, TargetOrders, order_of
 from stepwell.mechanism import Chain
-from stepwell.sequences import Sequence as Cycled, cycle, state_after
+from stepwell.sequences import Program, Sequence as Cycled, cycle, state_after
 
 LOADING, UNLOADING = 0, 1
 _WAYS = ("loading", "unloading")
@@ -21,8 +23,8 @@ _ALL_COMBINATIONS = 12
 
 GRAMMAR = (
     "'2 before 1 loading', '3 last unloading', '1 first loading', 'order 2-1-3 loading', "
-    "'state 101', 'never 1*0', '2 never without 1', 'never both half way', '101 after 40 mm', "
-    "'3 cells'"
+    "'state 101', '100 to 110', 'never 1*0', '2 never without 1', 'never both half way', "
+    "'101 after 40 mm', '3 cells'"
 )
 
 # (way, i, j): cell i moves before cell j.
@@ -41,6 +43,7 @@ class Requirement(ByValue):
     - `3 first loading`, `3 last unloading`: before, or after, all others.
     - `order 2-1-3 loading`: the whole order.
     - `state 101`: a stroke program reaches this state from all cells at 0.
+    - `100 to 110`: from the first state the drive leads to the second one, and to no other between.
     - `never 1*0`: no stroke program reaches a state of this pattern; * is any digit.
     - `2 never without 1`: cell 2 is at 1 only where cell 1 is.
     - `never both half way`, or of more cells `never two half way`: no stroke program brings two
@@ -52,10 +55,10 @@ class Requirement(ByValue):
 
     Attributes:
         text: as above.
-        kind: "before", "place", "order", "state", "never", "apart", "after" or "cells".
+        kind: "before", "place", "order", "state", "step", "never", "apart", "after" or "cells".
         cells: numbers of the cells it names, from 0.
         way: 0 for loading, 1 for unloading.
-        state: the state or pattern it names, or "first" or "last".
+        state: the state or pattern it names, of a step the first; or "first" or "last".
         drive: the stroke [m], for "after".
     """
 
@@ -94,7 +97,18 @@ class Requirement(ByValue):
             return [(frozenset({(self.way, i, j)}),) for i, j in ends]
         if self.kind == "apart":
             return [_last_in_first_out(i, j) for i, j in combinations(range(n), 2)]
+        if self.kind == "step":
+            return [*self._of_states(), self._first_of_all()]
         return self._of_states()
+
+    def _first_of_all(self) -> Clause:
+        """The cell of a step is the first one of those that could move.
+
+        Source: theory page, "Stroke programs", (a).
+        """
+        (cell,) = self.cells
+        still = [i for i, digit in enumerate(self.state) if digit == "01"[self.way]]
+        return (frozenset((self.way, cell, i) for i in still if i != cell),)
 
     def _of_states(self) -> list[Clause]:
         """What a state or a pattern requires of the two orders."""
@@ -102,7 +116,7 @@ class Requirement(ByValue):
             [i for i, digit in enumerate(self.state) if digit == one] for one in ("0", "1")
         )
         pairs = [*product(empty, full)]
-        if self.kind in ("state", "after"):
+        if self.kind in ("state", "step", "after"):
             # An ideal: no cell at 0 is both before one at 1 in F0 and after it in unloading.
             return [
                 (frozenset({(LOADING, j, i)}), frozenset({(UNLOADING, i, j)})) for i, j in pairs
@@ -158,6 +172,16 @@ def _apart(cls: type, text: str, several: str) -> Requirement:
     return cls(text, "apart", (0, 1) if several == "both" else ())
 
 
+def _step(cls: type, text: str, first: str, second: str) -> Requirement:
+    moved = [i for i, (a, b) in enumerate(zip(first, second, strict=False)) if a != b]
+    if len(first) != len(second) or len(moved) != 1:
+        raise InputError(
+            f"requirement {text!r}: the states must have one length and differ in one cell, as in "
+            f"'100 to 110'."
+        )
+    return cls(text, "step", tuple(moved), "01".index(first[moved[0]]), first)
+
+
 def _without(cls: type, text: str, a: str, b: str) -> Requirement:
     one, other = _cell(a), _cell(b)
     if one == other:
@@ -183,6 +207,7 @@ _FORMS = (
     (rf"{_ONE} (first|last) {_WAY}", _place),
     (rf"order (\S+) {_WAY}", _order),
     (r"state ([01]+)", _state),
+    (r"([01]+) to ([01]+)", _step),
     (r"never ([01*]+)", _never),
     (rf"{_ONE} never without {_ONE}", _without),
     (r"never (both|two) half way", _apart),
@@ -270,7 +295,7 @@ class Requirements(ByValue):
             raise InputError(f"numbers of cells {sorted(given)}: give one number of cells.")
         n = next(iter(given), least)
         for one in self.parts:
-            wrong = one.kind in ("state", "after") and len(one.state) != n
+            wrong = one.kind in ("state", "step", "after") and len(one.state) != n
             wrong |= one.kind == "never" and not one.cells and len(one.state) != n
             wrong |= one.kind in ("order", "apart") and len(one.cells) not in (0, n)
             if wrong or one.least_cells > n:
@@ -369,7 +394,7 @@ class Requirements(ByValue):
     @property
     def by_states(self) -> bool:
         """Whether a requirement names states, of which two orders give the least only."""
-        return any(one.kind in ("state", "never") for one in self.parts)
+        return any(one.kind in ("state", "step", "never") for one in self.parts)
 
     def fault(self, chain: Chain, sequence: Cycled, reached: frozenset[str] | None) -> str:
         """The first requirement that a chain misses, with its full cycle and reachable states.
@@ -381,7 +406,7 @@ class Requirements(ByValue):
         faults = (_state_fault(one, reached) for one in self.parts if reached is not None)
         if fault := next(filter(None, faults), ""):
             return fault
-        if any(one.kind == "apart" for one in self.parts) and (fault := _snap_fault(chain)):
+        if fault := next(filter(None, (_motion_fault(chain, one) for one in self.parts)), ""):
             return fault
         for one in self.parts:
             if one.kind == "after" and one.drive > chain.full_stroke:
@@ -403,6 +428,11 @@ def _candidates(both: tuple[Reach, Reach]) -> Iterator[Orders]:
         yield Orders(loading, both[1].order(loading))
 
 
+def _motion_fault(chain: Chain, one: Requirement) -> str:
+    """How a chain misses a step, or a requirement on cells half way; "" if it does not."""
+    return _snap_fault(chain) if one.kind == "apart" else _step_fault(chain, one)
+
+
 def _snap_fault(chain: Chain) -> str:
     """The first snap that moves several cells; "" for none."""
     several = (event.cells for event in cycle(chain).snaps if len(event.cells) > 1)
@@ -410,8 +440,21 @@ def _snap_fault(chain: Chain) -> str:
     return f"cells {' and '.join(str(cell + 1) for cell in cells)} snap together" if cells else ""
 
 
+def _step_fault(chain: Chain, one: Requirement) -> str:
+    """How a step misses its second state under a prescribed stroke; "" if it does not."""
+    if one.kind != "step" or not math.isinf(chain.actuator_stiffness):
+        return ""
+    (cell,) = one.cells
+    first, full = np.array([digit == "1" for digit in one.state]), np.array(chain.full_travels)
+    second = first ^ (np.arange(len(full)) == cell)
+    drives = float(full @ first), float(full @ second)
+    wanted = "".join("01"[int(digit)] for digit in second)
+    passed = Program.given(chain, drives, start=one.state, target=wanted).sequence
+    return "" if str(passed) == f"{one.state}>{wanted}" else f"{one.state} leads to {passed}"
+
+
 def _state_fault(one: Requirement, states: frozenset[str]) -> str:
-    if one.kind == "state" and one.state not in states:
+    if one.kind in ("state", "step") and one.state not in states:
         return f"{one.state} is not reached"
     if one.kind == "never":
         pattern = re.compile(one.state.replace("*", ".") + ".*")

@@ -12,7 +12,8 @@ from stepwell.sequences import Machine
 
 def machines() -> dict[str, str]:
     """Titles of the state machines in the package, by name."""
-    return {name: Machine.parse(text).title for name, text in _texts().items()}
+    every = ((name, Machine.parse(text)) for name, text in _texts().items())
+    return {name: machine.title for name, machine in every}
 
 
 def machine_text(machine: str | os.PathLike[str]) -> str:

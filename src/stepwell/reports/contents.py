@@ -22,7 +22,7 @@ from stepwell.studio import replay
 
 if TYPE_CHECKING:
     from stepwell.build import Build, RobotBuild
-    from stepwell.design import Check, Design, MapView, Reprogramming, Run, Survival
+    from stepwell.design import Check, Design, MapView, Reprogramming, Run, Survival, TappedDesign
     from stepwell.sequences import Realisation
 
 # Nodes along an axis of a map, and its half width as a multiple of the margin.
@@ -134,6 +134,15 @@ def _design(design: Design, account: Account) -> Contents:
         drilled = () if grid is None else (grid.pitch, grid.origin)
         draws["holes"] = partial(figures.holes, design.chain, *drilled)
     return Contents("design", "design.json", files, draws)
+
+
+def _tapped_design(made: TappedDesign, _account: Account) -> Contents:
+    """Contents of a chain with two actuators: a design file for each side of the tap."""
+    files: dict[str, Content] = {
+        "design.toml": dumps(made.inner.chain),
+        "beyond.toml": dumps(made.outer.chain),
+    }
+    return Contents("design", "design.json", files, names=(*OUTPUTS["design"], "beyond.toml"))
 
 
 def _jump_design(made: sw.robot.JumpDesign, _account: Account) -> Contents:
@@ -411,6 +420,7 @@ CONTENTS: dict[str, Callable[..., Contents]] = {
     "RobotBuild": _build,
     "Run": _run,
     "Status": _study,
+    "TappedDesign": _tapped_design,
     "Survival": _survival,
     "Sweep": _sweep,
     "Verdicts": _verdicts,
