@@ -12,7 +12,7 @@ from stepwell.accounts.head import About, DesignShape, keys, of_class, recorded
 from stepwell.accounts.parts import CARD, FULL, Account, Fact, Picture, RecordTable, Text
 from stepwell.accounts.words import LONGEST_IN_A_LINE, assumed, cells_of
 from stepwell.base import Quantity, Schema, amount, join_first, number, signed, to_unit
-from stepwell.design import Design, Impossible, Reprogramming
+from stepwell.design import Design, Impossible, Reprogramming, TappedDesign
 
 # More states than these are not read in a line.
 _MOST_STATES = 16
@@ -37,6 +37,17 @@ _PLACE: Schema = (
     Quantity("force_at_0", "N", "at state 0", itemgetter(2)),
     Quantity("force_at_1", "N", "at state 1", itemgetter(3)),
     Quantity("largest_force", "N", "largest", itemgetter(4)),
+)
+
+_TWO_DRIVES = (
+    "Both actuators prescribe positions, so the cells within and beyond the tap do not act on each "
+    "other. The engine follows the stroke of each side from step to step: the tap's position, and "
+    "the end's less the tap's. A second actuator at the inner end would add a translation only."
+)
+_STEP: Schema = (
+    Quantity("state", head="state", read=lambda row: row[0]),
+    Quantity("tap", "mm", "tap", lambda row: row[1][0], left=False),
+    Quantity("end", "mm", "end", lambda row: row[1][1], left=False),
 )
 
 
@@ -258,3 +269,54 @@ def _force_table(change: Reprogramming) -> RecordTable:
         f"{_EVERY}th place of the displacement is listed."
     )
     return RecordTable(columns, recorded(_PLACE, _places(change)[::_EVERY]), about)
+
+
+def tapped_design_schema(shape: DesignShape) -> Schema:
+    """What is reported of a chain with two actuators."""
+    sampled = yields.inner_yield_schema(shape)
+    return (
+        *keys(title=(str, "chain.title"), walk=[str], tap=int),
+        Quantity("yield", read="fraction", holds=float),
+        *keys(inner_yield=(sampled, "inner.yield_"), outer_yield=(sampled, "outer.yield_")),
+        *keys(cells=([built_schema(shape)], lambda one: named(one.chain))),
+        *keys(positions=([_STEP], _steps)),
+        Quantity("one_actuator", read="single", holds=str),
+        *keys(proved=bool),
+    )
+
+
+def _steps(made: TappedDesign) -> list[tuple[str, tuple[float, float]]]:
+    return [*zip(made.walk, made.positions.tolist(), strict=True)]
+
+
+def tapped_design_account(made: TappedDesign, about: About) -> Account:
+    """What is reported of a chain with two actuators."""
+    chain, tap = made.chain, made.tap
+    single = made.single or "one actuator can follow this walk too"
+    proved = "; this is proved" * made.proved
+    sides = zip(("within", "beyond"), (made.inner, made.outer), strict=True)
+    facts = (
+        Fact("Tap", f"holds the block between cells {tap} and {tap + 1}"),
+        Fact("One actuator", f"{single}{proved}"),
+        *(Fact(f"Yield {side} the tap", base.percent(one.yield_.fraction)) for side, one in sides),
+        Fact("Full stroke", amount(chain.full_stroke, "m")),
+    )
+    built = built_schema(DesignShape.of(chain))
+    columns, rows = cell_columns(built, chain), recorded(built, named(chain))
+    anchors = "p is the anchor on the inner block, q on the outer block."
+    steps = RecordTable(
+        _STEP,
+        recorded(_STEP, _steps(made)),
+        "Positions of both actuators.",
+        more="states",
+        level=CARD,
+    )
+    sections = {
+        "Positions": steps,
+        "Cells, innermost first": RecordTable(columns, rows, anchors, more="cells", level=CARD),
+        "Drive": Text(_TWO_DRIVES),
+        **assumed(chain),
+    }
+    answer = f"tap after cell {tap}, yield {base.percent(made.fraction)}"
+    origin = f"Found by search. {cells_of(chain)}."
+    return Account(made, chain.title, "tapped_design/1", answer, facts, sections, origin=origin)

@@ -25,7 +25,10 @@ FILES = {
     ),
     "changes": ("Margin", "margin/1"),
     "check": ("Check", "check/2"),
-    "design": ("Design Impossible Reprogramming", "design/2 reprogram/2"),
+    "design": (
+        "Design Impossible Reprogramming TappedDesign",
+        "design/2 reprogram/2 tapped_design/1",
+    ),
     "graph": (
         "ImplicitGraph MemoryReading Sequence TransitionGraph Walked",
         "graph/2 implicit_graph/2",
@@ -46,7 +49,6 @@ FILES = {
     "robots.walks": ("Convergence Maze Sweep Walk", "convergence/1 maze/1 sweep/1 walk/1"),
     "run": ("Cycle Path Program Run Unreachable", "program/2 run/2"),
     "study": ("Status", "study/1"),
-    "tapped": ("TappedDesign", "tapped_design/1"),
     "yields": ("Survival Yield", "survival/2 yield/2"),
 }
 _INNER_CAPITAL = re.compile(r"\B(?=[A-Z])")
