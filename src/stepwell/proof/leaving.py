@@ -63,9 +63,16 @@ def _at(walk: EnclosedWalk, moving: list[int], lead: tuple[int, int], way: float
     level = reduce(hull, [law[0] for law in laws])
     if not all(walk.stays(i, level) for i in range(len(walk.cells)) if i not in moving):
         raise UndecidedError("a third cell is released at the beginning of the snap")
-    ways = zip(moving, w, root, strict=True)
-    places = {i: walk.stands[i].travel + ball(float(x * r)) * ball(way) for i, x, r in ways}
-    return places, high(cone.width * way)
+    return _places(walk, moving, w * root * way), high(cone.width * way)
+
+
+def _places(walk: EnclosedWalk, moving: list[int], ways: Floats) -> dict[int, Ball]:
+    """Travels behind the start, between the stops."""
+    pairs = zip(moving, ways.tolist(), strict=True)
+    places = {i: walk.stands[i].travel + ball(way) for i, way in pairs}
+    if not all(s > walk.cells[i].low and s < walk.cells[i].high for i, s in places.items()):
+        raise UndecidedError(_CAUSE)
+    return places
 
 
 def _direction(

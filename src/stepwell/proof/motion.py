@@ -34,6 +34,7 @@ class FlowMotion:
         self.cells, self.m = cells, mobility
         mass = sum(mobility[i] for i in at)
         laws = {i: arb_series(self._taylor(i, ball(s)), DEGREE + 1) for i, s in at.items()}
+        self._laws = laws
         self.travel: dict[int, list[float]] = {i: [0.0] for i in at}
         self.force: list[float] = []
         for k in range(DEGREE):
@@ -91,13 +92,10 @@ class FlowMotion:
         out: dict[int, list[Ball]] = {}
         for i, c in self.travel.items():
             row = [ball(x) for x in c]
-            around, at = (
-                self.cells[i].taylor(spans[i], DEGREE),
-                self.cells[i].taylor(row[0], DEGREE),
-            )
-            if around is None or at is None:
+            around = self.cells[i].taylor(spans[i], DEGREE)
+            if around is None:
                 return None
-            thin = _composed(arb_series(at, order), [ball(0.0), *row[1:]], order)
+            thin = _composed(self._laws[i], [ball(0.0), *row[1:]], order)
             moved = [ball(0.0), *(derivative(row, k, time) for k in range(1, order))]
             last = _composed(arb_series(around, order), moved, order)
             out[i] = [*(thin[k] for k in range(DEGREE)), last[DEGREE]]

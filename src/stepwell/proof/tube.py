@@ -14,7 +14,7 @@ from stepwell.proof.motion import DEGREE, FlowMotion, kernel, parting_rate, when
 from stepwell.proof.walk import FREE, HELD, EnclosedWalk, Stand
 
 # Part of the travel by which a step may miss a last term.
-_MISS = 1e-13
+_MISS = 1e-11
 # Longest step in time scales 1/(m |κ|), largest number of steps.
 _LONGEST, _MOST_STEPS = 0.8, 4000
 # Part of the travel around a stop or a joint of a law that is crossed in one small step.

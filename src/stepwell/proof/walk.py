@@ -246,9 +246,11 @@ class EnclosedWalk:
             gap = toward * (other.force - first.force)
             if other.cell != first.cell and not gap > self.tie:
                 pair = sorted((first.cell + 1, other.cell + 1))
-                self.tied = UndecidedError(
-                    f"the order of cells {pair[0]} and {pair[1]}", abs(balls.number(gap))
-                )
+                cause = f"the order of cells {pair[0]} and {pair[1]}"
+                if gap.is_zero():
+                    # Cells at rest with slack bands, say: no number could decide it.
+                    cause += ", whose forces are equal"
+                self.tied = UndecidedError(cause, abs(balls.number(gap)))
         return first
 
     # Equilibria on given branches, by the travel of one cell or by λ.
