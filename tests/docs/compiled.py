@@ -15,6 +15,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+import docs.compiled_behaviours as behaviours
 import stepwell as sw
 from stepwell.base import percent
 from stepwell.design import DEFAULT_TOLERANCES, Draws
@@ -165,6 +166,8 @@ def written(text: str, name: str, rows: list[str]) -> str:
 def page(text: str) -> str:
     """The text of the page with the tables of both records."""
     text = written(text, "runs", lines(json.loads(FILE.read_text("utf-8"))))
+    records = json.loads(behaviours.FILE.read_text("utf-8"))
+    text = written(text, "behaviours", behaviours.lines(records))
     return written(text, "rows", combination_lines(json.loads(ROWS.read_text("utf-8"))))
 
 
