@@ -1,8 +1,8 @@
 """The numbers of docs/rough-ground.md: the paper's robot on slopes, steps and other floors.
 
 `python tests/docs/rough_ground.py` simulates all walks (about three minutes of one core) and writes
-docs/rough-ground.json and the tables of the page; with --page the tables only. The criteria stand
-on the page and were fixed before the runs.
+docs/rough-ground.json and the tables of the page; with --page the tables only. The criteria, and
+which of them were fixed before the runs, stand on the page.
 """
 
 from __future__ import annotations
