@@ -139,10 +139,10 @@ class _Prover:
 
     def _compared(self, k: int, event: Event, found: Enclosed) -> ProvedEvent | None:
         """The event with its errors; None where it is another one."""
-        if not _same_kind(event, found):
-            return None
         scale, walk = self.problem.scale, self.walk
         limit, count = _CLOSE * self.size, len(walk.cells)
+        if not _same_kind(event, found, limit):
+            return None
         drives = (0 if walk.dead else limit) + _CLOSE * scale * self.problem.beta
         forces = zip(found.force, (event.force_before, event.force_after), strict=True)
         released = [(found.released, event.released)] if found.released is not None else []
@@ -162,13 +162,22 @@ class _Prover:
         )
 
 
-def _same_kind(event: Event, found: Enclosed) -> bool:
-    """Whether an event is of the kind, the sense and the cells of an enclosed one."""
+def _same_kind(event: Event, found: Enclosed, limit: float) -> bool:
+    """Whether an event is of the kind, the sense and the cells of an enclosed one.
+
+    A cell may move in a snap and come back: then the engine does not list it.
+    """
     if (event.kind is EventKind.SNAP) != (found.kind == "snap"):
         return False
     if event.direction != found.direction:
         return False
-    return set(event.cells) <= set(found.moves) and len(event.cells) == len(found.moves)
+    back = {
+        i
+        for i, (a, b) in found.moves.items()
+        if a.overlaps(b) and balls.distance(a - b, 0) <= limit
+    }
+    own, others = set(event.cells), set(found.moves)
+    return len(event.cells) == len(own) and own <= others and others - own <= back
 
 
 def _travels(event: Event, found: Enclosed) -> list[tuple[balls.Ball, float]]:
