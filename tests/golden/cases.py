@@ -218,6 +218,7 @@ DESIGNED = [
         slow=True,
     ),
     _folder("design/states", "design 00,10,11 --samples 20 --drive 200", slow=True),
+    _one("design/tapped", "design '000>100>000>001>011>001>000' --actuators 2", slow=True),
     Case(
         "design/options",
         (
@@ -524,7 +525,8 @@ LABS = [
             "lab calibrate rubber --law linear --baseline rubber/out --json",
         ),
         prepare=rubber,
-        within=FITTED,
+        # Another processor orders sums otherwise, and intervals are differences of fits.
+        within=Tolerance(1e-5, 1e-7),
         slow=True,
     ),
 ]
