@@ -67,6 +67,13 @@ function leverAt({ lever_mm: r, limit_deg }: { lever_mm: number; limit_deg: numb
   return [Math.sqrt(r * r - along * along), along];
 }
 
+/** Angle of every lever [°], by its travel. */
+export const anglesAt = (view: View, at: number): number[] =>
+  row(view, "travel", at).map((travel, i) => {
+    const [x, y] = leverAt(view.cells[i], travel);
+    return (Math.atan2(y, x) * 180) / Math.PI;
+  });
+
 /** All parts but the bands at a sample, or between two samples. */
 export function poseOf(view: View, at: number): Pose {
   const layout = layoutOf(view);

@@ -150,7 +150,13 @@ def test_designs_are_found_by_name_title_and_cells(listed: Page):
     words = listed.get_by_role("searchbox", name="Find a design")
     for text, matches in (
         ("three", ["countdown", "three-stack", "three-wave", "curved-beam", "trilinear"]),
-        ("3 cells", ["three-stack", "three-wave", "curved-beam", "trilinear"]),
+        (
+            "3 cells",
+            [
+                *("three-stack", "three-wave", "second-touch", "two-point-gate"),
+                *("curved-beam", "trilinear"),
+            ],
+        ),
         ("3 cells wave", ["three-wave"]),
         ("KRES", ["kresling"]),
         ("robot turns", ["robot-left", "robot-right"]),
