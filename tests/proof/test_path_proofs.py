@@ -11,6 +11,7 @@ import pytest
 import chains
 import stepwell as sw
 from accounts.schemas import violations
+from sizes import cases
 from stepwell.accounts import account
 from stepwell.design import Run
 from stepwell.proof import PathProof, ProvedEvent, ProvedRun, Theorem, prove
@@ -161,7 +162,7 @@ def flows_of(seed: int) -> tuple[PathProof, list[ProvedEvent]]:
 
 
 # Three falling cells, a beginning with two rising cells, one that comes back, and a fold.
-@pytest.mark.parametrize("seed", [23, 51, 52, 54])
+@pytest.mark.parametrize("seed", cases([23, 51, 52, 54], [23, 52]))
 def test_landings_of_flows_of_several_cells_are_enclosed(seed):
     proof, flows = flows_of(seed)
     assert proof.proved and flows and proof.worst_error < 1e-12
