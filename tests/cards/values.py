@@ -16,7 +16,15 @@ from lab.values import of_recordings
 from stepwell import simulation
 from stepwell.accounts import account
 from stepwell.base import Installation, StepwellError, have, installation
-from stepwell.design import DEFAULT_TOLERANCES, Design, Impossible, Run, Tolerances, fraction_of
+from stepwell.design import (
+    DEFAULT_TOLERANCES,
+    Design,
+    Impossible,
+    Run,
+    Tolerances,
+    design_tapped,
+    fraction_of,
+)
 from stepwell.paper import AssumedRange, AssumedRanges
 from stepwell.proof import ProvedRun
 from stepwell.sequences import Machine, realise
@@ -117,7 +125,7 @@ def of_chains() -> dict[str, Any]:
         _installation(),
         designed,
         impossible,
-        sw.design.design_tapped("00>10>00>01>00", samples=20),
+        design_tapped("00>10>00>01>00", samples=20),
         sw.transition_map(chain, "outer", x=axis, y=axis).stepwell,
         *(_proofs(cycle, designed, impossible) if have("proof") else ()),
     )
