@@ -171,6 +171,7 @@ class FallEnd(NamedTuple):
     missed: float  # by how much of the drive it missed an equilibrium before
 
 
+# One kernel for speed: its steps share what each would get again as arguments.
 @leaf
 def land_after(
     problem: DrivenChain, state: State, rising: Rising, falling: Falling, floor: float, drive: float

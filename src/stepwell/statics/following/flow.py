@@ -447,6 +447,7 @@ def _meets_stop(cell: Floats, where: Ints, m: int, h: float) -> tuple[int, float
     return first, ago, bend
 
 
+# One kernel for speed: its steps share what each would get again as arguments.
 @leaf
 def _passed(
     problem: DrivenChain, at: Flow, h: float, levels: tuple[float, float], late: float, most: float
@@ -607,6 +608,7 @@ def _barrier(problem: DrivenChain, at: Flow) -> float:
     return np.inf
 
 
+# One kernel for speed: its steps share what each would get again as arguments.
 @leaf
 def _polish(problem: DrivenChain, at: Flow, shared: float) -> tuple[bool, float]:
     """Newton from a slow point of the flow to the equilibrium that it approaches, in `_TRIAL`."""
@@ -697,6 +699,7 @@ def _set_senses(at: Flow, shared: float) -> None:
             where[_SENSE, j] = 1
 
 
+# One kernel for speed: its steps share what each would get again as arguments.
 @leaf
 def flow(
     problem: DrivenChain, state: State, drive: float, shared: float, accuracy: float, rubbed: Floats

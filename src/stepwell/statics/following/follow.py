@@ -20,6 +20,7 @@ from stepwell.statics.following.state import DrivenChain, State
 _LONGEST_WAIT = 15
 
 
+# One kernel for speed: its steps share what each would get again as arguments.
 @entry()
 @leaf
 def follow(problem: DrivenChain, turning: Floats, state: State, rising: Rising) -> int:

@@ -126,6 +126,7 @@ def _wait(stack: Floats, k: int, x: float, there: tuple[float, float, float, flo
     return k + 1
 
 
+# One kernel for speed: its steps share what each would get again as arguments.
 @leaf
 def land(
     problem: DrivenChain, line: SnapLine, start: float, bias: float
@@ -262,6 +263,7 @@ def least_pull(
     return max(least, 0.0), stiffness
 
 
+# One kernel for speed: its steps share what each would get again as arguments.
 @leaf
 def note_next_snap(problem: DrivenChain, state: State) -> None:
     """Note the distance of λ to the force at which a cell would trigger one more snap."""

@@ -177,6 +177,7 @@ def _next_cell(problem: DrivenChain, state: State, rising: Rising, q: int, towar
     return falls
 
 
+# One kernel for speed: its steps share what each would get again as arguments.
 @leaf
 def advance(
     problem: DrivenChain, state: State, rising: Rising, direction: int, target: float, slack: float

@@ -34,6 +34,7 @@ class BranchEnd(NamedTuple):
     within: float  # movers whose λ is this near to the end of their pieces come there too
 
 
+# One kernel for speed: its steps share what each would get again as arguments.
 @leaf
 def choose(problem: DrivenChain, state: State, direction: int, goes: Ints) -> tuple[int, int]:
     """Kind of motion, with the moving cells marked in `goes`; and the falling cell or -1."""

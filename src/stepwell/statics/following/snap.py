@@ -99,6 +99,7 @@ def note_saddle(problem: DrivenChain, state: State, leader: int) -> None:
             st.set_tie(state.tie, leader, i)
 
 
+# One kernel for speed: its steps share what each would get again as arguments.
 @leaf
 def along_line(
     problem: DrivenChain, state: State, direction: int, rubbed: Floats
