@@ -42,6 +42,21 @@ def show(robot: options.Robot, output: options.Output) -> None:
     output.report(prediction, text, robot)
 
 
+class RandomDesigns(options.Group):
+    """Options of random designs."""
+
+    random: int | None = option(
+        "N independent random designs, with ranges KEY=FROM:TO, instead of a grid.",
+        "--random N",
+        min=1,
+    )
+    seed: Seed = 0
+
+    def points(self, ranges: Sequence[str]) -> dict[str, list[float]]:
+        """Values of each key for all designs: a grid, or random ones."""
+        return _points(_ranges(ranges, self.random), self.random, self.seed)
+
+
 @options.command(commands)
 def sweep(
     robot: options.Robot,
@@ -51,15 +66,10 @@ def sweep(
         "arena.start_seed, the random seed of the start.",
         "KEY=FROM:TO:COUNT...",
     ),
-    random: int | None = option(
-        "N independent random designs, with ranges KEY=FROM:TO, instead of a grid.",
-        "--random N",
-        min=1,
-    ),
-    seed: Seed = 0,
+    *,
+    drawn: RandomDesigns,
     cycles: int = option(options.CYCLES, "N", default=4, min=1),
     arena: options.Arena = None,
-    *,
     output: options.Folder,
 ) -> None:
     """Simulate the walk of a robot for many values of its parameters, in parallel.
@@ -73,11 +83,11 @@ def sweep(
     """
     text, design = options.read_robot(robot)
     output.check_output_folder("robot sweep")
-    values = _points(_ranges(ranges, random), random, seed)
+    values = drawn.points(ranges)
     place = None if arena is None else sw.files.load_arena(arena)
     if place is None and any(key.startswith(_ARENA) for key in values):
         place = sw.robot.Arena(title="open floor")
-    seeds = {"values": seed if random else None}
+    seeds = {"values": drawn.seed if drawn.random else None}
     keep = output.out / "unfinished"
     kept = "finished robots are kept; to resume, run the same command again"
     with screen.usable("--out"), screen.progress("robots", kept=kept) as tell:

@@ -9,7 +9,6 @@ from contextlib import suppress
 from dataclasses import replace
 from decimal import Decimal
 from functools import cache
-from importlib.resources import files
 from itertools import dropwhile, groupby, product
 from typing import Annotated, Any, NamedTuple
 
@@ -430,9 +429,7 @@ def vary_arena(arena: Arena, values: Mapping[str, float]) -> Arena:
 
 @cache
 def _texts() -> dict[str, str]:
-    folder = files("stepwell.files") / "arenas"
-    arena_files = (file for file in folder.iterdir() if file.name.endswith(_SUFFIXES))
-    texts = {file.name.rpartition(".")[0]: file.read_text("utf-8") for file in arena_files}
+    texts = text.packaged("arenas")
     # From the empty floor to the hardest.
     order = (
         "open",
@@ -444,5 +441,7 @@ def _texts() -> dict[str, str]:
         "pen",
         "three-walls",
         "corridor",
+        "bend-right",
+        "bend-left",
     )
-    return {name: texts[name] for name in order} | texts
+    return {name: texts[name] for name in order}

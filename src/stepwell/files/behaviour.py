@@ -2,8 +2,6 @@
 
 import os
 from decimal import Decimal
-from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,9 +9,10 @@ from pydantic import PlainValidator
 
 from stepwell.design import BandType
 from stepwell.files import design
+from stepwell.files.machine import named_text
 from stepwell.files.schema import keys, robot as robot_keys, wording
 from stepwell.files.schema.chain import Stiffness
-from stepwell.files.text import DesignError, did_you_mean, parsed
+from stepwell.files.text import DesignError, did_you_mean, packaged, parsed
 from stepwell.robot import Action, BehaviourRow, Robot, RobotBehaviour, RobotChoice
 
 _EMPTY = 'is empty: a behaviour has rows, as in row = [{ contact = "free", motion = "forward" }].'
@@ -93,19 +92,13 @@ class BehaviourKeys(keys.Keys):
 
 def behaviours() -> dict[str, str]:
     """Titles of the behaviours in the package, by name."""
-    return {name: loads_behaviour(text, name).title for name, text in _texts().items()}
+    every = packaged("behaviours").items()
+    return {name: loads_behaviour(text, name).title for name, text in every}
 
 
 def behaviour_text(behaviour: str | os.PathLike[str]) -> str:
     """Text of the file of a behaviour, unchecked; all else as for `load_behaviour`."""
-    name = os.fspath(behaviour)
-    if name in _texts():
-        return _texts()[name]
-    if not name.endswith(".toml"):
-        advice = did_you_mean(name, _texts())
-        problem = f"no such behaviour, and no file that ends in .toml. {advice}"
-        raise DesignError(f"behaviour {name}", [problem])
-    return design.text_of(behaviour)
+    return named_text("behaviour", behaviour)
 
 
 def load_behaviour(behaviour: str | os.PathLike[str]) -> RobotBehaviour:
@@ -149,9 +142,3 @@ def _choice(table: ChoiceKeys) -> RobotChoice:
             values |= dict(zip(names, keys.si(key, ends), strict=True))
     bands = [BandType(**keys.fields(one)) for one in table.band]
     return RobotChoice(**values, bands=bands)
-
-
-@cache
-def _texts() -> dict[str, str]:
-    folder = files("stepwell.files") / "behaviours"
-    return {file.name.removesuffix(".toml"): file.read_text("utf-8") for file in folder.iterdir()}

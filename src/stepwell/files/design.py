@@ -7,7 +7,6 @@ import tomllib
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -261,9 +260,7 @@ def _similar_presets(name: str, robots: bool | None, before: str = "") -> str:
 
 @cache
 def _texts() -> dict[str, str]:
-    folder = files("stepwell.files") / "presets"
-    preset_files = (file for file in folder.iterdir() if file.name.endswith(".toml"))
-    texts = {file.name.removesuffix(".toml"): file.read_text("utf-8") for file in preset_files}
+    texts = toml_text.packaged("presets")
     # The paper's designs first, robots last.
     turn = {"paper": 0, "robot": 2}
     return dict(sorted(texts.items(), key=lambda one: (turn.get(one[0].split("-")[0], 1), one[0])))

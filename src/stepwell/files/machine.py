@@ -1,18 +1,16 @@
 """State machines over strokes as files: those of the package by name, and TOML files."""
 
 import os
-from functools import cache
-from importlib.resources import files
 
 from stepwell.base import InputError
 from stepwell.files import design
-from stepwell.files.text import DesignError, did_you_mean
+from stepwell.files.text import DesignError, did_you_mean, packaged
 from stepwell.sequences import Machine
 
 
 def machines() -> dict[str, str]:
     """Titles of the state machines in the package, by name."""
-    every = ((name, Machine.parse(text)) for name, text in _texts().items())
+    every = ((name, Machine.parse(text)) for name, text in packaged("machines").items())
     return {name: machine.title for name, machine in every}
 
 
@@ -25,14 +23,7 @@ def machine_text(machine: str | os.PathLike[str]) -> str:
     Raises:
         DesignError: there is no machine of that name, or no such file.
     """
-    name = os.fspath(machine)
-    if name in _texts():
-        return _texts()[name]
-    if not name.endswith(".toml"):
-        advice = did_you_mean(name, _texts())
-        problem = f"no such machine, and no file that ends in .toml. {advice}"
-        raise DesignError(f"machine {name}", [problem])
-    return design.text_of(machine)
+    return named_text("machine", machine)
 
 
 def load_machine(machine: str | os.PathLike[str]) -> Machine:
@@ -52,9 +43,21 @@ def load_machine(machine: str | os.PathLike[str]) -> Machine:
         raise DesignError(os.fspath(machine), [str(why)]) from None
 
 
-@cache
-def _texts() -> dict[str, str]:
-    """Texts of the files of the package, by name."""
-    folder = files("stepwell.files") / "machines"
-    every = sorted(folder.iterdir(), key=lambda file: file.name)
-    return {file.name.removesuffix(".toml"): file.read_text("utf-8") for file in every}
+def named_text(kind: str, given: str | os.PathLike[str]) -> str:
+    """The unchecked text of a file: one of the package by name, or a TOML file.
+
+    Args:
+        kind: "behaviour" or "machine".
+        given: name or path.
+
+    Raises:
+        DesignError: there is none of that name, or no such file; the text has similar names.
+    """
+    name, texts = os.fspath(given), packaged(f"{kind}s")
+    if name in texts:
+        return texts[name]
+    if not name.endswith(".toml"):
+        advice = did_you_mean(name, texts)
+        problem = f"no such {kind}, and no file that ends in .toml. {advice}"
+        raise DesignError(f"{kind} {name}", [problem])
+    return design.text_of(given)

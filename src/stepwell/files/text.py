@@ -5,6 +5,8 @@ import re
 import tomllib
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, InvalidOperation
+from functools import cache
+from importlib.resources import files
 from typing import Any
 
 from stepwell.base import UNITS, InputError, limits, nearest_word, printable
@@ -70,6 +72,17 @@ def value_text(value: Any) -> str:
     if isinstance(value, str):
         return _cut(printable(json.dumps(value[:80], ensure_ascii=False)))
     return _cut(printable(str(value)))
+
+
+@cache
+def packaged(folder: str) -> dict[str, str]:
+    """Texts of the files in a folder of this package, by name without ending, sorted by name."""
+    every = sorted((files("stepwell.files") / folder).iterdir(), key=lambda file: file.name)
+    return {
+        file.name.rpartition(".")[0]: file.read_text("utf-8")
+        for file in every
+        if file.name.endswith((".toml", ".txt"))
+    }
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
