@@ -144,8 +144,8 @@ PAINT = "performance.getEntriesByName('first-contentful-paint')[0]?.startTime ??
 def rows(moves: int = LONG_DRAG) -> list[tuple[str, str, str]]:
     """What was timed, what came out, what is wanted."""
     answers = [answer(name) for name in ("curved-beam", "kresling", "balloon")]
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
-    if chromium is None:
+    chromium = browser()
+    if not chromium:
         return [*answers, ("studio", "there is no chromium here", "")]
     pair, frames = measured(chromium, "paper-forward", "outer")
     five, _ = measured(chromium, "finger-selector", "little")
@@ -255,6 +255,20 @@ def sized(chromium: str, sizes: Iterable[int] = SIZES) -> Iterator[tuple[str, st
             page.get_by_role("button", name="Play", exact=True).click()
             text = f"{page.evaluate(FRAMES):.0f}, {load()}"
             yield f"studio: frames a second of play, {cells} cells", text, "60"
+
+
+def browser() -> str:
+    """The system's own Chromium, with windows or without; nothing where there is none."""
+    names = "chromium", "chromium-browser", "chromium-headless-shell"
+    return next(filter(None, map(shutil.which, names)), "")
+
+
+def additions() -> float:
+    """The time of 10^7 additions [s], to compare machines."""
+    began, total = time.process_time(), 0
+    for k in range(10_000_000):
+        total += k
+    return time.process_time() - began
 
 
 def load() -> str:
@@ -387,10 +401,13 @@ def main() -> None:
     parser.add_argument("--first", action="store_true", help="only the time to the first number")
     parser.add_argument("--cells", type=int, nargs="*", help="only each panel at these sizes")
     given = parser.parse_args()
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or ""
+    chromium = browser()
+    if not chromium:
+        sys.exit("there is no chromium here")
     shown: Iterable[tuple[str, str, str]] = sized(chromium, given.cells) if given.cells else ()
     if given.first:
         shown = firsts(chromium)
+    print(f"machine: 10^7 additions of Python in {additions():.2f} s, {load()}", flush=True)
     for what, found, wanted in shown or rows(given.moves):
         print(f"{what}: {found} (wanted: {wanted})", flush=True)
 

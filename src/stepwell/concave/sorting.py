@@ -6,6 +6,7 @@ equal (theory page, "Sorting").
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -108,13 +109,18 @@ class SortedChain:
         neighbours: list[Neighbour] = []
         # Ranks rise with F0 and fall with F1.
         orders = orders or (self.loading, self.unloading)
-        for order, force, side in zip(orders, self.forces, (-1, +1), strict=True):
-            place, own_force, up = order.index(cell), float(force[cell]), -side
+        for order, force, side in zip(orders, self._forces, (-1, +1), strict=True):
+            place, own_force, up = order.index(cell), force[cell], -side
             if place > 0:
-                neighbours.append(Neighbour(side, own_force, float(force[order[place - 1]]), -up))
+                neighbours.append(Neighbour(side, own_force, force[order[place - 1]], -up))
             if place + 1 < len(order):
-                neighbours.append(Neighbour(side, own_force, float(force[order[place + 1]]), up))
+                neighbours.append(Neighbour(side, own_force, force[order[place + 1]], up))
         return neighbours
+
+    @cached_property
+    def _forces(self) -> tuple[list[float], list[float]]:
+        loading, unloading = self.forces
+        return loading.tolist(), unloading.tolist()
 
     def smallest_gap(self) -> float:
         """Smallest difference of two F0 or of two F1 [N]; infinite for a single cell."""

@@ -1,7 +1,7 @@
 """Requests of the page and answers: keys with bounds, designs, views."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import isfinite
 from pathlib import Path
@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stepwell.base import InputError, from_unit, nearest_word, to_unit
+from stepwell.base import InputError, StepwellError, from_unit, nearest_word, to_unit
 from stepwell.design import DEFAULT_TOLERANCES, Tolerances
 from stepwell.files import DesignError, DesignFile, WrittenProgram, loads_tables
 from stepwell.mechanism import Chain
@@ -169,7 +169,7 @@ class PageDesign:
         """The design file of the tables."""
         if self.tables is None:
             raise InputError("design: is missing; send the tables of a design file.")
-        return loads_tables(self.tables)
+        return _read(self.tables)
 
     @property
     def chain(self) -> Chain:
@@ -196,3 +196,48 @@ class PageDesign:
     def program(self) -> WrittenProgram | None:
         """The program of the design, if any."""
         return self.read.program
+
+
+# The tables of the last design as texts (its cells, and all else), and its file.
+_last: tuple[list[str], str, DesignFile] | None = None
+
+
+def _read(tables: dict[str, Any]) -> DesignFile:
+    """The design file of tables; of a chain only the cells that the last one had not are read."""
+    global _last
+    cells, rest = _parted(tables)
+    # Texts, because 1, 1.0 and True are equal, and only two of them are numbers.
+    texts, around = [repr(cell) for cell in cells], repr(rest)
+    file = _changed(cells, texts, rest) if _last and _last[1] == around else None
+    file = file or loads_tables(tables)
+    _last = texts, around, file
+    return file
+
+
+def _parted(tables: dict[str, Any]) -> tuple[list[Any], dict[str, Any]]:
+    """The cells of a chain, and the tables without them."""
+    chain: Any = tables.get("chain")
+    cells: Any = chain.get("cell") if isinstance(chain, dict) else None
+    if not isinstance(cells, list):
+        return [], tables
+    return cells, {**tables, "chain": {**chain, "cell": []}}
+
+
+def _changed(cells: list[Any], texts: list[str], rest: dict[str, Any]) -> DesignFile | None:
+    """The last chain with some of its cells read anew; None if it must be read as a whole."""
+    assert _last is not None
+    before, _, last = _last
+    if len(before) != len(cells) or not isinstance(last.value, Chain) or last.program is not None:
+        return None
+    places = [i for i, (old, new) in enumerate(zip(before, texts, strict=True)) if old != new]
+    if not places:
+        return last
+    chain = {**rest["chain"], "cell": [cells[i] for i in places]}
+    try:
+        few = loads_tables({**rest, "chain": chain}).subject
+        assert isinstance(few, Chain)
+        new = dict(zip(places, few.cells, strict=True))
+        made = tuple(new.get(i, cell) for i, cell in enumerate(last.value.cells))
+        return replace(last, subject=replace(last.value, cells=made))
+    except StepwellError:  # whose messages are to name the cells of the whole chain
+        return None

@@ -284,7 +284,9 @@ def margins_of(limits: Margin | None, *, becomes: bool = True) -> dict[str, Any]
 def _change(change: Change) -> dict[str, Any]:
     moves = change.parameter == "anchor"
     reach = {"reach_mm" if moves else "reach_percent": plain(change.distance, MM if moves else 100)}
-    move = plain(change.move, MM) if moves and np.isfinite(change.distance) else None
+    move = None
+    if isinstance(change.move, tuple) and math.isfinite(change.distance):
+        move = [part * MM for part in change.move]
     return {"cell": change.cell, "what": change.parameter, **reach, "move_mm": move}
 
 

@@ -205,16 +205,15 @@ def proved_margin(chain: Chain) -> Margin | None:
     forces = SortedChain.of(chain)
     if forces is None:
         return None
-    ways = Displacements.of(None, False, REACH)
-    now = Sequence.full_cycle(forces.loading, forces.unloading)
     changes: list[Change] = []
-    for cell in range(len(chain)):
-        nearest_change = nearest_proved(forces, cell, REACH)
+    for cell, numbers_of in enumerate(forces.cells):
+        neighbours = tuple(forces.neighbours(cell))
+        nearest_change = nearest_proved(numbers_of, neighbours, len(chain) == 1, REACH)
         if nearest_change is None:
             return None
         changes.append(Change(chain, cell, "anchor", *nearest_change))
-        changes.append(number_change(chain, forces, now, cell, "stiffness"))
-    return _assembled_margin(chain, forces, changes, ways)
+        changes.append(Change(chain, cell, "stiffness", *numbers.share_of_stiffness(neighbours)))
+    return _assembled_margin(chain, forces, changes, Displacements.of(None, False, REACH))
 
 
 def _assembled_margin(

@@ -344,20 +344,15 @@ def _nearest_searched(
     )
 
 
-def nearest_proved(forces: SortedChain, cell: int, reach: float) -> Nearest | None:
-    """The nearest displacement of anchor q within reach [m] that changes the sequence.
-
-    None if no closed form proves it.
-    """
-    alone = len(forces.cells) == 1
-    return _proved_nearest(forces.cells[cell], tuple(forces.neighbours(cell)), alone, reach)
-
-
 # As for `_kept`: a cell whose neighbours in force stay keeps its result.
 @lru_cache(maxsize=1024)
-def _proved_nearest(
+def nearest_proved(
     cell: Simple, neighbours: tuple[Neighbour, ...], alone: bool, reach: float
 ) -> Nearest | None:
+    """The nearest displacement of anchor q within reach [m] that changes the sequence.
+
+    None if no closed form proves it; `alone` is whether the chain has no other cell.
+    """
     ways = Displacements.of(None, False, reach)
     known, proved = _best(cell, [[one] for one in neighbours], ways, 1, alone)
     return _assembled(known, known and _just_past(known)[0], Method.EXACT) if proved else None

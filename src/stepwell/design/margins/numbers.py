@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 
 from stepwell.base import Progress, bisected, notify
-from stepwell.concave import SortedChain
+from stepwell.concave import Neighbour, SortedChain
 from stepwell.design.margins.nearest import sequence
 from stepwell.design.parameters import Parameter
 from stepwell.design.plane import Method
@@ -72,13 +73,7 @@ def nearest_share(
     """
     assert number.cell is not None
     if forces is not None and number.part == "stiffness" and target is None:
-        quotients = [
-            (n.other / n.own - 1.0, n.up if n.own > 0 else -n.up)
-            for n in forces.neighbours(number.cell)
-            if n.own * n.other > 0
-        ]
-        share, grows = min(quotients, key=lambda one: abs(one[0]), default=(math.nan, 1))
-        return _share(share, share + math.copysign(_PAST, grows), Method.EXACT)
+        return share_of_stiffness(tuple(forces.neighbours(number.cell)))
     if chain.elements and number.part in _OF_FORCES and are_relays(chain):
         return _among_relays(chain, number, target)
 
@@ -93,6 +88,19 @@ def nearest_share(
     changes = _searched(does, chain, number, finely=target is not None, progress=progress)
     share = min(changes, key=abs, default=math.nan)
     return _share(share, share, Method.SEARCH)
+
+
+# Kept, because in a drag most cells keep their neighbours in force.
+@lru_cache(maxsize=1024)
+def share_of_stiffness(neighbours: tuple[Neighbour, ...]) -> Share:
+    """The smallest change of the stiffness of a cell with which it passes a neighbour in force."""
+    quotients = [
+        (n.other / n.own - 1.0, n.up if n.own > 0 else -n.up)
+        for n in neighbours
+        if n.own * n.other > 0
+    ]
+    share, grows = min(quotients, key=lambda one: abs(one[0]), default=(math.nan, 1))
+    return _share(share, share + math.copysign(_PAST, grows), Method.EXACT)
 
 
 def _share(share: float, past: float, method: Method) -> Share:

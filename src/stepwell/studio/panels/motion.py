@@ -35,7 +35,10 @@ def answer_evaluate(design: PageDesign, ask: Ask) -> View:
         "names": list(chain.names),
         "full_stroke_mm": chain.full_stroke * display_unit(chain.measure.travel_unit)[1],
     }
-    return View(header, motion.arrays_of(path) | motion.landscape(chain))
+    blocks = motion.arrays_of(path) | motion.landscape(chain)
+    if moves:  # tables of all cells are most of the bytes, and are drawn
+        blocks = {k: v.astype(np.float32) if v.ndim == 2 else v for k, v in blocks.items()}
+    return View(header, blocks)
 
 
 def answer_margin(design: PageDesign, ask: Ask) -> View:
