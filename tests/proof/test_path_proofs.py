@@ -183,3 +183,9 @@ def test_a_tube_of_unknown_radius_covers_the_whole_travel():
     tube = Tube(walk, {0: ball(0.001), 1: ball(0.002)})
     around = tube.around({0: ball(0.001)}, ball(math.nan))
     assert around[0].contains(walk.cells[0].low) and around[0].contains(walk.cells[0].high)
+
+
+def test_a_span_in_which_a_band_may_have_no_length_has_no_polynomial():
+    cell = EnclosedWalk(sw.preset("three-wave"), problem_of(sw.preset("three-wave"))).cells[0]
+    assert cell.taylor(ball(0.005, 1e-6), 3) is not None
+    assert cell.taylor(ball(0.005, 1.0), 3) is None

@@ -164,12 +164,15 @@ class EnclosedBand:
     def taylor(self, sin: Any, cos: Any, s: tuple[Ball, Ball]) -> Any:
         """F as a power series, by those of sin and cos; None at a joint of the law.
 
+        None too where the balls are so wide that the length may be 0.
+
         Args:
             sin, cos: power series.
             s: balls of sin and cos.
         """
-        one, two = self.curve.rows_at(self.reach(*s).length - self._rest)
-        if one < two:
+        reach = self.reach(*s).length
+        one, two = self.curve.rows_at(reach - self._rest)
+        if one < two or not (reach > 0 and s[1] > 0):
             return None
         dx, dy = self._dx, self._dy
         if one < 0:
