@@ -1,6 +1,7 @@
 """Proofs of margins, of all machines within tolerances, and of refusals, tried by the engine."""
 
 import json
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 
@@ -12,10 +13,11 @@ import stepwell as sw
 from accounts.schemas import violations
 from facts import says
 from golden.running import invoke
+from sizes import cases
 from stepwell.accounts import account
 from stepwell.base import InputError
 from stepwell.design import AnchorBox, BandType, Draws, Impossible, Tolerances
-from stepwell.proof import BoxOutcome, ToleranceProof, prove_tolerances
+from stepwell.proof import BoxOutcome, ToleranceProof, box_prover, prove_tolerances
 from stepwell.proof.order_boxes import becomes
 
 CAREFUL, USUAL = Tolerances(0.0001, 0.01), Tolerances(0.0003, 0.05)
@@ -76,9 +78,56 @@ def test_random_chains_within_random_tolerances_are_decided():
     assert BoxOutcome.UNDECIDED not in outcomes and BoxOutcome.PROVED in outcomes
 
 
+def test_two_hundred_machines_with_a_slack_band_do_what_is_proved():
+    proof = prove_tolerances(sw.preset("slack"), Tolerances(0.001, 0.05))
+    assert proof.proved and proof.boxes == 1
+    attacked(proof, np.random.default_rng(3), 200)
+
+
+def any_equal_levers(seed: int) -> sw.Chain:
+    """Two to four cells of any kind with one lever and one limit."""
+    rng, cells = np.random.default_rng([7, seed]), list[sw.Cell]()
+    number = int(rng.integers(2, 5))
+    while len(cells) < number:
+        cell = chains.any_cell(rng)
+        with suppress(ValueError):
+            cells.append(replace(cell, lever=chains.LEVER, limit=chains.LIMIT))
+    return sw.Chain(cells)
+
+
+@pytest.mark.parametrize("seed", cases([5, 13, 17, 19, 27], [13, 17, 19]))
+def test_forces_that_rise_on_the_way_do_not_change_a_proved_order(seed):
+    chain = any_equal_levers(seed)
+    proof = prove_tolerances(chain, Tolerances(0.0001, 0.005, 0.005, 0.0, 0.001))
+    assert proof.proved
+    attacked(proof, np.random.default_rng(seed), 10)
+
+
+@pytest.mark.parametrize("seed", cases([10, 12, 15, 21], [10, 15]))
+def test_a_box_with_a_machine_that_fails_is_never_proved(seed, monkeypatch):
+    chain, wide = any_equal_levers(seed), Tolerances(0.001, 0.05, 0.02)
+    monkeypatch.setattr(box_prover, "_SAMPLES", 0)
+    proof = prove_tolerances(chain, wide, boxes=20)
+    draws = Draws(chain, wide, 1)
+    rng = np.random.default_rng(seed)
+    made = [draws.sample(k) if k % 2 else extreme_machine(draws, rng) for k in range(20)]
+    assert any(becomes(one, proof.sequence) for one in made) and not proof.proved
+
+
+def test_a_box_that_is_decided_in_part_has_a_share_that_shrinks_with_the_boxes():
+    chain, within = any_equal_levers(18), Tolerances(0.0001, 0.005, 0.0095, 0.0, 0.0013)
+    shares: list[float] = []
+    for boxes in (3, 31):
+        proof = prove_tolerances(chain, within, boxes=boxes)
+        assert proof.outcome is BoxOutcome.UNDECIDED and proof.boxes <= boxes
+        shares.append(proof.undecided or 0.0)
+        says(proof.cause, "order", "while")
+    assert 1.0 > shares[0] > shares[1] > 0.0
+
+
 def test_what_no_theorem_covers_is_not_decided():
-    proof = prove_tolerances(sw.preset("slack"), CAREFUL)
-    assert proof.outcome is BoxOutcome.UNDECIDED and proof.undecided == 1.0
+    proof = prove_tolerances(sw.preset("slack"), Tolerances(0.0003, lever=0.0002), boxes=9)
+    assert proof.outcome is BoxOutcome.UNDECIDED and proof.undecided == 1.0 and proof.boxes == 9
     says(proof.cause, "outer", "not proved")
 
 

@@ -45,7 +45,7 @@ def _of(name: str, unit: str) -> Any:
 def tolerance_proof_schema(shape: DesignShape) -> Schema:
     """What is proved of all machines within tolerances."""
     return (
-        *keys(sequence=str, outcome=str, cause=str, becomes=str, parameters=int),
+        *keys(sequence=str, outcome=str, cause=str, becomes=str, parameters=int, boxes=int),
         *keys(undecided=float | None),
         Quantity(
             "counterexample",

@@ -33,6 +33,7 @@ class ToleranceProof(ByValue):
         counterexample: a machine within the tolerances with another sequence, as simulated.
         becomes: its sequence.
         parameters: number of the numbers that vary at once.
+        boxes: number of boxes that were looked at.
         undecided: fraction of the box that is not decided, by volume; None if it is refuted.
 
     Assumes: as for `PathProof`; masses and dimensions without a tolerance are nominal.
@@ -46,6 +47,7 @@ class ToleranceProof(ByValue):
     counterexample: Chain | None = field(repr=False)
     becomes: str
     parameters: int
+    boxes: int
     undecided: float | None
 
     @property
@@ -56,10 +58,13 @@ class ToleranceProof(ByValue):
     def __str__(self):
         if self.proved:
             numbers = counted(self.parameters, "number")
-            return f"proved for every machine within the tolerances ({numbers} at once)"
+            boxes = f", {self.boxes} boxes" * (self.boxes > 1)
+            return f"proved for every machine within the tolerances ({numbers} at once{boxes})"
         if self.counterexample is not None:
             return f"refuted: {self.cause}; a machine within the tolerances gives {self.becomes}"
-        return f"not decided in {percent(self.undecided or 0.0)} of the box: {self.cause}"
+        share = percent(self.undecided or 0.0)
+        after = f" after {self.boxes} boxes" * (self.boxes > 1)
+        return f"not decided in {share} of the box{after}: {self.cause}"
 
     def __repr__(self):
         return f"ToleranceProof({self})"

@@ -110,12 +110,23 @@ class CellBox:
 
         return largest(value, self.spans, enough)
 
+    def peak(self, end: int, enough: float) -> LargestValue:
+        """The largest F + f of a lever cell over its travel, for end 1 that of f - F."""
+        assert isinstance(self.cell, Cell)
+
+        def value(values: Sequence[Ball]) -> Any:
+            *own, sine = parameters_in(values)
+            at = self._numbers(own)
+            return self._force(at, sine) * (-1 if end else 1) + at.friction
+
+        return largest(value, [*self.spans, (-self._sine, self._sine)], enough)
+
     def machine(self, values: Sequence[float]) -> Cell | Element:
-        """The cell with these values of its parts."""
+        """The cell with these values of its parts; further values do not count."""
         cell: Any = self.cell
         moves: dict[int, list[float]] = {}
-        for part, value in zip(self.parts, values, strict=True):
-            if part.what in ("radius", "angle"):
+        for part, value in zip(self.parts, values, strict=False):
+            if part.what in ("radius", "angle", "x", "y"):
                 moves.setdefault(part.band, []).append(value)
             elif part.what in ("stiffness", "rest_length"):
                 cell = _with_bands(
@@ -125,9 +136,10 @@ class CellBox:
                 cell = replace(cell, **{part.what: value * getattr(cell, part.what)})
             else:
                 cell = replace(cell, **{part.what: value})
-        for band, (radius, angle) in moves.items():
+        polar = self.varies("radius")
+        for band, (a, b) in moves.items():
             # Half of it at either anchor.
-            x, y = 0.5 * radius * math.cos(angle), 0.5 * radius * math.sin(angle)
+            x, y = (0.5 * a * math.cos(b), 0.5 * a * math.sin(b)) if polar else (0.5 * a, 0.5 * b)
             cell = _with_bands(
                 cell,
                 band,
@@ -145,6 +157,9 @@ class CellBox:
     # Its numbers as balls, with slopes by its parts.
 
     def _at(self, values: Sequence[Ball]) -> "_Numbers":
+        return self._numbers(parameters_in(values))
+
+    def _numbers(self, values: Sequence[Any]) -> "_Numbers":
         cell = self.cell
         if isinstance(cell, Element):
             at = _Numbers([], ball(0.0), ball(cell.friction), ball(1.0))
@@ -155,7 +170,7 @@ class CellBox:
                 bands.append(_BandNumbers(ball(x), ball(y), ball(1.0), ball(band.rest_length)))
             at = _Numbers(bands, ball(cell.lever), ball(cell.friction), ball(1.0))
         radius: Any = None
-        for part, value in zip(self.parts, parameters_in(values), strict=True):
+        for part, value in zip(self.parts, values, strict=True):
             for band in at.bands if part.band == ALL else [at.bands[part.band]]:
                 if part.what in ("x", "y"):
                     setattr(band, part.what, value + getattr(band, part.what))

@@ -2,7 +2,8 @@
 
 The sorting theorem (theory page, "Sorting") needs falling forces and a condition on travels; under
 a prescribed force elements are relays. Critical forces of different cells are independent, so an
-order holds in the whole box exactly if the ranges of the forces do not overlap.
+order holds in the whole box exactly if the ranges of the forces do not overlap. A cell whose force
+does not fall everywhere needs more room: up to the largest force of its travel.
 """
 
 from collections.abc import Iterator, Sequence
@@ -21,6 +22,11 @@ from stepwell.statics import StaticsError
 
 # Errors of the extremes of a force, as fractions of the largest force, one after the other.
 _ENOUGH = 1e-2, 1e-4, 1e-6, 1e-9
+# Angles at which the largest force of a nominal cell is looked for.
+_LOOKS = 65
+# Largest forces that are known, and how many are kept.
+_KNOWN: dict[tuple[Cell | Element, tuple[CellPart, ...], int, float], LargestValue] = {}
+_MOST_KNOWN = 64
 
 
 class Decision(NamedTuple):
@@ -31,12 +37,14 @@ class Decision(NamedTuple):
         cause: what is not proved; "" if all is.
         machine: a chain in the box with another sequence, as simulated; None if none is known.
         becomes: its sequence, or what is reported in place of one.
+        cells: numbers of the cells whose spans are too wide.
     """
 
     proved: bool
     cause: str = ""
     machine: Chain | None = None
     becomes: str = ""
+    cells: tuple[int, ...] = ()
 
 
 class Switch(NamedTuple):
@@ -76,15 +84,15 @@ class OrderedBox:
             return Decision(False, "the nominal design has ties, or moves several cells at once")
         try:
             self._check_phases(steps)
-            open_pair = ""
+            open_pair: Decision | None = None
             for order in steps:
                 for first, second in combinations(order, 2):
                     if first.cell != second.cell and (found := self._pair(first, second)):
                         if found.machine is not None:
                             return found
-                        open_pair = open_pair or found.cause
-            if open_pair:
-                return Decision(False, open_pair)
+                        open_pair = open_pair or found
+            if open_pair is not None:
+                return open_pair
             return self._conditions(steps)
         except UndecidedError as why:
             return Decision(False, why.cause)
@@ -111,12 +119,29 @@ class OrderedBox:
         assert one is not None and two is not None
         names = f"{self.chain.names[first.cell]} and {self.chain.names[second.cell]}"
         cause = f"the order of {names} while {'unloading' if first.end else 'loading'}"
-        machine = self._machine({first.cell: one.at, second.cell: two.at})
-        if machine is not None and (other := becomes(machine, str(self.nominal.sequence))):
-            return Decision(False, cause, machine, other)
-        return Decision(False, cause)
+        return self._failed(cause, (first, second), [one.at, two.at])
 
-    def _machine(self, values: dict[int, list[float]]) -> Chain | None:
+    def _nominal(self, switch: Switch) -> float:
+        """The critical force of the nominal design, as a double."""
+        cell = self.chain.cells[switch.cell]
+        if switch.end:
+            return cell.phases[switch.phase + 1].force_low - cell.friction
+        return cell.phases[switch.phase].force_high + cell.friction
+
+    def _failed(
+        self, cause: str, pair: tuple[Switch, Switch], values: list[list[float]]
+    ) -> Decision:
+        """What is known where cells with these values of their parts may change places."""
+        first, second = pair
+        machine = self.machine({first.cell: values[0], second.cell: values[1]})
+        sign = -1 if first.end else 1
+        narrower = sign * (self._nominal(second) - self._nominal(first)) > 0.0
+        cells = (first.cell, second.cell) if narrower else ()
+        if machine is not None and (other := becomes(machine, str(self.nominal.sequence))):
+            return Decision(False, cause, machine, other, cells)
+        return Decision(False, cause, cells=cells)
+
+    def machine(self, values: dict[int, list[float]]) -> Chain | None:
         """The chain with these values of the parts of some cells, those of others nominal."""
         from dataclasses import replace
 
@@ -154,17 +179,63 @@ class OrderedBox:
     def _conditions(self, steps: tuple[list[Switch], list[Switch]]) -> Decision:
         chain = self.chain
         prescribed = chain.actuator_stiffness == 0.0
-        for name, box in zip(chain.names, self.boxes, strict=True):
-            if prescribed and isinstance(box.cell, Element):
-                if len(box.cell.sheets) > 1:
-                    return Decision(False, f"the curve of {name} folds back")
-            elif len(chain) > 1 and not box.falls():
-                return Decision(False, f"the force of {name} is not proved to fall everywhere")
+        folded = [one.name for one in chain.elements if len(one.sheets) > 1]
+        if prescribed and folded:
+            return Decision(False, f"the curve of {folded[0]} folds back")
+        rising = self._rising(prescribed)
+        if len(chain) > 1 and rising:
+            return self._apart(steps, rising)
         if prescribed or len(chain) == 1 or self._one_travel():
             return Decision(True)
         if np.isfinite(chain.actuator_stiffness) or chain.elements:
             return Decision(False, "unequal travels behind a spring, or of elements")
         return self._travels([[s.cell for s in order] for order in steps])
+
+    def _rising(self, prescribed: bool) -> list[int]:
+        """Cells whose force is not proved to fall; under a prescribed force elements are relays."""
+        relays = self.chain.elements if prescribed else ()
+        return [i for i, box in enumerate(self.boxes) if box.cell not in relays and not box.falls()]
+
+    def _apart(self, steps: tuple[list[Switch], list[Switch]], rising: list[int]) -> Decision:
+        """Whether all forces of a cell are below the critical one of the next, though some rise.
+
+        Theory page, "Proofs within tolerances": of lever cells with one travel, or under a force.
+        """
+        chain, name = self.chain, self.chain.names[rising[0]]
+        prescribed = chain.actuator_stiffness == 0.0
+        rigid = not prescribed and not np.isfinite(chain.actuator_stiffness) and self._one_travel()
+        if not (prescribed or rigid) or any(isinstance(chain.cells[i], Element) for i in rising):
+            cause = f"the force of {name} is not proved to fall everywhere"
+            return Decision(False, cause, cells=tuple(rising))
+        for order in steps:
+            for first, second in combinations(order, 2):
+                if first.cell in rising and first.cell != second.cell:
+                    failed = self._passes(first, second)
+                    if failed is not None:
+                        return failed
+        return Decision(True)
+
+    def _passes(self, first: Switch, second: Switch) -> Decision | None:
+        """None if the forces of a first cell on its way stay below the critical one of another."""
+        sign, tie = (-1 if first.end else 1), TIE * self.scale
+        names, cell = self.chain.names, self.chain.cells[first.cell]
+        cause = f"the force of {names[first.cell]} may pass the critical force of "
+        cause += f"{names[second.cell]} on its way while {'unloading' if first.end else 'loading'}"
+        assert isinstance(cell, Cell)
+        most = float(np.max(sign * cell.force(np.linspace(-cell.limit, cell.limit, _LOOKS))))
+        if most + cell.friction >= sign * self._nominal(second):
+            # That of the nominal design does, so narrower spans do not help.
+            return Decision(False, cause)
+        one = two = None
+        for share in _ENOUGH[:3]:
+            one = _peak(self.boxes[first.cell], first.end, share * self.scale)
+            two = self._extreme(second, -sign, share * self.scale)
+            if -two.bound - one.bound > tie:
+                return None
+            if -two.attained - one.attained < -tie:
+                break
+        assert one is not None and two is not None
+        return self._failed(cause, (first, second), [one.at, two.at])
 
     def _one_travel(self) -> bool:
         varies = any(box.varies("lever") or box.varies("travel_scale") for box in self.boxes)
@@ -187,7 +258,7 @@ class OrderedBox:
                     held = self._extreme(Switch(k, 0, 1 - end), -sign, enough).bound
                     if not most < -held:
                         cause = f"a snap of {names[j]} may empty {names[k]}"
-                        return Decision(False, cause)
+                        return Decision(False, cause, cells=(j, k))
         return Decision(True)
 
     def _travel(self, i: int) -> Ball:
@@ -197,6 +268,16 @@ class OrderedBox:
         levers = [(part.low, part.high) for part in parts if part.what == "lever"]
         least, most = levers[0] if levers else (cell.lever, cell.lever)
         return 2 * ball(cell.sin_limit) * ball(least).union(ball(most))
+
+
+def _peak(box: CellBox, end: int, enough: float) -> LargestValue:
+    """`CellBox.peak`, once for boxes that have the same numbers, as most cells of a margin."""
+    key = box.cell, box.parts, end, enough
+    if key not in _KNOWN:
+        if len(_KNOWN) > _MOST_KNOWN:
+            _KNOWN.clear()
+        _KNOWN[key] = box.peak(end, enough)
+    return _KNOWN[key]
 
 
 def switches_of(sequence: States) -> tuple[list[Switch], list[Switch]] | None:
