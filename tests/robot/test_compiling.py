@@ -123,6 +123,16 @@ def test_one_touch_that_reverses_both_legs_is_proved_to_exclude_a_free_walk():
     assert contradiction(behaviour()) == ()
 
 
+def test_a_row_that_is_left_open_limits_neither_margin_nor_yield():
+    table, robot = behaviour(("forward", "turn right", "turn left", "any")), compiled().robot
+    wiring = compiled().designs[0].places.wiring
+    closed, rows = rows_of(behaviour(), robot, wiring), rows_of(table, robot, wiring)
+    assert [one.force for one in rows[:3]] == [one.force for one in closed[:3]]
+    assert rows[3].force == rows[3].anchor == np.inf
+    found = compile_behaviour(table, samples=20).designs[0]
+    assert 0.0 < found.margin == min(one.force for one in found.rows[:3])
+
+
 def test_a_conflict_is_the_smallest_set_of_rows():
     table = behaviour(("forward", "turn right", "turn left", "stop"))
     found = compile_behaviour(table)
@@ -183,6 +193,7 @@ def test_both_wirings_of_the_antennas_are_possible():
         ([("free", "forward")], ("'left' has no", "'right' has no", "'both' has no")),
         ([("free", "forward")] * 2, ("'free' has 2 rows",)),
         ([("rear", "forward")], ("'rear'", "no such antenna", "'left'")),
+        ([(one, "any") for one in ("free", "left", "right", "both")], ("all of them",)),
     ],
 )
 def test_a_table_with_a_row_missing_or_twice_or_without_an_antenna_is_refused(rows, facts):

@@ -267,6 +267,8 @@ class RobotBehaviour(ByValue):
             for contact in known
             if contact not in given
         ]
+        if not problems and all(row.motion is Action.ANY for row in self.rows):
+            problems = ["rows: all of them are 'any', which every robot meets: name a motion."]
         return problems
 
     def __repr__(self):

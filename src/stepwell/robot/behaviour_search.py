@@ -14,7 +14,7 @@ from stepwell.design import BandType
 from stepwell.robot.behaviour import CURVE, Action, BehaviourRow, RobotBehaviour
 from stepwell.robot.gait_rules import Bands, GaitRules, LegForces
 
-SHORTLIST = 200  # designs of the largest margins that are kept
+SHORTLIST = 1000  # designs of the largest margins that are kept
 _LEFT, _RIGHT = 256, 1024  # legs of a block of pairs that is evaluated at once
 
 Wiring = tuple[int, ...]  # for each antenna from the left: the leg whose anchor it moves
@@ -105,7 +105,10 @@ def pressed(behaviour: RobotBehaviour, wiring: Wiring, contact: str) -> Pressed:
 def row_margins(
     rules: GaitRules, rows: Sequence[tuple[Action, Pressed]], legs: tuple[Leg, Leg]
 ) -> tuple[Floats, list[Any]]:
-    """Margins of rows (R, ...) [N], and for each row the number of its best pair of gaits (...)."""
+    """Margins of rows (R, ...) [N], and for each row the number of its best pair of gaits (...).
+
+    A row that is left open has an infinite margin.
+    """
     gaps: dict[Pressed, tuple[tuple[Floats, Floats], ...]] = {}
     margins: list[Floats] = []
     which: list[Any] = []
@@ -122,7 +125,8 @@ def row_margins(
             ]
             each.append(np.minimum.reduce(np.broadcast_arrays(*signed)))
         which.append(np.argmax(each, axis=0))
-        margins.append(np.max(each, axis=0))
+        best = np.max(each, axis=0)
+        margins.append(np.full_like(best, np.inf) if action is Action.ANY else best)
     return np.array(np.broadcast_arrays(*margins)), which
 
 
@@ -426,7 +430,7 @@ def leg_bounds(
     """Largest margins (n,) [N] of rows that legs on one side can have with any other leg."""
     limits = [rules.limits(state, side) for state in leg]
     bounds: list[Floats] = []
-    for action, at in rows:
+    for action, at in (row for row in rows if row[0] is not Action.ANY):
         light, heavy, unloading = limits[at[side]]
         each = [
             np.minimum(

@@ -35,6 +35,8 @@ MOST_DESIGNS = 20_000_000
 SAMPLES = 500
 STEPS_ON = 0.5  # part of a forward step that a design should have
 SHOWN = 5  # designs in a result
+# Of more designs, those that most of a few samples have are sampled in full.
+SAMPLED, _FEW = 100, 40
 # Yields in one interval of this width count as equal, so that the margin decides.
 SAME_YIELD = 0.005
 NUDGE = 1e-6  # displacement of an anchor for slopes of the margins [m]
@@ -62,7 +64,8 @@ class RowMargin(ByValue):
     Attributes:
         row: of the table.
         gaits: of the left and of the right leg.
-        force: smallest force on a cell that changes one of them [N]; negative if one is wrong.
+        force: smallest force on a cell that changes one of them [N]; negative if one is wrong,
+            infinite for a row that is left open.
         anchor: smallest displacement of one anchor that changes one of them, from slopes [m].
         orders: forces that decide the gait of the left and of the right leg.
     """
@@ -199,7 +202,8 @@ def compile_behaviour(
     search = (DesignSearch if behaviour.is_mirrored else PairSearch)(behaviour)
     proved, total = bool(conflict), search.total
     searched = 0 if proved else search.run(most, progress)
-    designs = [_designed(behaviour, one, tolerances, samples, seed) for one in search.best()]
+    likely = _likeliest(behaviour, search.best(), tolerances, seed)
+    designs = [_designed(behaviour, one, tolerances, samples, seed) for one in likely]
     designs.sort(key=_rank)
     if not proved and not designs and searched == total:
         conflict = search.conflict()
@@ -215,6 +219,19 @@ def compile_behaviour(
         samples,
         seed,
     )
+
+
+def _likeliest(
+    behaviour: RobotBehaviour, found: list[ChosenNumbers], tolerances: Tolerances, seed: int
+) -> list[ChosenNumbers]:
+    """Designs to sample: those with the largest yields of a few samples, then margins."""
+    if len(found) <= SAMPLED:
+        return found
+    few = [
+        _made(behaviour, one, robot_of(behaviour, one), (tolerances, _FEW, seed)) for one in found
+    ]
+    order = sorted(range(len(found)), key=lambda k: -few[k])
+    return [found[k] for k in sorted(order[:SAMPLED])]
 
 
 def _rank(design: CompiledDesign) -> tuple[bool, int, float]:
@@ -302,7 +319,11 @@ def rows_of(behaviour: RobotBehaviour, robot: Robot, wiring: Wiring) -> tuple[Ro
     rules = GaitRules(robot)
     legs = _Variants.of(robot, rules, variants)
     force, which, _ = legs.margins(behaviour, wiring, rules)
-    slopes = (force[:, 1:] - force[:, :1]).reshape(-1, 4, 2) / NUDGE
+    # Rows that are left open keep an infinite margin.
+    change = np.where(np.isfinite(force[:, :1]), force[:, 1:], 0.0) - np.nan_to_num(
+        force[:, :1], posinf=0.0
+    )
+    slopes = change.reshape(-1, 4, 2) / NUDGE
     steepest = np.hypot(slopes[..., 0], slopes[..., 1]).max(axis=1)
     return tuple(
         RowMargin(
@@ -352,16 +373,8 @@ def _designed(
 ) -> CompiledDesign:
     """A found design with its margins row by row and its yield."""
     robot = robot_of(behaviour, places)
-    drawing, rules = Draws(Chain(_cells(robot)), tolerances, seed), GaitRules(robot)
-    right = 0
-    for drawn in drawing.chunks(samples):
-        sampled = drawing.designs(drawn)
-        assert sampled is not None, "a chain of four cells with bands"
-        bands = sampled.bands
-        numbers = _Numbers(bands[..., :2], bands[..., 2], bands[..., 3])
-        variants = _Variants.of(robot, rules, numbers)
-        margins, _, curved = variants.margins(behaviour, places.wiring, rules)
-        right += int(((margins > 0.0) & curved).all(axis=0).sum())
+    rules = GaitRules(robot)
+    right = _made(behaviour, places, robot, (tolerances, samples, seed))
     rows = rows_of(behaviour, robot, places.wiring)
     # The steps of the legs that step forward: at rest, or only with their anchors displaced.
     legs = [_bands_of(robot, side) for side in (0, 1)]
@@ -376,6 +389,27 @@ def _designed(
     tip = max(_tip_force(robot, rules, moved) for _, _, moved in legs)
     built = fraction_of(right, samples)
     return CompiledDesign(robot, places, rows, built, min(steps, default=math.nan), tip)
+
+
+def _made(
+    behaviour: RobotBehaviour,
+    places: ChosenNumbers,
+    robot: Robot,
+    sampling: tuple[Tolerances, int, int],
+) -> int:
+    """Number of samples of a robot that have all rows; tolerances, samples and seed are given."""
+    tolerances, samples, seed = sampling
+    drawing, rules = Draws(Chain(_cells(robot)), tolerances, seed), GaitRules(robot)
+    right = 0
+    for drawn in drawing.chunks(samples):
+        sampled = drawing.designs(drawn)
+        assert sampled is not None, "a chain of four cells with bands"
+        bands = sampled.bands
+        numbers = _Numbers(bands[..., :2], bands[..., 2], bands[..., 3])
+        variants = _Variants.of(robot, rules, numbers)
+        margins, _, curved = variants.margins(behaviour, places.wiring, rules)
+        right += int(((margins > 0.0) & curved).all(axis=0).sum())
+    return right
 
 
 def _bands_of(robot: Robot, side: int) -> tuple[Bands, Bands, Bands]:
