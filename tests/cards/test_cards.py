@@ -57,7 +57,7 @@ PARTS = {
         "Plate",
         "Slope",
     ),
-    *("HoleEvidence", "ScaleEvidence", "StateEvidence"),
+    *("HoleEvidence", "RequirementEvidence", "ScaleEvidence", "StateEvidence"),
     *("Episode", "Sample", "Scrambling", "Segment", "Sensitivities", "Series", "Settings"),
     *("Sheet", "SnapPrediction", "Sorted", "Step", "BandType", "Table", "Tie"),
     *("InertialPath", "Machine", "MachineDesign", "Requirement", "Requirements", "SafeRate"),

@@ -4,6 +4,7 @@ import json
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
+from itertools import permutations
 
 import numpy as np
 import pytest
@@ -16,8 +17,10 @@ from golden.running import invoke
 from sizes import cases
 from stepwell.accounts import account
 from stepwell.base import InputError
-from stepwell.design import AnchorBox, BandType, Draws, Impossible, Tolerances
+from stepwell.design import AnchorBox, BandType, Draws, Impossible, Requirement, Tolerances
+from stepwell.design.targets import reachable_states
 from stepwell.proof import BoxOutcome, ToleranceProof, box_prover, prove_tolerances
+from stepwell.proof.exclusions import _meets
 from stepwell.proof.order_boxes import becomes
 
 CAREFUL, USUAL = Tolerances(0.0001, 0.01), Tolerances(0.0003, 0.05)
@@ -184,6 +187,11 @@ def refusal(*given: str, **options) -> Impossible:
 
 THREE = "000>100>110>111>011>001>000"
 PLACE = AnchorBox(-0.001, 0.011, -0.001, 0.011)
+STRIP, WHERE = (AnchorBox(x, y, -0.006, 0.006) for x, y in ((0.009, 0.021), (0.006, 0.020)))
+FIVE = "000", "100", "010", "110", "111"
+CIRCLE = "2 before 1 loading; 1 before 2 loading"
+TWO = "state 10; 2 before 1 loading; 1 before 2 unloading"
+SAME = "1 before 2 loading; 1 before 2 unloading; 3 cells"
 
 
 @pytest.mark.parametrize(
@@ -196,6 +204,11 @@ PLACE = AnchorBox(-0.001, 0.011, -0.001, 0.011)
         (lambda: refusal(states=["00", "10", "01"]), "every chain"),
         (lambda: _unreachable(), "36 pairs of orders"),
         (lambda: _of_one_shape("dome", "00>10>11>01>00"), "scales from 0.5 to 2"),
+        (lambda: refusal(states=["00", "10", "11"], holes=0.040), "all 1 choice"),
+        (lambda: refusal(states=FIVE, holes=0.010, within=STRIP), "all 8 choices"),
+        (lambda: refusal(requirements=f"{CIRCLE}; 3 first unloading"), "chain of 3"),
+        (lambda: refusal(requirements=TWO, within=WHERE), "4 pairs of orders"),
+        (lambda: refusal(requirements=f"never two half way; {SAME}", within=WHERE), "36 pairs"),
     ],
 )
 def test_a_refusal_is_proved_for_a_named_set(why, word):
@@ -219,6 +232,40 @@ def test_a_refusal_without_a_proof_of_the_search_is_not_decided():
     proved = why.prove()
     assert not why.proved and proved.outcome is BoxOutcome.UNDECIDED and proved.cause
     assert str(proved) == str(why)
+
+
+def test_the_smallest_contradictory_part_is_named_and_no_other_requirement():
+    proof = refusal(requirements=f"{CIRCLE}; 3 first unloading").prove().proof
+    says(proof, "2 before 1 loading", "1 before 2 loading", "none of them")
+    assert "3 first unloading" not in proof
+
+
+def test_states_that_a_stroke_may_reach_besides_those_of_two_orders_are_not_decided():
+    why = refusal(
+        requirements="state 100; 2 before 1 loading; 1 before 2 unloading; 3 cells", within=WHERE
+    )
+    proved = why.prove()
+    assert why.proved and proved.outcome is BoxOutcome.UNDECIDED
+    says(proved.cause, "more states")
+
+
+def test_requirements_that_a_chain_meets_are_met_by_its_orders():
+    rng = np.random.default_rng(2)
+    kinds = "{0} before {1} {2}", "{0} first {2}", "{0} last {2}", "{0} never without {1}"
+    for k in range(12):
+        chain = chains.concave_chain(rng, 2 + k % 2)
+        orders, reached = chain.cycle().sequence.orders, reachable_states(chain)[0]
+        assert orders is not None
+        for a, b in permutations(range(1, len(chain) + 1), 2):
+            for way, order in zip(("loading", "unloading"), orders, strict=True):
+                seen = order.index(a - 1), order.index(b - 1)
+                last = len(order) - 1
+                without = any(one[a - 1] == "1" and one[b - 1] == "0" for one in reached)
+                truth = seen[0] < seen[1], seen[0] == 0, seen[0] == last, not without
+                for kind, holds in zip(kinds, truth, strict=True):
+                    one = Requirement.parse(kind.format(a, b, way))
+                    # A chain that meets a requirement has orders that meet it.
+                    assert _meets(one, *orders) or not holds, (one, orders)
 
 
 def test_multipliers_of_a_refusal_add_up_to_a_contradiction_in_fractions():

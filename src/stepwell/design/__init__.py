@@ -24,7 +24,12 @@ if TYPE_CHECKING:
     from stepwell.design.requirements import Requirement, Requirements
     from stepwell.design.run import Run
     from stepwell.design.synthesis.designed import Design, Impossible
-    from stepwell.design.synthesis.evidence import HoleEvidence, ScaleEvidence, StateEvidence
+    from stepwell.design.synthesis.evidence import (
+        HoleEvidence,
+        RequirementEvidence,
+        ScaleEvidence,
+        StateEvidence,
+    )
     from stepwell.design.synthesis.inverse import design
     from stepwell.design.synthesis.region import (
         PAPER_BAND,
@@ -76,6 +81,7 @@ __all__ = [
     "Resistance",
     "Robustness",
     "RobustnessLimit",
+    "RequirementEvidence",
     "ScaleEvidence",
     "Sensitivities",
     "StateEvidence",
@@ -131,7 +137,9 @@ _LATE = {
     "requirements": ("Requirement", "Requirements"),
     "run": ("Run",),
     "synthesis.designed": ("Design", "Impossible"),
-    "synthesis.evidence": ("HoleEvidence", "ScaleEvidence", "StateEvidence"),
+    "synthesis.evidence": (
+        *("HoleEvidence", "RequirementEvidence", "ScaleEvidence", "StateEvidence"),
+    ),
     "synthesis.inverse": ("design",),
     "synthesis.region": (
         "AnchorBox",

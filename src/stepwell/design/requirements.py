@@ -85,6 +85,11 @@ class Requirement(ByValue):
         named = [len(self.state) * (self.kind != "place"), *(cell + 1 for cell in self.cells)]
         return max([*named, 2 * (self.kind == "apart")])
 
+    @property
+    def needs_concave(self) -> bool:
+        """Whether it follows from two orders only for concave cells of one full travel."""
+        return self.kind == "apart" or bool(self.state and self.kind != "place")
+
     def clauses(self, n: int) -> list[Clause]:
         """What it requires of the two orders of n cells."""
         if self.kind == "order" or self.kind == "before":

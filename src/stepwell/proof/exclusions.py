@@ -1,6 +1,7 @@
 """Proving that no allowed design reaches a target: every choice is excluded by enclosures."""
 
 import math
+import re
 from collections.abc import Iterator, Sequence
 from itertools import pairwise, permutations, product
 from typing import Any, NamedTuple
@@ -9,7 +10,14 @@ import numpy as np
 
 from stepwell.base import Bools, Floats, Progress, counted, notify, tracked
 from stepwell.concave import TIED
-from stepwell.design import HoleEvidence, Impossible, ScaleEvidence, StateEvidence
+from stepwell.design import (
+    HoleEvidence,
+    Impossible,
+    Requirement,
+    RequirementEvidence,
+    ScaleEvidence,
+    StateEvidence,
+)
 from stepwell.mechanism import Cell, Chain, Element
 from stepwell.proof.balls import UndecidedError, ball, high, low
 from stepwell.proof.box_proofs import BoxOutcome, ProvedImpossible
@@ -17,7 +25,7 @@ from stepwell.proof.cell_boxes import ALL, CellBox, CellPart, CriticalForce, ele
 from stepwell.sequences import cycle
 from stepwell.statics import StaticsError
 
-Evidence = StateEvidence | HoleEvidence | ScaleEvidence
+Evidence = StateEvidence | HoleEvidence | ScaleEvidence | RequirementEvidence
 # Largest number of partial choices of holes, and longest chain whose pairs of orders are all tried.
 _MOST_NODES, _MOST_CELLS = 200_000, 5
 # Largest number of other choices whose cycles are proved, at some 10 ms each.
@@ -51,6 +59,8 @@ def _excluded(evidence: Evidence | None, progress: Progress) -> tuple[str, str]:
             return _holes_excluded(evidence, progress)
         case ScaleEvidence():
             return _scales_excluded(evidence, progress)
+        case RequirementEvidence():
+            return _requirements_excluded(evidence, progress)
         case None:
             raise UndecidedError("the search was no proof, or excluded no choices as a whole")
 
@@ -67,19 +77,46 @@ def _states_excluded(evidence: StateEvidence, progress: Progress) -> tuple[str, 
             "every chain of any cells",
             f"all cells are at {missing[0]} once in every full cycle, and this state is missing",
         )
-    if cells > _MOST_CELLS:
-        raise UndecidedError(f"the pairs of orders of {cells} cells are too many to try")
-    for loading, unloading in product(permutations(range(cells)), repeat=2):
-        if _ideals(loading, unloading) == states:
-            raise UndecidedError("two orders give these states")
-    for cell, box in tracked(evidence.cells, progress):
-        if not _rectangle(cell, box).falls():
-            raise UndecidedError("a cell of the region is not proved to have a falling force")
+    if any(_may_reach(states, *orders) for orders in _order_pairs(cells)):
+        raise UndecidedError("two orders reach these states, or a part of them")
+    _prove_concave(evidence.cells, progress)
     pairs = counted(math.factorial(cells) ** 2, "pair")
     return (
         f"{counted(len(evidence.cells), 'kind')} of cell with q - p anywhere in the region",
-        f"each has a falling force, and none of {pairs} of orders has these states as its ideals",
+        f"each has a falling force, so its ideals are reached; those of {pairs} of orders have a "
+        f"state that is not among the target ones",
     )
+
+
+Orders = tuple[tuple[int, ...], tuple[int, ...]]
+
+
+def _order_pairs(cells: int) -> Iterator[Orders]:
+    """All orders of loading and unloading; UndecidedError for too many."""
+    if cells > _MOST_CELLS:
+        raise UndecidedError(f"the pairs of orders of {cells} cells are too many to try")
+    every = [*permutations(range(cells))]
+    yield from product(every, every)
+
+
+def _may_reach(
+    states: frozenset[str], loading: tuple[int, ...], unloading: tuple[int, ...]
+) -> bool:
+    """Whether concave cells of two orders may reach exactly some states.
+
+    They reach the ideals; of three cells or more a stroke may reach further states.
+    """
+    ideals = _ideals(loading, unloading)
+    return ideals == states if len(loading) <= 2 else ideals <= states
+
+
+def _prove_concave(cells: tuple[tuple[Cell, Any], ...], progress: Progress) -> None:
+    """Prove that cells anywhere in rectangles have falling forces, and one full travel."""
+    if len({cell.full_travel for cell, _ in cells}) > 1:
+        raise UndecidedError("cells of several full travels")
+    for cell, box in tracked(cells, progress):
+        if not _rectangle(cell, box).falls():
+            raise UndecidedError("a cell of the region is not proved to have a falling force")
 
 
 def _ideals(loading: Sequence[int], unloading: Sequence[int]) -> frozenset[str]:
@@ -103,6 +140,55 @@ def _rectangle(cell: Cell, box: Any) -> CellBox:
     return CellBox(cell, parts)
 
 
+# Requirements: no pair of orders meets the smallest contradictory part.
+
+
+def _requirements_excluded(evidence: RequirementEvidence, progress: Progress) -> tuple[str, str]:
+    conflict, cells = evidence.conflict, evidence.number
+    if cells > 2 and any(one.kind in ("state", "step", "after") for one in conflict):
+        raise UndecidedError("a stroke may reach more states than those that two orders give")
+    missed = [
+        frozenset(k for k, one in enumerate(conflict) if not _meets(one, *orders))
+        for orders in _order_pairs(cells)
+    ]
+    if not all(missed):
+        raise UndecidedError("two orders meet the requirements")
+    _prove_concave(evidence.cells, progress)
+    part = "; ".join(f"'{one}'" for one in conflict)
+    # Each of them is the only one that some pair misses.
+    spare = [k for k in range(len(conflict)) if frozenset({k}) not in missed]
+    least = "and none of them can be left out" if not spare else "of which some can be left out"
+    kinds = counted(len(evidence.cells), "kind") if evidence.cells else ""
+    return (
+        f"{kinds} of cell with q - p anywhere in the region"
+        if kinds
+        else f"every chain of {cells} cells, of any kind",
+        f"none of {counted(len(missed), 'pair')} of orders meets {part}, {least}",
+    )
+
+
+def _meets(one: Requirement, loading: tuple[int, ...], unloading: tuple[int, ...]) -> bool:
+    """Whether two orders meet a requirement, by the states that they reach."""
+    order = unloading if one.way else loading
+    match one.kind:
+        case "before" | "order":
+            return [cell for cell in order if cell in one.cells] == [*one.cells]
+        case "place":
+            return order[0 if one.state == "first" else -1] == one.cells[0]
+        case "apart":
+            return unloading == loading[::-1]
+        case "cells":
+            return True
+    reached = _ideals(loading, unloading)
+    if one.kind == "never":
+        pattern = one.state.ljust(len(loading), "*").replace("*", ".")
+        return not any(re.fullmatch(pattern, state) for state in reached)
+    if one.kind == "step":
+        still = [cell for cell in order if one.state[cell] == "01"[one.way]]
+        return one.state in reached and still[0] == one.cells[0]
+    return one.state in reached
+
+
 # Holes: no choice of enclosed critical forces has the target orders.
 
 
@@ -114,8 +200,11 @@ class _Ends(NamedTuple):
 
 
 def _holes_excluded(evidence: HoleEvidence, progress: Progress) -> tuple[str, str]:
-    if not evidence.whole:
-        raise UndecidedError("the target is a set of states, which the engine followed")
+    targets = evidence.orders
+    if evidence.states is not None:
+        targets = _orders_within(evidence.states, evidence.tables)
+    elif not evidence.whole:
+        raise UndecidedError("there are too many orders that give the target")
     known: dict[Cell, _Ends | None] = {}
     nodes, followed = 0, 0
     for tables in evidence.tables:
@@ -123,15 +212,30 @@ def _holes_excluded(evidence: HoleEvidence, progress: Progress) -> tuple[str, st
             if cell not in known:
                 known[cell] = _enclosed_ends(cell)
         others = list(_not_concave(tables, known))
+        if others and evidence.states is not None:
+            raise UndecidedError("the states of a choice of cells that are not concave")
         for cells in tracked(others, progress):
-            _prove_other(Chain(cells, evidence.actuator_stiffness), evidence.orders)
+            _prove_other(Chain(cells, evidence.actuator_stiffness), targets)
         followed += len(others)
-        nodes = _search_choices(tables, known, evidence.orders, nodes)
+        nodes = _search_choices(tables, known, targets, nodes)
     total = sum(math.prod(map(len, tables)) for tables in evidence.tables)
     theorem = "of cells with falling forces, none has its enclosed F0 and F1 in the target orders"
     if followed:
         theorem += f"; the cycles of {counted(followed, 'other choice')} are proved to be others"
     return f"all {counted(total, 'choice')} of holes and bands, with nominal numbers", theorem
+
+
+def _orders_within(states: frozenset[str], tables: Any) -> tuple[Orders, ...]:
+    """Rising orders of which all ideals are among some states.
+
+    A chain of other orders reaches a state that is not among them.
+    """
+    cells = len(tables[0]) if tables else 0
+    return tuple(
+        (loading, unloading[::-1])
+        for loading, unloading in _order_pairs(cells)
+        if _may_reach(states, loading, unloading)
+    )
 
 
 def _search_choices(tables: Any, known: dict[Cell, _Ends | None], targets: Any, nodes: int) -> int:

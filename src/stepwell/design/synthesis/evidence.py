@@ -6,6 +6,7 @@ import numpy as np
 
 from stepwell.base import ByValue, Ints
 from stepwell.design.plane import Box
+from stepwell.design.requirements import Requirement
 from stepwell.design.synthesis.candidates import Rule
 from stepwell.design.synthesis.region import Region
 from stepwell.mechanism import Cell, Element
@@ -39,12 +40,29 @@ class HoleEvidence(ByValue):
             can be; those whose band goes slack are left out.
         whole: whether a target is reached by these orders only.
         actuator_stiffness: of the chain [N/m].
+        states: the target states, in place of a sequence; None for a sequence.
     """
 
     orders: tuple[RisingOrders, ...]
     tables: tuple[tuple[Cells, ...], ...]
     whole: bool
     actuator_stiffness: float
+    states: frozenset[str] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class RequirementEvidence(ByValue):
+    """No two orders meet some requirements.
+
+    Attributes:
+        conflict: the smallest requirements that contradict each other.
+        number: of cells of the chain.
+        cells: as for `StateEvidence`; empty if the requirements name orders only.
+    """
+
+    conflict: tuple[Requirement, ...]
+    number: int
+    cells: tuple[tuple[Cell, Box], ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +80,7 @@ class ScaleEvidence(ByValue):
     most_force: float
 
 
-Evidence = StateEvidence | HoleEvidence | ScaleEvidence
+Evidence = StateEvidence | HoleEvidence | ScaleEvidence | RequirementEvidence
 
 
 def rectangles(rules: list[Rule], regions: tuple[Region, ...]) -> tuple[tuple[Cell, Box], ...]:

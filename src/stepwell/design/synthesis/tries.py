@@ -16,7 +16,13 @@ from stepwell.concave import TIED, closed
 from stepwell.design.synthesis.attempt import Attempt, from_lattice, named_chain
 from stepwell.design.synthesis.candidates import Candidates, Rule, joined
 from stepwell.design.synthesis.designed import Impossible, explained
-from stepwell.design.synthesis.evidence import Evidence, HoleEvidence, StateEvidence, rectangles
+from stepwell.design.synthesis.evidence import (
+    Evidence,
+    HoleEvidence,
+    RequirementEvidence,
+    StateEvidence,
+    rectangles,
+)
 from stepwell.design.synthesis.placement import all_proved, measured
 from stepwell.design.synthesis.region import HoleGrid, Region, allowed_text, drilled, usual_box
 from stepwell.design.targets import Behaviour, Target
@@ -360,7 +366,8 @@ class TargetSearch:
         if target.requirements is not None:
             proved = self._contradictory(rules)
             left = "" if proved else "only cells proved concave were tried"
-            raise self._impossible(placed, left, proved=proved)
+            excluded = self._excluded_requirements(rules) if proved else None
+            raise self._impossible(placed, left, excluded, proved=proved)
         if self.holes is None:
             proved = target.orders.never or (not target.orders.stepwise and self._all_proved(rules))
             report = f"{placed.others} random choices in the target orders were simulated"
@@ -396,7 +403,7 @@ class TargetSearch:
         """
         assert self.target.requirements is not None
         conflict = self.target.requirements.conflict
-        if not any(one.state or one.kind == "apart" for one in conflict if one.kind != "place"):
+        if not any(one.needs_concave for one in conflict):
             return bool(conflict)
         one_lever = all(len({kind.lever for kind in rule.kinds}) == 1 for rule in rules)
         return one_lever and self._all_proved(rules)
@@ -410,6 +417,14 @@ class TargetSearch:
             return None
         return StateEvidence(states, () if never else rectangles(rules, self.regions))
 
+    def _excluded_requirements(self, rules: list[Rule]) -> RequirementEvidence:
+        assert self.target.requirements is not None
+        conflict, number = self.target.requirements.conflict, self.target.requirements.cells
+        concave = any(one.needs_concave for one in conflict)
+        return RequirementEvidence(
+            conflict, number, rectangles(rules, self.regions) if concave else ()
+        )
+
     def _excluded_holes(self, rules: list[Rule], holes: HoleGrid) -> HoleEvidence:
         tables: list[tuple[tuple[Cell, ...], ...]] = []
         for rule in rules:
@@ -418,8 +433,9 @@ class TargetSearch:
             }
             tables.append(tuple(tuple(way.cell for way in ways[one]) for one in self.regions))
         orders = tuple(one.rising for one in self.target.orders.orders)
-        whole = self.target.states is None and self.target.orders.complete
-        return HoleEvidence(orders, tuple(tables), whole, self.actuator_stiffness)
+        states = None if self.target.states is None else frozenset(self.target.states)
+        whole = self.target.orders.complete
+        return HoleEvidence(orders, tuple(tables), whole, self.actuator_stiffness, states)
 
     def _impossible(
         self, placed: Placed, rest: str, evidence: Evidence | None = None, *, proved: bool
