@@ -307,6 +307,21 @@ def test_depths_that_the_engine_cannot_follow_are_not_sure_and_do_not_break_the_
 
 
 @pytest.mark.slow
+def test_the_shortest_last_cell_of_all_legs_limits_the_depth():
+    left, right = leg("left", 0.020), leg("right", 0.020)
+    stiff = sw.Chain([cell("inner", 0.010, k=60.0), cell("outer", 0.020, k=60.0)])
+    # The same stroke of 40 mm, of which 12 mm lift the right foot.
+    wide = replace(cell("inner", 0.009), lever=0.028 / math.sqrt(2))
+    low = replace(cell("outer", 0.020, k=60.0), limit=math.asin(0.006 / (0.010 * math.sqrt(2))))
+    one = Robot([replace(left, chain=stiff), replace(right, chain=sw.Chain([wide, low]))])
+    rises = [
+        float(one.foot.depth(0.0) - one.foot.depth(leg.chain.cells[-1].full_travel))
+        for leg in one.legs
+    ]
+    assert rises[1] < rises[0]
+    assert max(deep for _, deep in depths(one)) <= rises[1]
+
+
 def test_the_depths_of_unlike_legs_are_reported_for_each():
     prediction = robot(0.005, 0.020).predict()
     backward, forward = prediction.depths

@@ -544,8 +544,9 @@ def _depths(robot: Robot, index: int, cycles: Sequence[LegCycle]) -> tuple[float
     """Range of preload depths [m] in which a leg keeps its gait despite the uncertain force."""
     foot, leg = robot.foot, robot.legs[index]
     unknown, gait = _uncertainty(robot, leg), cycles[index].gait()
-    # The preload depth cannot exceed the lift of the last cell.
-    deepest = 0.999 * float(foot.depth(0.0) - foot.depth(leg.chain.cells[-1].full_travel))
+    # All legs have the same depth, and it cannot exceed the lift of any last cell.
+    shortest = min(one.chain.cells[-1].full_travel for one in robot.legs)
+    deepest = 0.999 * float(foot.depth(0.0) - foot.depth(shortest))
 
     def gait_at(below: float) -> str:
         other = replace(robot, foot=replace(foot, below=below))
