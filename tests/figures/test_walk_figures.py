@@ -13,7 +13,15 @@ from figures.robots import cut, explorer, four_legs, three_cells, walker
 from figures.shapes import boxes, ends, strips
 from sizes import cases
 from stepwell import figures
-from stepwell.figures.robots.walks import BACKWARD, FORWARD, LEFT, RIGHT, direction, motions
+from stepwell.figures.robots.walks import (
+    BACKWARD,
+    FORWARD,
+    LEFT,
+    RIGHT,
+    _cell_looks,
+    direction,
+    motions,
+)
 from stepwell.simulation import walk
 
 DRAWINGS = (figures.gait, figures.trajectory, figures.contacts)
@@ -92,6 +100,13 @@ def test_a_walk_without_samples_is_refused(draw, forward):
 def test_cycles_to_show_are_positive(draw, forward):
     with pytest.raises(ValueError, match="cycles = 0: must be > 0"):
         draw(forward, cycles=0)
+
+
+def test_a_leg_with_fewer_cells_has_the_colours_of_their_names():
+    listed = ("first", "inner", "outer")
+    first, inner, outer = _cell_looks(listed, listed)
+    assert _cell_looks(("inner", "outer"), listed) == [inner, outer]
+    assert _cell_looks(("inner", "another"), listed) == [first, inner]
 
 
 def test_the_gait_shows_every_cell_in_millimetres(forward):

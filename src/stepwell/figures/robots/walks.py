@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import groupby, pairwise
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
@@ -212,9 +213,8 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
     for i, (ax, leg) in enumerate(zip(axes, robot.legs, strict=True)):
         for begin, end in intervals(time, standing(walk.foot_force[some, i])):
             ax.axvspan(begin, end, color=STANCE, linewidth=0, zorder=0, gid="stance")
-        full, cells = max(leg.chain.full_travels) * style.MM, len(leg.chain)
-        looks = zip(style.cell_colours(cells), style.cell_dashes(cells), strict=True)
-        for j, (colour, dashes) in enumerate(looks):
+        full = max(leg.chain.full_travels) * style.MM
+        for j, (colour, dashes) in enumerate(_cell_looks(leg.chain.names, longest.names)):
             look = {"color": colour, "linestyle": dashes, "gid": f"{leg.name} cell {j}"}
             ax.plot(time, walk.travel[some, i, j] * style.MM, linewidth=1.4, **look)
         ax.set(ylim=(-0.06 * full, 1.06 * full), ylabel=f"Travel $s$ of\n{literal(leg.name)} [mm]")
@@ -230,6 +230,13 @@ def gait(walk: Walk, *, cycles: float = 3) -> Figure:
     axes[-1].set_xlabel("Time [s]")
     legends.on_top(figure, handles, _LEFT, columns=columns)
     return figure
+
+
+def _cell_looks(names: Sequence[str], listed: Sequence[str]) -> list[tuple[Any, Any]]:
+    """Colour and dashes of each cell of a leg, those of its name in a legend of listed names."""
+    looks = [*zip(style.cell_colours(len(listed)), style.cell_dashes(len(listed)), strict=True)]
+    known = set(names) <= set(listed)
+    return [looks[listed.index(name) if known else j] for j, name in enumerate(names)]
 
 
 def _states(ax: Axes, rests: list[tuple[float, float, str]]) -> None:
