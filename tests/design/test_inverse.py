@@ -372,7 +372,7 @@ def test_the_complete_search_is_as_good_as_trying_everything(gap, some, loading,
         return float(sum(gaps)) if add else float(min(gaps))
 
     best = max(worth(picks) for picks in product(range(5), repeat=3))
-    choice = holes.best_choice(gap, allowed, orders, add=add)
+    choice = holes.best_choice(gap, holes.Offered.freely(allowed), orders, add=add)
     assert choice.complete
     assert choice.value == pytest.approx(best, abs=1e-9)
     assert (len(choice.picks) > 0) == (best > -math.inf)
@@ -380,11 +380,110 @@ def test_the_complete_search_is_as_good_as_trying_everything(gap, some, loading,
         assert worth(tuple(choice.picks.tolist())) == pytest.approx(best, abs=1e-9)
 
 
+@pytest.mark.slow
+@given(
+    arrays(float, (2, 5, 5), elements=st.floats(-4, 4).map(lambda v: -np.inf if v < -1 else v)),
+    st.lists(st.integers(0, 1), min_size=5, max_size=5),
+    st.lists(st.integers(1, 3), min_size=5, max_size=5),
+    st.tuples(st.integers(1, 5), st.integers(1, 5)),
+    st.booleans(),
+)
+def test_within_packs_the_complete_search_is_as_good_as_trying_everything(
+    gap, band, uses, room, add
+):
+    orders = Orders((0, 1, 2), (1, 0, 2))
+    packs = holes.Packs(np.array(band), np.array(uses), np.array(room))
+
+    def worth(picks: tuple[int, ...]) -> float:
+        used = [sum(uses[c] for c in picks if band[c] == one) for one in (0, 1)]
+        gaps = [
+            gap[end, picks[a], picks[b]]
+            for end, order in enumerate(orders.rising)
+            for a, b in pairwise(order)
+        ]
+        fits = used[0] <= room[0] and used[1] <= room[1]
+        return float(sum(gaps) if add else min(gaps)) if fits else -math.inf
+
+    best = max(worth(picks) for picks in product(range(5), repeat=3))
+    offered = holes.Offered(np.ones((3, 5), bool), packs)
+    choice = holes.best_choice(gap, offered, orders, add=add)
+    assert choice.complete
+    assert (choice.value == best == -math.inf) or choice.value == pytest.approx(best, abs=1e-9)
+    if len(choice.picks):
+        assert worth(tuple(choice.picks.tolist())) == pytest.approx(best, abs=1e-9)
+
+
+COLUMN = AnchorBox(0.010, 0.0101, -0.010, 0.010)
+
+
+def in_packs(packs: tuple[int | None, int | None], most: int) -> set[tuple[int, ...]]:
+    """Numbers of cycles of `PAIRS` of three cells in the holes of a column, by trying all."""
+    cells = [
+        (band, count, sw.Cell(sw.Band((-0.010, 0.0), (0.010, y), count * k, 0.010)))
+        for band, k in enumerate((28.5, 47.0))
+        for count in range(1, most + 1)
+        for y in (-0.010, 0.0, 0.010)
+    ]
+    found = set()
+    for chosen in product(cells, repeat=3):
+        used = [sum(count for band, count, _ in chosen if band == one) for one in (0, 1)]
+        if any(pack is not None and n > pack for n, pack in zip(used, packs, strict=True)):
+            continue
+        first, last = (
+            [getattr(cell, name) for _, _, cell in chosen] for name in ("force_0", "force_1")
+        )
+        if min(len({round(one, 9) for one in ends}) for ends in (first, last)) == 3:
+            loading = tuple(sorted(range(3), key=lambda i: first[i]))
+            found.add((loading, tuple(sorted(range(3), key=lambda i: -last[i]))))
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("packs", "most"), [((None, 1), 1), ((1, 2), 2), ((2, 1), 1)])
+def test_in_packs_a_cycle_is_found_exactly_where_trying_all_choices_finds_one(packs, most):
+    kinds = [
+        BandType(k, 0.010, name=name, pack=pack)
+        for k, name, pack in zip((28.5, 47.0), "ab", packs, strict=True)
+    ]
+    there = in_packs(packs, most)
+    assert there and len(there) < len(PAIRS)
+    for number, pair in enumerate(PAIRS):
+        if SIZE == "ci" and number % 4:
+            continue
+        how = {"within": COLUMN, "holes": 0.010, "bands": kinds, "most_bands": most, "samples": 1}
+        if pair in there:
+            made = design(cycle(*pair), **how)
+            refuses_nothing(made, cycle(*pair))
+            for kind in kinds:
+                used = sum(count for band, count in made.bands if band == kind)
+                assert kind.pack is None or used <= kind.pack
+            stiffness = [one.bands[0].stiffness for one in made.chain.levers]
+            assert stiffness == [count * band.stiffness for band, count in made.bands]
+        else:
+            with pytest.raises(Impossible) as refusal:
+                design(cycle(*pair), **how)
+            assert refusal.value.proved
+
+
+def test_fewer_bands_than_cells_are_a_proof_and_a_pack_that_is_too_small_says_what_is_missing():
+    with refuses(Impossible, "3 cells", "packs hold 2") as refusal:
+        design(NESTED, bands=[BandType(pack=1), BandType(47.0, pack=1)])
+    assert refusal.value.proved
+    # Two of the cells need the stronger band.
+    wanted, strong = cycle((0, 1, 2), (0, 2, 1)), BandType(47.0, name="strong", pack=1)
+    how = {"within": COLUMN, "holes": 0.010, "samples": 1}
+    with refuses(Impossible, "packs of bands", "takes") as refusal:
+        design(wanted, bands=[BandType(pack=2), strong], **how)
+    assert refusal.value.proved
+    assert design(wanted, bands=[BandType(), BandType(47.0)], **how).bands_used == ""
+
+
 def test_a_search_that_gave_up_proves_nothing():
     rng = np.random.default_rng(0)
     gap = rng.uniform(0, 1, (2, 12, 12))
     orders = Orders((0, 1, 2, 3, 4), (2, 0, 4, 1, 3))
-    choice = holes.best_choice(gap, np.ones((5, 12), bool), orders, add=True, most_nodes=7)
+    offered = holes.Offered.freely(np.ones((5, 12), bool))
+    choice = holes.best_choice(gap, offered, orders, add=True, most_nodes=7)
     assert not choice.complete
     assert choice.nodes == 7
 

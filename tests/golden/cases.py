@@ -223,7 +223,7 @@ DESIGNED = [
         "design/options",
         (
             f"design '{_BACK}' --samples 50 --holes 5 --band antennas --band 30:10:2 --lever 14 "
-            f"--lever 20 --mixed-levers --unusual --x 0:25 --y -10:10 {_TOLERANCES} --json",
+            f"--lever 20 --mixed-levers --most-bands 1 --unusual --x 0:25 --y -10:10 {_TOLERANCES} --json",
             f"design '{_BACK}' --samples 20 --objective worst --force-limit 0.6 --json",
             f"design '{_BACK}' --samples 20 --holes 5 --origin 5:0 --free p --json",
             f"design '{_BACK}' --samples 20 --holes 5 --free both --band preset:paper-forward "

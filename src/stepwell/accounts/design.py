@@ -128,6 +128,7 @@ def design_account(design: Design, about: About) -> Account:
         *yields.counted_facts(sampled),
         yields.critical_fact(sampled),
         Fact("Snaps", _no_snaps(design)),
+        Fact("Bands by cell", design.bands_used),
         Fact("Holes" if design.holes else "Axes", _origin(design)),
         Fact("Off the grid", design.off_grid),
         Fact("Cycle", run.cycle_words(design.cycle), FULL),

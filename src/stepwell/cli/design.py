@@ -121,8 +121,16 @@ class Parts(Group):
     )
     bands: list[str] | None = option(
         "Available band: paper, robot or antennas; stiffness [N/m], rest length and tolerance [%]; "
-        "or a design file with bands, or band.toml of lab band. May be repeated.",
-        "--band NAME|K:LENGTH[:PERCENT]",
+        "or a design file with bands, or band.toml of lab band. With N and x before it, a pack of "
+        "N bands, such as 6xpaper. May be repeated.",
+        "--band [Nx]NAME|K:LENGTH[:PERCENT]",
+    )
+    most_bands: int = option(
+        "Maximum number of equal bands in a cell, all between the same anchors.",
+        "--most-bands N",
+        default=1,
+        min=1,
+        max=10,
     )
     levers: list[float] | None = option(
         "Available lever length [mm]; the paper's by default. May be repeated.",
@@ -159,7 +167,8 @@ class Parts(Group):
             "travel_scale": (self.travel_scale.start, self.travel_scale.stop),
             "holes": None if holes is None else from_unit(holes, "mm"),
             "origin": tuple(from_unit(one, "mm") for one in self.origin or (0.0, 0.0)),
-            "bands": [*itertools.chain.from_iterable(map(bands_of, self.bands or ["paper"]))],
+            "bands": [*itertools.chain.from_iterable(map(packs_of, self.bands or ["paper"]))],
+            "most_bands": self.most_bands,
             "lever": levers,
             "equal_levers": not self.mixed_levers,
             "unusual": self.unusual,
@@ -168,6 +177,7 @@ class Parts(Group):
     def refuse_for_jumps(self) -> None:
         """Refuse options that have no meaning for a jump."""
         unused = {"--x": self.x, "--y": self.y, "--origin": self.origin, "--element": self.elements}
+        unused |= {"--most-bands": self.most_bands > 1}
         unused |= {"--mixed-levers": self.mixed_levers, "--free": self.place is not Free.Q}
         unused |= {"--force-scale": self.force_scale != FORCE_SCALE}
         unused |= {"--travel-scale": self.travel_scale != TRAVEL_SCALE}
@@ -507,6 +517,15 @@ def elements_of(text: str) -> "tuple[sw.Element, ...]":
             f"{', '.join(sw.mechanism.LIBRARY)}.",
         )
     return chain.elements
+
+
+def packs_of(text: str) -> "list[BandType]":
+    """The bands that `bands_of` reads, of which N are available after N and x."""
+    pack = re.match(r"(\d+)x", text)
+    if pack is None:
+        return bands_of(text)
+    with usable("--band"):
+        return [replace(one, pack=int(pack[1])) for one in bands_of(text[pack.end() :])]
 
 
 def bands_of(text: str) -> "list[BandType]":

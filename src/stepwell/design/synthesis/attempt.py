@@ -102,10 +102,11 @@ class Attempt:
 
     def largest_gap(self) -> float:
         """Upper bound of the smallest gap if no choice meets the orders [N]."""
-        if len(self.tables) == 1:
+        if len(self.tables) == 1 and not self.rule.limited:
             return 0.0  # all cells in one hole
-        gaps, allowed = differences(joined(self.tables)), placement.shared(self.tables, self.owner)
-        selection = best_choice(gaps, allowed, self.orders, add=False, most_nodes=_START_NODES)
+        gaps = differences(joined(self.tables))
+        offered = placement.shared(self.rule, self.tables, self.owner)
+        selection = best_choice(gaps, offered, self.orders, add=False, most_nodes=_START_NODES)
         return selection.value
 
     def region(self) -> tuple[Floats, ...]:
@@ -140,8 +141,9 @@ def from_lattice(
     if best is None and not (complete and holes is not None):
         search, mine = placement.Search(rule, orders, regions), [tables[k] for k in owner]
         best = search.pattern(mine)
-        best, _ = search.settle(best, lambda i, now: mine[i], rounds=_ROUNDS)
-        if holes is not None:
+        if best is not None:
+            best, _ = search.settle(best, lambda i, now: mine[i], rounds=_ROUNDS)
+        if best is not None and holes is not None:
             best = search.recomputed(best)
     return Attempt(rule, orders, regions, holes, tables, owner, best, complete, nodes, pitch)
 

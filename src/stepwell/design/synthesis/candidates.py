@@ -1,5 +1,7 @@
 """Critical forces and robustness of a cell with its anchor at any of the allowed places."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -11,6 +13,7 @@ from stepwell.base import Bools, Floats, Ints
 from stepwell.concave import TIED, Simple, certified, end_force_field, slopes_by_sizes
 from stepwell.design.margins.robustness import SIDES, AnchorProof, extremes, farthest
 from stepwell.design.plane import Box
+from stepwell.design.synthesis.holes import UNLIMITED, Packs
 from stepwell.design.synthesis.region import BandType, Region
 from stepwell.design.tolerances.draws import Tolerances
 from stepwell.mechanism import Cell, Linear, geometry
@@ -30,7 +33,7 @@ class Candidates(NamedTuple):
     up: Floats  # (m, 2) ... and upwards, as added by `Rule.combined`
     room: Floats  # (m,) limit of the cell by itself, in units of its gaps
 
-    def take(self, rows: Ints | Bools) -> "Candidates":
+    def take(self, rows: Ints | Bools) -> Candidates:
         """The candidates of some rows."""
         return Candidates._make(column[rows] for column in self)
 
@@ -48,19 +51,21 @@ def differences(table: Candidates) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Kind:
-    """A band on a lever, the limit in rad; `unusual` to accept unusual lengths."""
+    """Equal bands on a lever, the limit in rad; `unusual` to accept unusual lengths."""
 
     band: BandType
     lever: float
     limit: float
     unusual: bool = False
+    count: int = 1  # number of bands
 
     @cached_property
     def cell(self) -> Simple:
         """The cell as plain numbers, without anchors."""
         nowhere = math.nan, math.nan
         sine = math.sin(self.limit)
-        return Simple(*nowhere, self.band.stiffness, self.band.rest_length, self.lever, sine)
+        stiffness = self.count * self.band.stiffness
+        return Simple(*nowhere, stiffness, self.band.rest_length, self.lever, sine)
 
     @property
     def bends(self) -> bool:
@@ -109,7 +114,7 @@ class Kind:
         dx, dy = d[:, :1], d[:, 1:]
         length = geometry.band_length(sine, cosine, dx, dy, self.lever)
         first = geometry.length_slope(sine, cosine, length, dx, dy)
-        tension = self.band.between((0.0, 0.0), (1.0, 0.0)).tension(length)
+        tension = self.band.between((0.0, 0.0), (1.0, 0.0), self.count).tension(length)
         return np.asarray(geometry.band_force(tension, first)), length
 
 
@@ -131,7 +136,7 @@ class Rule:
         kind = self.kinds[k]
         mirrored = -q[0] + 0.0, -q[1] + 0.0  # no -0
         p, q = {"q": (self.fixed, q), "p": (q, self.fixed), "both": (mirrored, q)}[self.free]
-        band = kind.band.between(p, q)
+        band = kind.band.between(p, q, kind.count)
         # Places of a search are not user input, so unit errors are not checked here.
         return replace(Cell(band, kind.lever, kind.limit, unusual=True), unusual=kind.unusual)
 
@@ -182,6 +187,39 @@ class Rule:
         """d = q - p [m] with the free anchor at (m, 2) places."""
         fixed = np.array(self.fixed)
         return {"q": q - fixed, "p": fixed - q, "both": 2.0 * q}[self.free]
+
+    @cached_property
+    def packs(self) -> Packs:
+        """For each kind its type of band, and its number of bands; the available ones of a type."""
+        types = list(dict.fromkeys(kind.band for kind in self.kinds))
+        return Packs(
+            np.array([types.index(kind.band) for kind in self.kinds]),
+            np.array([kind.count for kind in self.kinds]),
+            np.array([UNLIMITED if one.pack is None else one.pack for one in types]),
+        )
+
+    @property
+    def limited(self) -> bool:
+        """Whether the number of some type of band is limited."""
+        return any(kind.band.pack is not None for kind in self.kinds)
+
+    def within_packs(self, kinds: Ints) -> Bools:
+        """Whether the packs hold the bands of the cells in each row of kinds (..., N)."""
+        packs = self.packs
+        return np.all(
+            [
+                np.sum(np.where(packs.band[kinds] == k, packs.uses[kinds], 0), axis=-1) <= room
+                for k, room in enumerate(packs.room.tolist())
+            ],
+            axis=0,
+        )
+
+    def left(self, offered: Candidates, others: Ints) -> Candidates:
+        """Candidates for a cell whose bands the packs still hold, with others of these kinds."""
+        if not self.limited or not len(offered.q):
+            return offered
+        rows = [np.append(others, kind) for kind in range(len(self.kinds))]
+        return offered.take(self.within_packs(np.array(rows))[offered.kind])
 
     @property
     def bends(self) -> bool:

@@ -16,7 +16,7 @@ from stepwell.design.orders import short
 from stepwell.design.switches import are_relays, switching_forces
 from stepwell.design.synthesis.attempt import Attempt
 from stepwell.design.synthesis.evidence import Evidence
-from stepwell.design.synthesis.region import HoleGrid, fits_grid, shown_mm
+from stepwell.design.synthesis.region import BandType, HoleGrid, fits_grid, shown_mm
 from stepwell.design.synthesis.slack import RegionsOf, slack_advice
 from stepwell.design.targets import Reached, Target, reached
 from stepwell.design.tolerances.draws import levers_of
@@ -44,6 +44,8 @@ class Design(ByValue, Drawn):
         proved: whether no other choice of holes with proved cells is better.
         method: what was searched, the objective, and what is proved.
         standing: what is proved or assumed for the cells.
+        bands: type of band of each cell, and number of its equal bands, which are one in `chain`;
+            empty for elements.
     """
 
     chain: Chain
@@ -55,6 +57,23 @@ class Design(ByValue, Drawn):
     proved: bool
     method: str
     standing: str = field(repr=False)
+    bands: tuple[tuple[BandType, int], ...] = field(repr=False)
+
+    @property
+    def bands_used(self) -> str:
+        """Bands of each type in words; "" for one band a cell from packs without a limit."""
+        if all(count == 1 and band.pack is None for band, count in self.bands):
+            return ""
+        numbers: dict[BandType, list[int]] = {}
+        for band, count in self.bands:
+            numbers.setdefault(band, []).append(count)
+        shown = [
+            f"{' + '.join(map(str, each))} of "
+            f"{band.name or f'{band.stiffness:.4g} N/m'}"
+            f"{'' if band.pack is None else f', pack of {band.pack}'}"
+            for band, each in numbers.items()
+        ]
+        return "; ".join(shown)
 
     @property
     def sequence(self) -> str:
@@ -172,7 +191,8 @@ class Design(ByValue, Drawn):
             lines.append(f"critical: {self.critical}")
         if self.robustness is not None:
             lines.append(str(self.robustness))
-        return "\n".join([*lines, self.method, *filter(None, [self.off_grid])])
+        bands = f"bands by cell: {self.bands_used}" * bool(self.bands_used)
+        return "\n".join([*lines, self.method, *filter(None, [bands, self.off_grid])])
 
     def __repr__(self):
         if self.chain.elements:

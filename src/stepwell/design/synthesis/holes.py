@@ -1,5 +1,7 @@
 """The best choice among drilled holes, or the proof that there is none."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +25,46 @@ def fits(cells: int, candidates: int) -> bool:
     return small and candidates <= _MOST_CANDIDATES
 
 
+# Of a type of band whose number is not limited.
+UNLIMITED = 2**31
+
+
+class Packs(NamedTuple):
+    """Bands that are available, and bands of each of some candidates or kinds of cells.
+
+    Attributes:
+        band: (k,) number of its type of band.
+        uses: (k,) number of bands that it needs.
+        room: number of bands of each type.
+    """
+
+    band: Ints
+    uses: Ints
+    room: Ints
+
+    def of(self, kind: Ints) -> Packs:
+        """The same for candidates of these kinds."""
+        return self._replace(band=self.band[kind], uses=self.uses[kind])
+
+
+class Offered(NamedTuple):
+    """Candidates that each cell may take.
+
+    Attributes:
+        allowed: (N, m) mask.
+        packs: the bands of each candidate.
+    """
+
+    allowed: Bools
+    packs: Packs
+
+    @classmethod
+    def freely(cls, allowed: Bools) -> Offered:
+        """Candidates without a limit of their bands."""
+        none = np.zeros(allowed.shape[1], np.int64)
+        return cls(allowed, Packs(none, none, np.array([UNLIMITED])))
+
+
 class Selection(NamedTuple):
     """Result of a search among candidates."""
 
@@ -34,7 +76,7 @@ class Selection(NamedTuple):
 
 def best_choice(
     gap: Floats,
-    allowed: Bools,
+    offered: Offered,
     orders: Orders,
     *,
     add: bool,
@@ -48,9 +90,11 @@ def best_choice(
     order through the placed cells, without the other order. A branch is cut if that bound is no
     better than the best known value, or is -inf.
 
-    `gap` (2, m, m) is the value of candidate a next below b, for F0 and F1, -inf if it is excluded;
-    `allowed` (N, m) are the candidates of each cell.
+    Choices that need more bands than the packs hold are left out; the bounds ignore packs.
+
+    `gap` (2, m, m) is the value of candidate a next below b, for F0 and F1, -inf if it is excluded.
     """
+    allowed, packs = offered
     n, m = allowed.shape
     rising = np.array(orders.rising)
     segments = np.empty((n, n, m, m))
@@ -70,7 +114,7 @@ def best_choice(
     ranks = np.argsort(rising[1])[rising[0]]
     # Best paths from rank 0 to rank u at a, [0, u, a], and on to the last, [1, u, a].
     edges = np.stack([segments[0].max(axis=1), segments[:, -1].max(axis=2)])
-    tables = _Tables(first, takes, ranks, segments, edges, ahead, add)
+    tables = _Tables(first, takes, ranks, segments, edges, ahead, add, *packs)
     few = min(most_nodes, _FEW_NODES)
     picks = np.full(n, -1)
     value, nodes, complete = _search(tables, floor, np.array([0, few]), picks)
@@ -149,6 +193,9 @@ class _Tables(NamedTuple):
     edges: Floats  # (2, N, m) best paths of F1 from the first rank, and to the last
     ahead: Floats  # (N, m) best paths of F0 to the last cell
     add: bool  # sums, else the smallest
+    band: Ints  # (m,) number of the type of band
+    uses: Ints  # (m,) number of bands
+    room: Ints  # number of bands of each type
 
 
 @leaf
@@ -190,6 +237,20 @@ def _bounds(tables: _Tables, depth: int, picks: Ints, value: float, out: Floats)
         out[c] = bound
 
 
+@leaf
+def _overdraws(tables: _Tables, picks: Ints, depth: int, c: int) -> bool:
+    """Whether candidate c next needs more bands of its type than the placed cells leave."""
+    band: int = tables.band[c]
+    used: int = tables.uses[c]
+    for k in range(depth):
+        placed: int = picks[k]
+        if tables.band[placed] == band:
+            more: int = tables.uses[placed]
+            used += more
+    room: int = tables.room[band]
+    return used > room
+
+
 @entry()
 def _search(tables: _Tables, floor: float, effort: Ints, best_of: Ints) -> tuple[float, int, bool]:
     """Search choices above `floor`: best value, number of nodes, and whether all were searched."""
@@ -219,6 +280,8 @@ def _search(tables: _Tables, floor: float, effort: Ints, best_of: Ints) -> tuple
             return best, nodes, False
         nodes += 1
         at[depth] += 1
+        if _overdraws(tables, picks, depth, c):
+            continue
         picks[depth] = c
         if depth == n - 1:
             best = ceiling

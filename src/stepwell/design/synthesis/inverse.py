@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stepwell.base import ONE_BY_ONE, QUICKLY, InputError, Progress, Vec2, to_unit
+from stepwell.base import ONE_BY_ONE, QUICKLY, InputError, Progress, Vec2, check, to_unit
 from stepwell.design.orders import by_cells_at_1, of_sequence, of_states, order_of, short
 from stepwell.design.plane import Box
 from stepwell.design.requirements import Requirements
@@ -14,7 +14,7 @@ from stepwell.design.switches import switching_forces
 from stepwell.design.synthesis import region as areas
 from stepwell.design.synthesis.attempt import Attempt
 from stepwell.design.synthesis.candidates import LOOKS, Kind, Rule
-from stepwell.design.synthesis.designed import Design
+from stepwell.design.synthesis.designed import Design, Impossible
 from stepwell.design.synthesis.elements import Allowed, ElementTarget, Range, Scaled, scaled
 from stepwell.design.synthesis.region import AnchorBox, AnchorPolygon, BandType, HoleGrid, Region
 from stepwell.design.synthesis.tries import Placed, TargetSearch
@@ -22,7 +22,7 @@ from stepwell.design.synthesis.weighing import checked_weights, of_requirements,
 from stepwell.design.targets import Target, unsearchable
 from stepwell.design.tolerances.draws import DEFAULT_TOLERANCES, Tolerances, levers_of, refuse_slips
 from stepwell.design.tolerances.yields import Yield, yields
-from stepwell.mechanism import Chain, Element, Linear, SlipError, sizes
+from stepwell.mechanism import Band, Chain, Element, Linear, SlipError, sizes
 from stepwell.sequences import Cycle, cycle
 
 Levers = float | Sequence[float]
@@ -30,6 +30,7 @@ Order = str | Sequence[int | str]
 
 _WAY = "If the value is intended, set unusual=True."
 _FREE = ("q", "p", "both")
+MOST_BANDS = 10  # equal bands in a cell
 _OBJECTIVES = ("yield", "worst")
 
 
@@ -48,6 +49,7 @@ def design(
     q: tuple[float, float] = (0.010, 0.0),
     free: str = "q",
     bands: Sequence[BandType] = (areas.PAPER_BAND,),
+    most_bands: int = 1,
     lever: Levers = areas.PAPER_LEVER,
     limit: float = math.pi / 4,
     equal_levers: bool = True,
@@ -100,7 +102,10 @@ def design(
         free: which anchors are placed: "q", "p", or "both" with p = -q. Only q - p matters, so
             mirror images cover two anchors anywhere in a convex region and its image.
         bands: available bands. With a nonlinear elastic law, such as a measured one, forces are
-            sampled, the engine decides, and nothing is proved.
+            sampled, the engine decides, and nothing is proved. If their packs are limited, no
+            design needs more bands than these hold.
+        most_bands: most equal bands in a cell, all between the same two anchors; the number in
+            each cell is chosen. Their stiffnesses deviate together.
         lever: r, or several to choose from [m].
         limit: θc of every cell [rad].
         equal_levers: whether all cells must have the same lever. If not, the engine checks whether
@@ -142,6 +147,8 @@ def design(
     levers = list(map(float, np.atleast_1d(lever)))
     _check_anchors(p, q, free)
     _check_sizes(bands, levers, limit)
+    if check.whole("most_bands", most_bands, 1) > MOST_BANDS:
+        raise InputError(f"most_bands = {most_bands}: must be at most {MOST_BANDS}.")
     _check_objective(tolerances, objective, bands, most_force)
     fixed = q if free == "p" else p
     usual = within is None
@@ -149,7 +156,7 @@ def design(
     target, regions = _target_and_regions(parts or sequence, states, cells, within)
     rule = Rule(
         (float(fixed[0]), float(fixed[1])),
-        _kinds(bands, levers, float(limit), unusual),
+        _kinds(bands, levers, float(limit), unusual, most_bands),
         tolerances,
         float(most_force),
         objective == "worst",
@@ -160,9 +167,12 @@ def design(
         _check_units(rule, grid)
     _check_holes(regions, grid, free)
     mixed = not equal_levers and len(levers) > 1
-    rules = [rule] * mixed + _one_lever_each(rule, len(bands))
+    rules = [rule] * mixed + _one_lever_each(rule, len(bands) * most_bands)
     n = len(rules)
-    search = TargetSearch(target, regions, grid, actuator_stiffness, seed, progress, n, free, usual)
+    search = TargetSearch(
+        *(target, regions, grid, actuator_stiffness, seed, progress, n, free, usual, tuple(bands))
+    )
+    _check_packs(target, bands)
     placed = search.placed(rules)
     if weights:
         placed = weighed(search, placed, checked_weights(weights))
@@ -191,6 +201,7 @@ def design(
         placed.proved_best,
         how,
         _standing(attempt) + _not_searched(target, counted),
+        _bands_of(attempt, chain, bands),
     )
 
 
@@ -207,9 +218,24 @@ def _check_elements_alone(
 
 
 def _kinds(
-    bands: Sequence[BandType], levers: Sequence[float], limit: float, unusual: bool
+    bands: Sequence[BandType], levers: Sequence[float], limit: float, unusual: bool, most_bands: int
 ) -> tuple[Kind, ...]:
-    return tuple(Kind(band, lever, limit, unusual) for lever in levers for band in bands)
+    counts = range(1, most_bands + 1)
+    each = ((lever, band, count) for lever in levers for band in bands for count in counts)
+    return tuple(Kind(band, lever, limit, unusual, count) for lever, band, count in each)
+
+
+def _check_packs(target: Target, bands: Sequence[BandType]) -> None:
+    """Raise Impossible if the packs hold fewer bands than there are cells."""
+    held = sum(math.inf if band.pack is None else band.pack for band in bands)
+    if held < target.orders.cells:
+        raise Impossible(
+            target.text,
+            f"{target.orders.cells} cells need a band each, and the packs hold {held:g}: allow "
+            f"more bands",
+            proved=True,
+            allowed=areas.packs_text(bands).removeprefix(" and "),
+        )
 
 
 def _one_lever_each(rule: Rule, bands: int) -> list[Rule]:
@@ -240,6 +266,7 @@ def _design_of_elements(
         tuple(np.array([low * one, high * one]) for forces in ranges for one in forces),
         None,
         *choice[1:],
+        (),
     )
 
 
@@ -424,10 +451,29 @@ def _largest_tolerances(
         spreads = [attempt.rule.kinds[k].band.spread for k in attempt.best.cells.kind.tolist()]
     else:
         first = [cell.bands[0] for cell in levers_of(chain)]
-        chosen = {(band.stiffness, band.rest_length) for band in first}
-        spreads = [b.spread for b in bands if (b.stiffness, b.rest_length) in chosen]
+        spreads = [b.spread for b in bands if any(_counted(b, one) for one in first)]
     spread = max(tolerances.stiffness if one is None else one for one in spreads)
     return replace(tolerances, stiffness=spread)
+
+
+def _counted(band: BandType, made: Band) -> int:
+    """How many equal bands of a type a band stands for; 0 if it is of another type."""
+    count = round(made.stiffness / band.stiffness)
+    alike = math.isclose(count * band.stiffness, made.stiffness, rel_tol=1e-9)
+    same = band.rest_length == made.rest_length and band.law == made.law
+    return count * (alike and same and 1 <= count <= MOST_BANDS)
+
+
+def _bands_of(
+    attempt: Attempt | None, chain: Chain, bands: Sequence[BandType]
+) -> tuple[tuple[BandType, int], ...]:
+    """The type of band of each cell, and the number of its equal bands."""
+    if attempt is not None and attempt.best is not None:
+        kinds = [attempt.rule.kinds[k] for k in attempt.best.cells.kind.tolist()]
+        return tuple((kind.band, kind.count) for kind in kinds)
+    made = [cell.bands[0] for cell in levers_of(chain)]
+    chosen = [next(b for b in bands if _counted(b, one)) for one in made]
+    return tuple((b, _counted(b, one)) for b, one in zip(chosen, made, strict=True))
 
 
 def _standing(attempt: Attempt | None) -> str:

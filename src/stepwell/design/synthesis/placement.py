@@ -11,7 +11,7 @@ from stepwell.concave import certified
 from stepwell.design.orders import Orders
 from stepwell.design.plane import narrowed, trace
 from stepwell.design.synthesis.candidates import Candidates, Rule, joined
-from stepwell.design.synthesis.holes import best_choice
+from stepwell.design.synthesis.holes import Offered, best_choice
 from stepwell.design.synthesis.region import Region
 
 _NODES = 81
@@ -122,10 +122,11 @@ def measured(rule: Rule, orders: Orders, cells: Candidates) -> Placement:
     return Placement(cells, np.concatenate([*gaps, room]))
 
 
-def shared(tables: list[Candidates], owner: tuple[int, ...]) -> Bools:
-    """Which of all candidates in a row each cell may take, (N, m)."""
+def shared(rule: Rule, tables: list[Candidates], owner: tuple[int, ...]) -> Offered:
+    """Which of all candidates in a row each cell may take, with their bands."""
     number = np.repeat(np.arange(len(tables)), [len(table.q) for table in tables])
-    return number == np.array(owner)[:, None]
+    packs = rule.packs.of(np.concatenate([table.kind for table in tables]))
+    return Offered(number == np.array(owner)[:, None], packs)
 
 
 def choose(
@@ -134,9 +135,9 @@ def choose(
     """The best choice, whether this is proved, and the number of nodes searched."""
     from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
 
-    table, allowed = joined(tables), shared(tables, owner)
+    table, offered = joined(tables), shared(rule, tables, owner)
     gaps = rule.gaps(table)
-    best = best_choice(gaps, allowed, orders, add=False, most_nodes=most_nodes)
+    best = best_choice(gaps, offered, orders, add=False, most_nodes=most_nodes)
     proved, nodes = best.complete, best.nodes
     if not len(best.picks):
         return None, proved, nodes
@@ -148,7 +149,7 @@ def choose(
             for end, order in enumerate(orders.rising)
             for a, b in zip(picks[list(order)], picks[list(order)][1:], strict=False)
         )
-        better = best_choice(chance, allowed, orders, add=True, floor=floor, most_nodes=most_nodes)
+        better = best_choice(chance, offered, orders, add=True, floor=floor, most_nodes=most_nodes)
         proved, nodes = proved and better.complete, nodes + better.nodes
         picks = better.picks if len(better.picks) else picks
     return measured(rule, orders, table.take(picks)), proved, nodes
@@ -162,14 +163,21 @@ class Search:
     orders: Orders
     regions: tuple[Region, ...]
 
-    def pattern(self, tables: list[Candidates]) -> Placement:
-        """A small pattern of the target orders in the middle of the feasible forces."""
+    def pattern(self, tables: list[Candidates]) -> Placement | None:
+        """A small pattern of the target orders in the middle of the feasible forces.
+
+        None if the packs do not hold the bands of the nearest candidates.
+        """
         force = np.concatenate([table.force for table in tables])
         middle, span = np.median(force, axis=0), 0.5 * np.ptp(force, axis=0) + 1e-300
         picks: list[Candidates] = []
         for i, table in enumerate(tables):
             ranks = np.array([order.index(i) for order in self.orders.rising])
             wanted = middle + (ranks / max(len(self.orders) - 1, 1) - 0.5) * span
+            taken = np.array([int(one.kind[0]) for one in picks], int)
+            table = self.rule.left(table, taken)
+            if not len(table.q):
+                return None
             away = np.sum(((table.force - wanted) / span) ** 2, axis=1)
             picks.append(table.take(np.array([np.argmin(away)])))
         return measured(self.rule, self.orders, joined(picks))
@@ -184,7 +192,7 @@ class Search:
             before = now
             # Not by number, so that the result does not depend on the labels of the cells.
             for i in self.orders.loading[:: -1 if k % 2 else 1]:
-                offered = offer(i, now)
+                offered = self.rule.left(offer(i, now), np.delete(now.cells.kind, i))
                 if not len(offered.q):
                     continue
                 score = self._score(now.cells, i, offered, unit)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepwell.base import Bools, ByValue, Floats, InputError, Vec2, to_unit
+from stepwell.base import Bools, ByValue, Floats, InputError, Vec2, check, to_unit
 from stepwell.design.plane import Box
 from stepwell.mechanism import Band, Law, Linear
 
@@ -23,6 +23,7 @@ class BandType(ByValue):
         spread: standard deviation of k over its mean [1]; None for that of the tolerances.
         name: name in the catalogue.
         law: tension is `stiffness` times this shape of the extension, such as a measured Table.
+        pack: number of such bands that are available, >= 1; None for as many as needed.
 
     Source: the defaults are the paper's band, Kamp et al. 2024.
     """
@@ -32,6 +33,7 @@ class BandType(ByValue):
     spread: float | None = None
     name: str = ""
     law: Law = _HOOKE
+    pack: int | None = None
 
     @classmethod
     def of(cls, band: Band, spread: float | None = None, name: str = "") -> "BandType":
@@ -52,14 +54,17 @@ class BandType(ByValue):
                 f"spread = {self.spread}: must be at least 0 and below 0.25; it is a fraction, so "
                 f"5 % is 0.05."
             )
+        if self.pack is not None:
+            check.whole("pack", self.pack, 1)
 
     def __repr__(self):
         name = f"{self.name!r}, " if self.name else ""
         spread = "" if self.spread is None else f", ±{self.spread * 100:.3g} %"
         law = "" if isinstance(self.law, Linear) else f", {type(self.law).__name__}"
+        pack = "" if self.pack is None else f", pack of {self.pack}"
         return (
             f"BandType({name}k={self.stiffness:.4g} N/m, "
-            f"ℓ0={to_unit(self.rest_length, 'mm'):.4g} mm{spread}{law})"
+            f"ℓ0={to_unit(self.rest_length, 'mm'):.4g} mm{spread}{law}{pack})"
         )
 
 
@@ -237,6 +242,16 @@ def allowed_text(regions: Sequence[Region], holes: HoleGrid | None, free: str = 
         through = f" {holes.shifted}," * bool(holes.shifted)
         drilled = f"in holes {to_unit(holes.pitch, 'mm'):.4g} mm apart{through}"
     return f"{_FREE[free]} {drilled} at {' or '.join(dict.fromkeys(places))}"
+
+
+def packs_text(bands: Sequence[BandType]) -> str:
+    """Text for the packs of bands, with units; "" without a limit."""
+    shown = [
+        f"{one.pack} of {one.name or f'{one.stiffness:.4g} N/m'}"
+        for one in bands
+        if one.pack is not None
+    ]
+    return f" and packs of bands ({', '.join(shown)})" if shown else ""
 
 
 def lattice(region: Region, pitch: float) -> Floats:

@@ -109,6 +109,8 @@ def design_tapped(
 
     Source: ours (theory page, "Two actuators").
     """
+    if any(band.pack is not None for band in how.get("bands", ())):
+        raise InputError("bands: a limited pack cannot be shared by two sides: leave it out.")
     states = _checked(walk)
     single, proved = _single(states)
     found: list[TappedDesign] = []

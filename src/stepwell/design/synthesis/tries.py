@@ -24,7 +24,15 @@ from stepwell.design.synthesis.evidence import (
     rectangles,
 )
 from stepwell.design.synthesis.placement import all_proved, measured
-from stepwell.design.synthesis.region import HoleGrid, Region, allowed_text, drilled, usual_box
+from stepwell.design.synthesis.region import (
+    BandType,
+    HoleGrid,
+    Region,
+    allowed_text,
+    drilled,
+    packs_text,
+    usual_box,
+)
 from stepwell.design.targets import Behaviour, Target
 from stepwell.design.tolerances.draws import Tolerances
 from stepwell.design.tolerances.yields import yields
@@ -94,7 +102,7 @@ def _log_chance(attempt: Attempt, table: Candidates, picks: Ints) -> Floats:
     """(m,) logarithm of the chance that no gap closes; -inf where an order is not met."""
     from scipy.special import log_ndtr  # pyright: ignore[reportMissingTypeStubs]
 
-    total = np.zeros(len(picks))
+    total = np.where(attempt.rule.within_packs(table.kind[picks]), 0.0, -np.inf)
     least = TIED * float(np.max(np.abs(table.force)))
     for end, order in enumerate(attempt.orders.rising):
         at = picks[:, list(order)]
@@ -115,6 +123,22 @@ class Buildable(NamedTuple):
 
     cell: Cell
     concave: bool  # whether the nominal cell is proved concave
+    kind: int
+
+
+def _without_packs(attempts: Sequence[Attempt]) -> str:
+    """What a design takes if packs are not limited, in words; "" if none is found."""
+    for one in (attempt for attempt in attempts if attempt.rule.limited):
+        free = tuple(replace(k, band=replace(k.band, pack=None)) for k in one.rule.kinds)
+        found = from_lattice(replace(one.rule, kinds=free), one.orders, one.regions, one.holes)
+        if found.meets_orders:
+            assert found.best is not None
+            taken = Counter[str]()
+            for kind in (free[k] for k in found.best.cells.kind.tolist()):
+                taken[kind.band.name or f"{kind.band.stiffness:.4g} N/m"] += kind.count
+            needs = ", ".join(f"{count} of {band}" for band, count in taken.items())
+            return f" (a choice without these limits exists and takes {needs})"
+    return ""
 
 
 def _buildable(rule: Rule, region: Region, holes: HoleGrid) -> list[Buildable]:
@@ -130,7 +154,7 @@ def _buildable(rule: Rule, region: Region, holes: HoleGrid) -> list[Buildable]:
             except ValueError:
                 continue  # cannot be built
             if max(abs(cell.force_0), abs(cell.force_1)) <= rule.most_force:
-                buildable.append(Buildable(cell, closed(cell) is not None))
+                buildable.append(Buildable(cell, closed(cell) is not None, k))
     return sorted(buildable, key=lambda way: way.concave)
 
 
@@ -251,6 +275,7 @@ class TargetSearch:
     rules: int  # sets of bands and levers
     free: str = "q"  # which anchors are placed
     usual: bool = False  # whether the region is the usual one of the lever
+    bands: tuple[BandType, ...] = ()
     _done: int = field(default=0, init=False)
 
     @property
@@ -335,6 +360,8 @@ class TargetSearch:
             for cells in picked:
                 self._advance(max(0, before + 100 * done // max(min(most, left), 1) - self._done))
                 done += 1
+                if not rule.within_packs(np.array([way.kind for way in cells])):
+                    continue
                 try:
                     chain = self._matching(cells, rule.most_force, alike)
                 except (StaticsError, ValueError):
@@ -380,7 +407,8 @@ class TargetSearch:
         decided = placed.complete and target.states is None
         chains, whole, report = self._simulated_choices(rules, self.holes, decided=decided)
         if not chains:
-            excluded = self._excluded_holes(rules, self.holes) if whole else None
+            whole_tables = whole and not rules[0].limited
+            excluded = self._excluded_holes(rules, self.holes) if whole_tables else None
             raise self._impossible(placed, report, excluded, proved=whole)
         counted = None if tolerances.friction else target.states
 
@@ -441,8 +469,9 @@ class TargetSearch:
         self, placed: Placed, rest: str, evidence: Evidence | None = None, *, proved: bool
     ) -> Impossible:
         allowed = allowed_text(self.regions, self.holes, self.free)
-        allowed += " and taut bands" * (self.holes is not None)
+        allowed += " and taut bands" * (self.holes is not None) + packs_text(self.bands)
         attempts, mismatch = placed.attempts, placed.mismatch
+        allowed += _without_packs(attempts)
         return explained(
             self.target,
             attempts,
