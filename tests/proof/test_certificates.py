@@ -11,6 +11,7 @@ import pytest
 
 import stepwell as sw
 from docs.proofs import shown, table
+from facts import says
 from stepwell.proof import certificate, check_certificate as checker
 from stepwell.proof.certificates import digest
 
@@ -25,6 +26,37 @@ def certificate_of(name: str) -> str:
 @pytest.mark.parametrize("name", CHECKED)
 def test_the_script_proves_the_certificate_of_a_preset(name):
     assert checker.check(certificate_of(name)).startswith("proved: ")
+
+
+@pytest.mark.parametrize(("name", "taken"), [("four-shuffle", 1), ("lock-with-alarm", 3)])
+def test_the_script_names_the_landings_that_it_does_not_check(name, taken):
+    said = checker.check(certificate_of(name))
+    says(said, "not checked", str(taken))
+    assert "not checked" not in checker.check(certificate_of("three-wave"))
+
+
+@pytest.mark.parametrize("what", ["travel", "cell", "stop", "released"])
+def test_a_false_landing_that_is_taken_from_the_file_fails(what):
+    data = json.loads(certificate_of("four-shuffle"))
+    (snap,) = [event for event in data["events"] if event.get("taken")]
+    between = [k for k, cell in enumerate(snap["cells"]) if not at_stop(data, cell, snap, k)]
+    assert len(between) == 1
+    k, other = between[0], 1 - between[0]
+    if what == "travel":
+        snap["after"][k][0] += 1e-12
+    elif what == "cell":
+        snap["after"][k], snap["after"][other] = snap["after"][other], snap["after"][k]
+    elif what == "stop":
+        snap["after"][other][0] = data["cells"][snap["cells"][other]]["low"]
+    else:
+        snap["taken"] = False
+    with pytest.raises(checker.NotProved):
+        checker.check(json.dumps({**data, "sha256": digest(data)}))
+
+
+def at_stop(data, cell: int, snap, k: int) -> bool:
+    own = data["cells"][cell]
+    return snap["after"][k][0] in (own["low"], own["high"])
 
 
 def test_the_script_runs_alone(tmp_path):

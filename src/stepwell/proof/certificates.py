@@ -9,9 +9,9 @@ import numpy as np
 
 from stepwell.base import InputError
 from stepwell.mechanism import Cell, Element, Laws
-from stepwell.proof.path_proof import PathProof
+from stepwell.proof.path_proof import PathProof, ProvedEvent, Theorem
 from stepwell.proof.prover import strokes_of
-from stepwell.statics import Event, EventKind, problem_of
+from stepwell.statics import EventKind, problem_of
 
 FORMAT = "stepwell.certificate/1"
 # Least half width of a box, as a fraction of the travel: what the engine's doubles can hold.
@@ -30,8 +30,9 @@ def certificate(proof: PathProof) -> str:
 
     Raises:
         ValueError: a path that the script cannot check. It checks chains without friction under a
-            prescribed stroke that begin at stops, one cell moving between snaps, and snaps that
-            bring one of two cells to its stop while all others keep still.
+            prescribed stroke that begin at stops, one cell moving between snaps. Of a snap it
+            proves the landing if one of two cells reaches its stop while all others keep still;
+            other landings with one cell between its stops are taken from the certificate.
     """
     path, chain = proof.path, proof.path.chain
     problem = problem_of(chain)
@@ -50,7 +51,7 @@ def certificate(proof: PathProof) -> str:
             {"direction": one.direction, "target": None if one.to_the_end else one.target}
             for one in strokes_of(path, path.events, problem)
         ],
-        "events": [_event(one.event, size) for one in proof.events],
+        "events": [_event(one, size) for one in proof.events],
     }
     return json.dumps({**data, "sha256": digest(data)}, indent=1, ensure_ascii=False) + "\n"
 
@@ -76,11 +77,14 @@ def _refuse(proof: PathProof) -> None:
             raise InputError(f"{reason}: such a path has no certificate that the script can check.")
 
 
-def _event(event: Event, size: float) -> dict[str, Any]:
-    half = _LEAST * size
+def _event(proved: ProvedEvent, size: float) -> dict[str, Any]:
+    event, half = proved.event, _LEAST * size
     snap = event.kind is EventKind.SNAP
     moved = sorted(zip(event.cells, event.after, strict=True))
+    # Of a snap that no line leads to its landing the script takes the landing as it is claimed.
+    taken = proved.theorem not in (None, Theorem.LINE)
     return {
+        **({"taken": True} if taken else {}),
         "kind": "snap" if snap else "switch",
         "cells": [cell for cell, _ in moved],
         "stroke": [event.stroke, 8 * half],
