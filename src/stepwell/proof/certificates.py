@@ -78,7 +78,8 @@ def _refuse(proof: PathProof) -> None:
 
 
 def _event(proved: ProvedEvent, size: float) -> dict[str, Any]:
-    event, half = proved.event, _LEAST * size
+    event, half = proved.event, max(_LEAST * size, 2 * proved.travel_error)
+    wide = max(8 * _LEAST * size, 2 * proved.stroke_error)
     snap = event.kind is EventKind.SNAP
     moved = sorted(zip(event.cells, event.after, strict=True))
     # Of a snap that no line leads to its landing the script takes the landing as it is claimed.
@@ -87,7 +88,7 @@ def _event(proved: ProvedEvent, size: float) -> dict[str, Any]:
         **({"taken": True} if taken else {}),
         "kind": "snap" if snap else "switch",
         "cells": [cell for cell, _ in moved],
-        "stroke": [event.stroke, 8 * half],
+        "stroke": [event.stroke, wide],
         "after": [[travel, half] for _, travel in moved],
     }
 
