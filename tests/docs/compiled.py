@@ -155,9 +155,9 @@ def combination_lines(found: list[dict[str, Any]]) -> list[str]:
     return rows
 
 
-def written(text: str, name: str, rows: list[str]) -> str:
-    """The text of the page with one of its tables."""
-    begin, end = f"<!-- {name}: written by tests/docs/compiled.py -->", f"<!-- end of {name} -->"
+def written(text: str, name: str, rows: list[str], script: str = "compiled") -> str:
+    """The text of a page with one of its tables."""
+    begin, end = f"<!-- {name}: written by tests/docs/{script}.py -->", f"<!-- end of {name} -->"
     before, rest = text.split(begin)
     table = "\n".join(rows)
     return f"{before}{begin}\n\n{table}\n\n{end}{rest.split(end)[1]}"

@@ -73,7 +73,10 @@ DRAWN: MappingProxyType[str, Callable[[Names], Figure]] = MappingProxyType(
         "15_what_an_antenna_must_deliver": lambda of: figures.force_stroke(
             of["pushed"].chain_after.cycle()
         ),
-        "16_six_legs_on_one_actuator": lambda of: figures.gait(of["walks"][6], cycles=1),
+        "16_six_legs_on_one_actuator": lambda of: figures.gait(of["walks"]["six"], cycles=1),
+        "17_two_finger_gripper": lambda of: figures.travel_stroke(
+            of["chain"].path([0.0, 0.048, 0.040, 0.0])
+        ),
     }
 )
 

@@ -30,6 +30,8 @@ FOLDER = ROOT / "docs" / "gallery"
 LIST = FOLDER / "machines.json"
 # How often a robot goes out and back, and where one with antennas does.
 CYCLES, CYCLES_AT_A_WALL = 8, 20
+# Six legs have three times the lines of two.
+_FEWER_CYCLES = MappingProxyType({"robot-six-legs": 5})
 _WALKS = MappingProxyType({"robot-antennas": "wall", "robot-explorer": "wall"})
 
 _CHAIN = """chain = sw.preset("{name}")
@@ -71,10 +73,11 @@ def computed(name: str) -> Machine:
         code, options = _CHAIN + (_PLAN if plan else ""), ""
     else:
         kind, arena = "robot", _WALKS.get(name)
-        cycles = CYCLES_AT_A_WALL if arena else CYCLES
+        cycles = CYCLES_AT_A_WALL if arena else _FEWER_CYCLES.get(name, CYCLES)
         code = (_ARENA if arena else _ROBOT).replace("{cycles}", str(cycles))
         code = code.replace("{arena}", arena or "")
-        options = f" --arena {arena} --cycles {cycles}" if arena else ""
+        at = f" --arena {arena}" if arena else ""
+        options = f"{at} --cycles {cycles}" if cycles != CYCLES else ""
     python, names = _run("import stepwell as sw\n\n" + code.replace("{name}", name))
     motion: Cycle | Program | Walk
     if kind == "robot":

@@ -161,7 +161,11 @@ def _seen(walk: Walk, now: int) -> _Seen:
             share = float(swing) / antenna.swing
             p = np.array(cell.bands[0].p) + np.array(antenna.moves) * share
             robot = robot.with_anchors(antenna.leg, antenna.cell, p=(float(p[0]), float(p[1])))
-    legs = [leg_parts(robot, leg, walk.travel[now, k]) for k, leg in enumerate(robot.legs)]
+    legs = [
+        # Where legs have fewer cells than others, the rest of a row is not theirs.
+        leg_parts(robot, leg, walk.travel[now, k, : len(leg.chain)])
+        for k, leg in enumerate(robot.legs)
+    ]
     blocks = [
         rectangle(middle, robot.blocks.length, robot.blocks.width)[:4]
         for parts in legs
@@ -186,7 +190,7 @@ def _seen(walk: Walk, now: int) -> _Seen:
         on(brackets),
         on(bars),
         on(blocks),
-        on([parts.levers for parts in legs]),
+        on([lever for parts in legs for lever in parts.levers]),
         on([band for parts in legs for band in parts.bands]),
         on(feet),
         tuple(on(antenna_line(antenna, float(swing))) for antenna, swing in pairs),

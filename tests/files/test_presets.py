@@ -51,6 +51,8 @@ def unit_cell(qx: float, qy: float) -> Cell:
 MACHINES = ("finger-selector", "combination-lock", "used-before", "countdown", "metachronal-wave")
 # What these promise is held in tests/sequences/test_machines.py.
 STATE_MACHINES = ("second-touch", "two-point-gate", "lock-with-alarm", "stiffness-gripper")
+# And what these promise, in tests/docs/test_more_bodies.py.
+MORE_BODIES = ("robot-four-legs", "robot-six-legs", "two-finger-gripper")
 
 
 def test_every_preset_is_promised_something_here():
@@ -58,7 +60,7 @@ def test_every_preset_is_promised_something_here():
     chains = cells | {"paper-identical"} | PATHWAYS.keys() | SEQUENCES.keys()
     # What the machines promise is held in tests/design/test_gallery.py.
     promised = chains | set(ROBOTS) | set(MACHINES)
-    promised |= set(STATE_MACHINES)
+    promised |= {*STATE_MACHINES, *MORE_BODIES}
     assert set(NAMES) == promised, "say above what the preset promises"
 
 

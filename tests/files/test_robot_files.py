@@ -458,7 +458,7 @@ def test_the_walking_robots_of_the_package_have_the_papers_anchors():
 
 
 def test_all_the_papers_robots_share_one_set_of_assumed_numbers():
-    first, *others = (preset(name) for name in ROBOTS)
+    first, *others = (preset(name) for name in ROBOTS if "legs" not in name)
     for name in ("body", "foot", "blocks", "floor", "drive"):
         assert all(getattr(other, name) == getattr(first, name) for other in others)
 
