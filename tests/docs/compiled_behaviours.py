@@ -21,7 +21,6 @@ import stepwell as sw
 from stepwell.base import percent
 from stepwell.robot import Robot, compile_behaviour, other_start
 from stepwell.simulation import Maze, RowTrial, mazes, sweep, verified
-from stepwell.simulation.mazes import ADVANCING, FREE_FOR
 
 DOCS = Path(__file__).parents[2] / "docs"
 FILE = DOCS / "compiled-behaviours.json"
@@ -41,18 +40,6 @@ PRESSED = 0.05  # fraction of its swing from which on an antenna counts as press
 def passed(run: Maze) -> bool:
     """Whether a run passed its arena: goal reached, else free at the end."""
     return run.outcome.name == "REACHED" if run.arena.goal is not None else run.walks_on
-
-
-def leaves(run: Maze) -> bool:
-    """Whether no antenna is pressed in the last ten cycles, and the robot advances in them.
-
-    That is `walks_on` without a steady heading, which a robot of unequal legs does not have.
-    """
-    walk = run.walk
-    late = walk.time >= walk.time[-1] - FREE_FOR * walk.robot.drive.period
-    ends = np.hypot(np.ptp(walk.x[late][[0, -1]]), np.ptp(walk.y[late][[0, -1]]))
-    far = ends >= ADVANCING * FREE_FOR * walk.robot.u_max
-    return bool(far and not _pressed(run)[late].any())
 
 
 def reverses(run: Maze) -> bool:
@@ -83,7 +70,6 @@ def judged(run: Maze, free: tuple[str, ...]) -> dict[str, Any]:
     return {
         "passed": reverses(run) if run.arena.title == WALL_AHEAD else passed(run),
         "duration_s": run.duration,
-        **({} if run.arena.goal is not None else {"leaves": leaves(run)}),
         _AFTER: len(cycles),
         _OTHER: sum(gaits != free for gaits in cycles),
     }
@@ -155,9 +141,6 @@ def lines(records: list[dict[str, Any]]) -> list[str]:
             out.append(
                 f"| `{one['table']}` | `{arena}` | {len(runs)} | {right} | {median(time):.0f} |"
             )
-    (corner,) = (one["arenas"]["corner"] for one in records if "corner" in one["arenas"])
-    left = sum(run["leaves"] for run in corner)
-    out += ["", f"Runs in `corner` that leave it with any heading: {left} of {len(corner)}."]
     every = [run for one in records for runs in one["arenas"].values() for run in runs]
     cycles, others = (sum(run[key] for run in every) for key in (_AFTER, _OTHER))
     text = f"Cycles without contact after a cycle with one: {cycles}; of another gait: {others}."

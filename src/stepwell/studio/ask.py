@@ -224,7 +224,7 @@ def _parted(tables: dict[str, Any]) -> tuple[list[Any], dict[str, Any]]:
 
 
 def _changed(cells: list[Any], texts: list[str], rest: dict[str, Any]) -> DesignFile | None:
-    """The last chain with some of its cells read anew; None if it must be read as a whole."""
+    """The last chain with its changed cells; None if all of it must be read."""
     assert _last is not None
     before, _, last = _last
     if len(before) != len(cells) or not isinstance(last.value, Chain) or last.program is not None:
