@@ -1,14 +1,8 @@
-"""Cost of proofs, and proofs tried against random chains and wrong answers.
+"""Cost of proofs: `python benchmarks/proofs.py`; random chains are tried by random_proofs.py."""
 
-`python benchmarks/proofs.py 1000` prints, for random chains, the fraction that is proved, how many
-of the others have a tie, the causes of all gaps, and how many wrong answers are caught.
-"""
-
-import re
 import statistics
 import sys
 import time
-from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
@@ -18,7 +12,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 import chains  # pyright: ignore[reportMissingImports]  the one of the tests
 import stepwell as sw
-from stepwell.proof import prove
 
 # Chains of concave cells, and what is wanted of a cycle.
 COSTS = (2, "at most 50 ms"), (4, "at most 0.5 s"), (32, "at most 30 s")
@@ -60,51 +53,6 @@ def timed(run: Callable[[], object], count: int = 9) -> float:
     return statistics.median(times)
 
 
-# Ties: of cells whose forces are equal, or constant, the model picks none; forces closer than 1e-9
-# of the largest one count as equal.
-_TIES = re.compile("the order of cells|constant force")
-
-
-def tried(count: int, kind: str) -> None:
-    """Print how many of random chains are proved, and why the others are not.
-
-    Chain k is the one of seed [41, k], so a part of a run can be repeated.
-    """
-    paths, proved, ties, causes = 0, 0, 0, Counter[str]()
-    caught, wrong = 0, 0
-    for k in range(count):
-        rng = np.random.default_rng([41, k])
-        cells = int(rng.integers(2, 7))
-        make = {"concave": chains.concave_chain, "without friction": plain}.get(kind)
-        chain = make(rng, cells) if make else chains.any_chain(rng, cells)
-        try:
-            path = chain.cycle().path
-        except sw.StepwellError:
-            continue
-        proof = path.prove()
-        paths, proved = paths + 1, proved + proof.proved
-        # What follows a gap begins at the engine's answer, so the first one counts.
-        ties += bool(proof.gaps and _TIES.search(proof.gaps[0].cause))
-        for gap in proof.gaps:
-            name = re.sub(r"\d+", "…", gap.cause)
-            causes[f"contradicted: {name}" if gap.contradicted else name] += 1
-        if proof.proved and path.events:
-            claims = chains.corrupted(rng, list(path.events))
-            wrong += 1
-            caught += not prove(path, claims=claims).proved
-    print(f"{kind}: {proved} of {paths} proved, {ties} others begin with a tie")
-    print(f"  {caught} of {wrong} wrong answers caught")
-    for name, times in causes.most_common():
-        print(f"  {times:5d} gaps: {name}")
-
-
-def plain(rng: np.random.Generator, cells: int) -> sw.Chain:
-    """Any kinds of cells without friction."""
-    return chains.any_chain(rng, cells, friction=False)
-
-
 if __name__ == "__main__":
     for one in rows():
         print(*one, sep="; ")
-    for name in ("concave", "without friction", "of any kind"):
-        tried(int(sys.argv[1]) if len(sys.argv) > 1 else 100, name)

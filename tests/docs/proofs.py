@@ -1,5 +1,11 @@
-"""The tables of proofs, and the page that shows them: `python tests/docs/proofs.py`."""
+"""The tables of proofs, and the page that shows them: `python tests/docs/proofs.py [TABLE]`.
 
+That of random chains shows the record that `benchmarks/random_proofs.py` writes.
+"""
+
+import json
+import sys
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -10,6 +16,7 @@ from stepwell.paper import ClaimProof, claim_proofs
 from stepwell.proof import BoxOutcome
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "certificates.md"
+RECORD = PAGE.with_name("random-proofs.jsonl")
 # Samples of each preset, of which the engine follows some one by one.
 SAMPLES = 1000
 _END = "<!-- end -->\n"
@@ -82,7 +89,39 @@ def claims() -> str:
     return "\n".join([*lines, *map(claim_row, claim_proofs())]) + "\n"
 
 
-TABLES = {"presets": table, "machines": boxes, "margins": margins, "claims": claims}
+def random_chains() -> str:
+    """What is proved of the random chains of the record, by kind, and the causes of the rest."""
+    rows = [json.loads(line) for line in RECORD.read_text("utf-8").splitlines()]
+    kinds = [*dict.fromkeys(row["kind"] for row in rows), "all"]
+    own = {k: [row for row in rows if k in ("all", row["kind"])] for k in kinds}
+    lines = [
+        "| cells | chains | proved | a tie | not proved | contradicted | wrong answers caught |"
+    ]
+    lines += ["|---|---|---|---|---|---|---|"]
+    for kind, some in own.items():
+        count = Counter(row["outcome"] for row in some)
+        tried = [row["caught"] for row in some if "caught" in row]
+        numbers = len(some) - count["no answer"], *(count[name] for name in OUTCOMES)
+        columns = map(str, (kind, *numbers, f"{sum(tried)} of {len(tried)}"))
+        lines.append(f"| {' | '.join(columns)} |")
+    heads = " | ".join(kinds[:-1])
+    lines += ["", f"| cause of the first gap | {heads} |", "|---|" + "---|" * (len(kinds) - 1)]
+    causes = {
+        k: Counter(row["cause"] for row in own[k] if row["outcome"] in OUTCOMES[1:]) for k in kinds
+    }
+    for cause, _ in causes["all"].most_common():
+        lines.append(f"| {cause} | {' | '.join(str(causes[k][cause]) for k in kinds[:-1])} |")
+    return "\n".join(lines) + "\n"
+
+
+OUTCOMES = "proved", "tie", "not proved", "contradicted"
+TABLES = {
+    "presets": table,
+    "machines": boxes,
+    "margins": margins,
+    "claims": claims,
+    "random chains": random_chains,
+}
 
 
 def shown(name: str = "presets") -> str:
@@ -96,6 +135,8 @@ def _begin(name: str) -> str:
 
 if __name__ == "__main__":
     for one, made in TABLES.items():
+        if not one.startswith(tuple(sys.argv[1:]) or ""):
+            continue
         text = PAGE.read_text("utf-8")
         head, rest = text.split(_begin(one))
         PAGE.write_text(head + _begin(one) + made() + _END + rest.split(_END, 1)[1], "utf-8")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
-from docs.proofs import shown, table
+from docs.proofs import RECORD, random_chains, shown, table
 from facts import says
 from stepwell.proof import certificate, check_certificate as checker
 from stepwell.proof.certificates import digest
@@ -109,6 +109,14 @@ def test_a_false_claim_with_the_right_digest_fails(what):
 def test_a_path_that_the_script_cannot_check_is_refused(name):
     with pytest.raises(ValueError, match="no certificate"):
         certificate_of(name)
+
+
+def test_the_page_shows_the_record_of_random_chains_without_a_contradiction():
+    assert shown("random chains") == random_chains()
+    rows = [json.loads(line) for line in RECORD.read_text("utf-8").splitlines()]
+    assert len({row["chain"] for row in rows}) == len(rows) >= 200
+    assert not any(row["outcome"] == "contradicted" for row in rows)
+    assert all(row["caught"] for row in rows if row["outcome"] == "proved")
 
 
 def test_the_page_shows_what_is_proved_of_each_preset():
