@@ -1,5 +1,6 @@
-"""Four and six legs, and the gripper: what their presets promise."""
+"""Four and six legs, and the gripper: what the page promises, and its tables."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -8,14 +9,35 @@ import pytest
 pytest.importorskip("mujoco", reason="no robot walks: mujoco is not installed")
 
 import stepwell as sw
-from docs.more_bodies import failures, phases
+from docs.more_bodies import (
+    COPIES,
+    DRAG,
+    FILE,
+    FRICTION,
+    NAMES,
+    PAGE,
+    SHARES,
+    failures,
+    page,
+    phases,
+)
 from stepwell.robot import Robot
+
+RECORD = json.loads(FILE.read_text("utf-8"))
 
 
 @pytest.fixture(scope="module")
 def walk():
     """A walk of the robot with four legs."""
     return sw.preset("robot-four-legs").walk(3)
+
+
+def test_the_tables_of_the_page_are_those_of_the_record():
+    text = PAGE.read_text("utf-8")
+    assert page(text, RECORD) == text, "run it with --page"
+    assert [one["name"] for one in RECORD["robots"]] == [*NAMES]
+    for one in RECORD["robots"]:
+        assert len(one["copies"]) == COPIES and len(one["floors"]) == len(DRAG) * len(FRICTION)
 
 
 def test_hind_feet_lift_and_land_before_front_feet(walk):
@@ -55,3 +77,11 @@ def test_the_first_finger_stays_at_its_stop_whatever_the_second_one_presses_with
     first, second = sw.preset("two-finger-gripper").levers
     pressed = -second.force(np.linspace(-second.limit, second.limit, 101))
     assert -first.force_1 > 1.5 * pressed.max()
+
+
+def test_the_record_of_the_gripper_holds_what_friction_holds():
+    for one in RECORD["gripper"]["objects"]:
+        assert one["runs"][0]["force"] == pytest.approx(one["predicted"], rel=0.02)
+        for share, run in zip(SHARES, one["runs"], strict=True):
+            # Close to its limit friction gives way as the lift begins.
+            assert share == 0.9 or run["held"] == (share < 1), (one["width_mm"], share)
