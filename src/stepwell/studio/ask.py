@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -198,19 +198,31 @@ class PageDesign:
         return self.read.program
 
 
-# The tables of the last design as texts (its cells, and all else), and its file.
-_last: tuple[list[str], str, DesignFile] | None = None
+class _Read(NamedTuple):
+    """The tables of a design as texts, its cells and all else, and its file."""
+
+    cells: list[str]
+    rest: str
+    file: DesignFile
+
+
+_last: _Read | None = None
 
 
 def _read(tables: dict[str, Any]) -> DesignFile:
     """The design file of tables; of a chain only the cells that the last one had not are read."""
     global _last
-    cells, rest = _parted(tables)
+    last, (cells, rest) = _last, _parted(tables)
     # Texts, because 1, 1.0 and True are equal, and only two of them are numbers.
     texts, around = [repr(cell) for cell in cells], repr(rest)
-    file = _changed(cells, texts, rest) if _last and _last[1] == around else None
+    file = None
+    if last is not None and last.rest == around and len(last.cells) == len(cells):
+        places = [
+            i for i, (old, new) in enumerate(zip(last.cells, texts, strict=True)) if old != new
+        ]
+        file = _changed(last.file, cells, places, rest)
     file = file or loads_tables(tables)
-    _last = texts, around, file
+    _last = _Read(texts, around, file)
     return file
 
 
@@ -223,15 +235,14 @@ def _parted(tables: dict[str, Any]) -> tuple[list[Any], dict[str, Any]]:
     return cells, {**tables, "chain": {**chain, "cell": []}}
 
 
-def _changed(cells: list[Any], texts: list[str], rest: dict[str, Any]) -> DesignFile | None:
-    """The last chain with its changed cells; None if all of it must be read."""
-    assert _last is not None
-    before, _, last = _last
-    if len(before) != len(cells) or not isinstance(last.value, Chain) or last.program is not None:
-        return None
-    places = [i for i, (old, new) in enumerate(zip(before, texts, strict=True)) if old != new]
+def _changed(
+    last: DesignFile, cells: list[Any], places: list[int], rest: dict[str, Any]
+) -> DesignFile | None:
+    """The last chain with the cells of some places; None if all of it must be read."""
     if not places:
         return last
+    if not isinstance(last.value, Chain) or last.program is not None:
+        return None
     chain = {**rest["chain"], "cell": [cells[i] for i in places]}
     try:
         few = loads_tables({**rest, "chain": chain}).subject
