@@ -173,7 +173,12 @@ def _seen(walk: Walk, now: int) -> _Seen:
     ]
     feet = [(parts.tip[0], leg.at[1]) for parts, leg in zip(legs, robot.legs, strict=True)]
     # What joins the outermost blocks, what holds the innermost, and the links over each foot.
-    bars = [np.array([parts.blocks[-1] for parts in legs[k : k + 2]]) for k in range(len(legs) - 1)]
+    bars = [
+        np.array([legs[j].blocks[-1], legs[i].blocks[-1]])
+        for i, one in enumerate(robot.legs)
+        for j, other in enumerate(robot.legs[:i])
+        if one.at[0] == other.at[0] or one.at[1] == other.at[1]
+    ]
     for parts, leg in zip(legs, robot.legs, strict=True):
         x, y = parts.levers[0, 0]
         bars.append(np.array([(x, leg.side * min(abs(y), robot.body.width / 2)), (x, y)]))
