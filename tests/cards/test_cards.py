@@ -31,6 +31,7 @@ PARTS = {
         "CellReading",
         "Change",
         "Choice",
+        "CopyNumber",
     ),
     *("Counting", "Critical", "Cubic", "Curve", "Cycles", "Cylinder", "Draws", "Drive"),
     *("DriveNeeds", "GaitComparison"),

@@ -223,7 +223,8 @@ DESIGNED = [
         "design/options",
         (
             f"design '{_BACK}' --samples 50 --holes 5 --band antennas --band 30:10:2 --lever 14 "
-            f"--lever 20 --mixed-levers --most-bands 1 --unusual --x 0:25 --y -10:10 {_TOLERANCES} --json",
+            f"--lever 20 --mixed-levers --most-bands 1 --unusual --x 0:25 --y -10:10 "
+            f"{_TOLERANCES} --json",
             f"design '{_BACK}' --samples 20 --objective worst --force-limit 0.6 --json",
             f"design '{_BACK}' --samples 20 --holes 5 --origin 5:0 --free p --json",
             f"design '{_BACK}' --samples 20 --holes 5 --free both --band preset:paper-forward "
@@ -814,6 +815,7 @@ WRONG = [
             "run preset:robot-forward",
             "walk preset:paper-forward",
             "walk robot.toml",
+            "check preset:robot-forward --recording slip.toml --holes 4 --leg left",
             "maze robot-forward wal",
             "view preset:paper-forward --arena open --material acrylic-3mm",
             "studio range.toml.gone --port 0 --demo --no-open --studies here",

@@ -7,6 +7,7 @@ from typing import Any
 
 import stepwell as sw
 from golden.recordings import bands, cells, clip, rubber
+from lab.test_copy import recorded
 from stepwell import lab
 
 
@@ -26,6 +27,7 @@ def of_recordings() -> dict[str, Any]:
     test = lab.band_test(pulled)
     sorted_ = lab.sort_series(rubbers)
     values = (
+        lab.copy_test(built, recorded(built)),
         lab.as_built(built, lab.Observed("00>10>11>01>00"), samples=100),
         batch,
         batch.recordings[0],

@@ -36,6 +36,7 @@ FILES = {
     "lab.as_built": ("AsBuilt", "lab.as_built/2"),
     "lab.band": ("BandFit BandTest", "lab.band/2"),
     "lab.calibrate": ("Calibration", "lab.calibrate/2"),
+    "lab.copy_test": ("CopyTest", "check_copy/1"),
     "lab.compare": ("CellTest ChainTest Comparison PairTest", "lab.compare/2"),
     "lab.read": ("Batch MeasuredElement Recording", "lab.element/1 lab.read/1"),
     "machine": ("Realisation", "machine/1"),

@@ -1,8 +1,10 @@
 """`stepwell check` and `yield`: robustness of a design against manufacturing tolerances."""
 
+from pathlib import Path
 from typing import Any
 
 import stepwell as sw
+from stepwell.base import from_unit
 from stepwell.cli import tolerances as given
 from stepwell.cli.driving import program_in_file
 from stepwell.cli.options import (
@@ -12,12 +14,50 @@ from stepwell.cli.options import (
     Output,
     Prove,
     Robust,
+    by_name,
     flag,
     option,
     read_chain,
+    read_design,
 )
+from stepwell.cli.ranges import length
 from stepwell.cli.screen import answered, progress, usable, wrong
 from stepwell.cli.tolerances import Data, calibrated_on
+
+
+class CopyOptions(Group):
+    """The recording of a built copy."""
+
+    recording: Path | None = option(
+        "Recording of a built copy (one file), both ways: judge this copy instead of the design.",
+        "FILE",
+        exists=True,
+    )
+    leg: str | None = option(
+        "Leg of a robot whose recording is judged; the first one by default.", "NAME"
+    )
+    hole: float = option(
+        "Spacing of the holes for anchors [mm], of which one may be wrong in a copy.",
+        "--holes LENGTH",
+        default=5.0,
+        parser=length(0.1),
+    )
+
+    def chain(self, design: str) -> tuple[str, sw.Chain]:
+        """The text of a design, and its chain or that of a leg of its robot."""
+        if self.recording is None:
+            if self.leg is not None:
+                raise wrong("--leg", "needs --recording FILE.")
+            return read_chain(design)
+        text, subject = read_design(by_name(design) or design)
+        if isinstance(subject, sw.Chain):
+            if self.leg is not None:
+                raise wrong("--leg", f"{design} is a chain: leave it out.")
+            return text, subject
+        if self.leg is None:
+            return text, subject.legs[0].chain
+        with usable("--leg"):
+            return text, subject.leg(self.leg).chain
 
 
 def check(
@@ -30,6 +70,7 @@ def check(
     *,
     within: given.BuildTolerances,
     data: Data = None,
+    copy: CopyOptions,
     sampling: given.Sampling,
     output: Output,
 ) -> None:
@@ -40,13 +81,22 @@ def check(
     the uncertainty most. If the verdict is "fails", the exit code is 3. With --out, a report and
     the result as JSON are written into a folder, together with the design.
 
+    With --recording, a built copy of the design, or of a leg of a robot, is judged: its sequence,
+    each switch and each part within the tolerances, the anchor in a wrong hole, and what to change.
+    The verdict is good, differs, fails or not decided; unless it is good, the exit code is 3.
+
     Example: stepwell check preset:paper-forward --anchor 0.5
     """
     from stepwell.design import check
 
-    text, chain = read_chain(design)
+    text, chain = copy.chain(design)
     spread = within.of(chain)
     output.check_output_folder("check", design=text)
+    if copy.recording is not None:
+        if data is not None:
+            raise wrong("--data", "cannot be combined with --recording.")
+        _judge_copy((text, design, chain), copy, target, spread, sampling.seed, output)
+        return
     calibrated = None
     if data is not None:
         text, chain, spread, calibrated = calibrated_on(data, text, chain, spread)
@@ -56,6 +106,25 @@ def check(
         result = check(chain, goal, spread, **vars(sampling), progress=tell)
     output.report(result, text, design, calibrated)
     answered(result.verdict != "fails")
+
+
+def _judge_copy(
+    given_design: tuple[str, str, sw.Chain],
+    copy: CopyOptions,
+    target: str | None,
+    spread: Any,
+    seed: int,
+    output: Output,
+) -> None:
+    text, design, chain = given_design
+    assert copy.recording is not None
+    with usable(str(copy.recording)):
+        recording = sw.lab.read(copy.recording)
+    with usable(design), progress("copy") as tell:
+        how: dict[str, Any] = {"target": target, "hole": from_unit(copy.hole, "mm"), "seed": seed}
+        result = sw.lab.copy_test(chain, recording, spread, progress=tell, **how)
+    output.report(result, text, design)
+    answered(result.verdict == "good")
 
 
 class CountedOptions(Group):

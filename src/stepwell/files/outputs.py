@@ -32,7 +32,7 @@ _OF_COMMANDS = {
         "guide.html guide.pdf template-A4.pdf template-letter.pdf",
         "layers parts",
     ),
-    "check": ("design.toml check.json", ""),
+    "check": ("design.toml copy.toml check.json", ""),
     "yield": ("design.toml yield.json yield.csv survival.json", "yield force-plane"),
     "reprogram": ("design.toml reprogram.json way.csv", ""),
     "robot show": ("robot.toml robot.json", "robot prediction"),

@@ -10,6 +10,7 @@ from stepwell.lab.calibration import Calibration, Correlated, FittedParameter, c
 from stepwell.lab.cell_test import RISE, CellReading, CellTest, Rise
 from stepwell.lab.chain_test import ChainTest, SnapComparison, require_travel
 from stepwell.lab.comparison import Comparison, Refit, compare, refit
+from stepwell.lab.copy_test import CopyNumber, CopyTest, CopyVerdict, copy_test
 from stepwell.lab.first_build import (
     FIRST_BUILD,
     WRONG_HOLE,
@@ -56,6 +57,9 @@ __all__ = [
     "ChainTest",
     "Choice",
     "Comparison",
+    "CopyNumber",
+    "CopyTest",
+    "CopyVerdict",
     "Correlated",
     "Curve",
     "Estimate",
@@ -103,6 +107,7 @@ __all__ = [
     "calibrated_table",
     "choose_law",
     "compare",
+    "copy_test",
     "find_snaps",
     "fit",
     "fit_bands",

@@ -249,6 +249,11 @@ def _as_built(as_built: sw.lab.AsBuilt, _: Account) -> Contents:
     return Contents("lab as-built", "built.json", files)
 
 
+def _copy_test(copy: sw.lab.CopyTest, account: Account) -> Contents:
+    files: dict[str, Content] = {"design.toml": design_text(account)}
+    return Contents("check", "check.json", {**files, "copy.toml": dumps(copy.chain)})
+
+
 def _prediction(prediction: sw.robot.Prediction, account: Account) -> Contents:
     draws: dict[str, Draw] = {
         "robot": partial(figures.robot_drawing, prediction.robot),
@@ -399,6 +404,7 @@ def _verdicts(verdicts: sw.paper.Verdicts, account: Account, **options: Any) -> 
 # its account.
 CONTENTS: dict[str, Callable[..., Contents]] = {
     "AsBuilt": _as_built,
+    "CopyTest": _copy_test,
     "Atlas": _atlas,
     "BandFit": _band,
     "Batch": _batch,
