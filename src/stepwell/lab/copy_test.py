@@ -171,16 +171,16 @@ class CopyTest(ByValue):
     @property
     def corrections(self) -> tuple[str, ...]:
         """What to change, a sentence each; empty for nothing."""
-        found: list[str] = []
+        steps: list[str] = []
         if self.wrong is not None:
-            found.append(f"{_hole(self.wrong)} (probability {self.wrong.fraction:.2f})")
-            found += [f"or instead, {_hole(one)}" for one in self.others]
+            steps.append(f"{_hole(self.wrong)} (probability {self.wrong.fraction:.2f})")
+            steps += [f"or instead, {_hole(one)}" for one in self.others]
         hooked = self.wrong.anchor.name.rpartition(".")[0] if self.wrong else ""
         for one in self.parts:
             cell = one.name.partition(".")[0]
             if not one.within and cell != hooked:
-                found.append(_correction(one))
-        return tuple(found)
+                steps.append(_correction(one))
+        return tuple(steps)
 
     def __repr__(self):
         return f"CopyTest({self.verdict}: {self.reason})"
@@ -311,7 +311,7 @@ def _spread(one: Parameter, design: Chain, tolerances: Tolerances) -> float:
 def _halves(recording: Recording, full: float) -> tuple[list[_Half], float]:
     """Strips of all halves, and the least fraction of the stroke that a direction covers."""
     stroke, force = from_zero(recording, full), without_spikes(recording.force)
-    found: list[_Half] = []
+    halves: list[_Half] = []
     covered = {"loading": 0.0, "unloading": 0.0}
     edges = np.linspace(_ENDS * full, (1.0 - _ENDS) * full, _STRIPS + 1)
     for half in recording.halves:
@@ -323,8 +323,8 @@ def _halves(recording: Recording, full: float) -> tuple[list[_Half], float]:
         if rows:
             strokes = np.array([np.quantile(u[row], _WITHIN) for row in rows])
             means = np.array([float(np.mean(f[row])) for row in rows])
-            found.append(_Half(way == "unloading", strokes, means))
-    return found, min(covered.values())
+            halves.append(_Half(way == "unloading", strokes, means))
+    return halves, min(covered.values())
 
 
 def copy_test(
@@ -525,14 +525,14 @@ def _switches(
 
 def _events(chain: Chain) -> dict[str, tuple[str, float]]:
     """Unit and value of the critical forces and of the strokes of the snaps of a chain."""
-    found: dict[str, tuple[str, float]] = {}
+    events: dict[str, tuple[str, float]] = {}
     for name, cell in zip(chain.names, chain.cells, strict=True):
         if not isinstance(cell, Element):
-            found[f"F0 of {name}"] = ("N", cell.force_0)
-            found[f"F1 of {name}"] = ("N", cell.force_1)
+            events[f"F0 of {name}"] = ("N", cell.force_0)
+            events[f"F1 of {name}"] = ("N", cell.force_1)
     count = {1: 0, -1: 0}
     for event in chain.cycle().snaps:
         count[event.direction] += 1
         way = "loading" if event.direction > 0 else "unloading"
-        found[f"snap {count[event.direction]} {way}"] = ("m", event.drive)
-    return found
+        events[f"snap {count[event.direction]} {way}"] = ("m", event.drive)
+    return events
