@@ -278,3 +278,8 @@ def test_weights_are_checked():
 def test_a_requirement_is_a_value():
     assert Requirement.parse("2  before 1 loading") == Requirement.parse("2 before 1 loading")
     assert str(Requirement.parse("inner before outer loading")) == "inner before outer loading"
+
+
+def test_a_stroke_beyond_the_chain_is_refused_before_the_search():
+    with refuses(sw.InputError, "101 after 61 mm", "60 mm"):
+        sw.design(requirements="101 after 61 mm")

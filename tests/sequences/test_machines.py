@@ -10,6 +10,7 @@ import pytest
 
 import stepwell as sw
 from facts import refuses, says
+from sizes import examples
 from stepwell.design import Draws, machine_yield
 from stepwell.sequences import Machine, exchanging_program, realisations, realise
 from stepwell.sequences.responses import _exchanged
@@ -296,7 +297,7 @@ def sorted_as(gripper, stiffness):
 def test_a_gripper_sorts_random_objects_by_their_stiffness():
     gripper, rng = sw.preset("stiffness-gripper"), random.Random(5)
     for low, high, state in ((3.0, 10.0, "00"), (11.0, 40.0, "01"), (50.0, 1000.0, "11")):
-        for _ in range(60):
+        for _ in range(examples(60, full=3_334)):
             assert sorted_as(gripper, rng.uniform(low, high)) == state
     copies = Draws(gripper, sw.Tolerances(anchor=0.0003, stiffness=0.03), 6)
     for k in range(30):

@@ -173,6 +173,7 @@ def design(
         *(target, regions, grid, actuator_stiffness, seed, progress, n, free, usual, tuple(bands))
     )
     _check_packs(target, bands)
+    _check_strokes(parts, target.orders.cells * 2.0 * max(levers) * math.sin(limit))
     placed = search.placed(rules)
     if weights:
         placed = weighed(search, placed, checked_weights(weights))
@@ -236,6 +237,15 @@ def _check_packs(target: Target, bands: Sequence[BandType]) -> None:
             proved=True,
             allowed=areas.packs_text(bands).removeprefix(" and "),
         )
+
+
+def _check_strokes(parts: Requirements | None, most: float) -> None:
+    for one in parts.parts if parts is not None else ():
+        if one.drive > most:
+            raise InputError(
+                f"requirement '{one}': the stroke of this chain is at most "
+                f"{to_unit(most, 'mm'):.4g} mm: give a stroke below."
+            )
 
 
 def _one_lever_each(rule: Rule, bands: int) -> list[Rule]:
