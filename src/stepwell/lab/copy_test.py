@@ -26,6 +26,7 @@ from stepwell.lab.recordings.curve import from_zero, rms
 from stepwell.lab.recordings.recording import LabError, Recording, without_spikes
 from stepwell.lab.rig import on_path, path_of
 from stepwell.mechanism import Chain, Element
+from stepwell.statics import Path
 
 # Strips of stroke of each half, and numbers in it that count as independent.
 _STRIPS, _INDEPENDENT = 60, 12
@@ -227,8 +228,10 @@ class _Model:
     halves: Sequence[_Half]
     range: float
     varied: list[tuple[Parameter, float]] = field(init=False)
+    _known: tuple[Any, list[Path]] = field(init=False)
 
     def __post_init__(self):
+        self._known = None, []
         pairs = [(one, _spread(one, self.design, self.tolerances)) for one in self._parts()]
         self.varied = [(one, spread) for one, spread in pairs if spread > 0.0]
 
@@ -252,14 +255,21 @@ class _Model:
         friction, zero, loss, shift = x[len(self.varied) :] * np.array(sizes)
         return np.array([abs(friction), zero, min(abs(loss), 0.9), shift])
 
+    def _paths(self, x: Floats, hooked: Chain) -> list[Path]:
+        """Paths of all halves; those of the first numbers are kept for others of the rig."""
+        key = hooked, x[: len(self.varied)].tobytes()
+        if self._known[0] != key:
+            copy = self.chain(x, hooked)
+            self._known = key, [path_of(copy, half.unloading) for half in self.halves]
+        return self._known[1]
+
     def gaps(self, x: Floats, hooked: Chain) -> Floats:
         """Model less measured force in all strips [N]."""
-        copy, (friction, zero, loss, shift) = self.chain(x, hooked), self.rig(x)
-        off: list[Floats] = []
-        for half in self.halves:
-            path = path_of(copy, half.unloading)
+        friction, zero, loss, shift = self.rig(x)
+        full, off = self.design.full_stroke, list[Floats]()
+        for half, path in zip(self.halves, self._paths(x, hooked), strict=True):
             # All bands lose alike, so their order stays.
-            force = on_path(path, np.clip(half.stroke - shift, 0.0, copy.full_stroke))
+            force = on_path(path, np.clip(half.stroke - shift, 0.0, full))
             force = np.mean(force, axis=1)
             force = force * (1.0 - loss) - friction if half.unloading else force + friction
             off.append(force + zero - half.force)
@@ -444,7 +454,7 @@ def _hypotheses(
     price = math.log((1.0 - 2.0 * _WRONG) / (2.0 * _WRONG / len(builds.WAYS)))
     # What the rig adds may be that of the first fit, if its anchors are right; not its parts.
     starts = [start, np.concatenate([np.zeros(len(model.varied)), first.x[-4:]])]
-    tried: list[tuple[float, int, builds.WrongHole]] = []
+    tried: list[tuple[float, Floats, builds.WrongHole]] = []
     for anchor in builds.outer_anchors(model.design):
         was = builds.place_of(anchor, model.design)
         for x, y in builds.WAYS:
@@ -453,12 +463,13 @@ def _hypotheses(
                 hooked = _hooked(model.design, one)
                 each = [model.gaps(at, hooked) / sigma for at in starts]
                 costs = [float(np.sum(np.sqrt(1.0 + gaps**2))) for gaps in each]
-                tried.append((min(costs), int(np.argmin(costs)), one))
+                short = model.fitted(hooked, starts[int(np.argmin(costs))], sigma, 3)
+                tried.append((short.cost, short.x, one))
     tried.sort(key=lambda row: row[0])
     fits: list[tuple[builds.WrongHole | None, _Fit]] = [(None, first)]
     for done, (_, best, one) in enumerate(tried[:_FITTED], 1):
         base.notify(progress, done, total)
-        fit = model.fitted(_hooked(model.design, one), starts[best], sigma, 15)
+        fit = model.fitted(_hooked(model.design, one), best, sigma, 15)
         fits.append((one, fit._replace(cost=fit.cost + price)))
     return fits
 
