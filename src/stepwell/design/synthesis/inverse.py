@@ -163,8 +163,7 @@ def design(
         _enclosing_box(regions),
         free=free,
     )
-    if not unusual:
-        _check_units(rule, grid)
+    _check_units(rule, grid)
     _check_holes(regions, grid, free)
     mixed = not equal_levers and len(levers) > 1
     rules = [rule] * mixed + _one_lever_each(rule, len(bands) * most_bands)
@@ -175,8 +174,7 @@ def design(
     _check_packs(target, bands)
     _check_strokes(parts, target.orders.cells * 2.0 * max(levers) * math.sin(limit))
     placed = search.placed(rules)
-    if weights:
-        placed = weighed(search, placed, checked_weights(weights))
+    placed = weighed(search, placed, checked_weights(weights)) if weights else placed
     attempt = placed.best
     if attempt is not None:
         chain = attempt.chain(actuator_stiffness, f"Designed for {target.text}")
@@ -392,6 +390,8 @@ def _check_objective(
 
 
 def _check_units(rule: Rule, holes: HoleGrid | None) -> None:
+    if rule.kinds[0].unusual:
+        return
     name, around = "q" if rule.free == "p" else "p", rule.looked_at
     levers = list(dict.fromkeys(kind.lever for kind in rule.kinds))
     bands = list(dict.fromkeys(kind.band for kind in rule.kinds))

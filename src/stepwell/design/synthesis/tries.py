@@ -407,8 +407,7 @@ class TargetSearch:
         decided = placed.complete and target.states is None
         chains, whole, report = self._simulated_choices(rules, self.holes, decided=decided)
         if not chains:
-            whole_tables = whole and not rules[0].limited
-            excluded = self._excluded_holes(rules, self.holes) if whole_tables else None
+            excluded = self._excluded_holes(rules, self.holes) if whole else None
             raise self._impossible(placed, report, excluded, proved=whole)
         counted = None if tolerances.friction else target.states
 
@@ -453,7 +452,9 @@ class TargetSearch:
             conflict, number, rectangles(rules, self.regions) if concave else ()
         )
 
-    def _excluded_holes(self, rules: list[Rule], holes: HoleGrid) -> HoleEvidence:
+    def _excluded_holes(self, rules: list[Rule], holes: HoleGrid) -> HoleEvidence | None:
+        if rules[0].limited:
+            return None  # its tables have no packs
         tables: list[tuple[tuple[Cell, ...], ...]] = []
         for rule in rules:
             ways = {
