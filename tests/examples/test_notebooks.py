@@ -13,7 +13,7 @@ from sizes import cases
 
 ROOT = Path(__file__).resolve().parents[2]
 NOTEBOOKS = ROOT / "examples" / "notebooks"
-NAMES = ("maker", "researcher", "roboticist")
+NAMES = ("maker", "researcher", "roboticist", "learner")
 # In the quick run one of them; what the others show has tests of its own.
 RUN = cases(NAMES, NAMES[:1])
 CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
