@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import nullcontext
+from contextvars import copy_context
 from functools import cache
 from importlib import import_module
 from typing import Any
@@ -54,4 +55,9 @@ def stepwell(tmp_path, monkeypatch) -> Callable[..., Result]:
     # A row a line, whatever stands in it; tests/cli/test_width.py looks at narrow screens.
     monkeypatch.setenv("COLUMNS", "1000")
     (tmp_path / "forward.toml").write_text(preset_text("paper-forward"), "utf-8")
-    return lambda *arguments: CliRunner().invoke(app, [*map(str, arguments)], prog_name="stepwell")
+
+    def run(*arguments: object) -> Result:
+        return CliRunner().invoke(app, [*map(str, arguments)], prog_name="stepwell")
+
+    # In a context of its own: what --json silences is silent in no later test.
+    return lambda *arguments: copy_context().run(run, *arguments)

@@ -97,7 +97,9 @@ def test_ctrl_c_ends_long_work_with_one_line(tmp_path, arguments):
         assert "run the same command again" in message
         assert "unfinished" in left
     else:
-        assert "nothing was written" in message and left == set()
+        # A busy machine may not have begun within that time.
+        assert "nothing was written" in message or "before anything was done" in message
+        assert left == set()
 
 
 SWALLOWS = """
@@ -209,7 +211,8 @@ def test_ctrl_c_while_the_program_opens_shows_no_traceback(tmp_path, after):
     code, message = interrupted(after, "yield", "slack.toml", "--samples", "500000", cwd=tmp_path)
     # Before Python has read the first line of ours, Ctrl-C is Python's own; on a machine with much
     # else to do that takes a while.
-    assert code in (130, -signal.SIGINT) or (after <= 0.1 and code == 1)
+    ours = f"stepwell{os.sep}"
+    assert code in (130, -signal.SIGINT) or (code == 1 and ours not in message), message
     if code == 130:
         assert len(message.splitlines()) == 1 and message.startswith("Interrupted"), message
 

@@ -9,6 +9,7 @@ import pytest
 
 import stepwell as sw
 from facts import refuses, says
+from stepwell.base import InputError
 from stepwell.design import Requirement, Requirements
 
 WAYS = ("loading", "unloading")
@@ -189,11 +190,10 @@ def test_a_state_after_a_turn_is_passed_in_the_engine():
     assert passed == "101"
 
 
-def test_a_stroke_out_of_reach_is_not_called_impossible():
-    with pytest.raises(sw.Impossible) as why:
+def test_a_stroke_out_of_reach_is_wrong_input_and_not_called_impossible():
+    with pytest.raises(InputError) as why:
         sw.design(requirements="101 after 90 mm")
-    assert not why.value.proved
-    says(str(why.value), "ends at 60")
+    says(str(why.value), "101 after 90 mm", "at most 60 mm")
 
 
 def test_the_yield_of_requirements_counts_every_cycle_that_meets_them():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stepwell as sw
-from docs.proofs import SAMPLES, TABLES, box_row, claim_row, margin_row, shown
+from docs.proofs import SAMPLES, TABLES, box_row, claim_row, margin_row, random_chains, shown
 from stepwell import preset
 from stepwell.base import have
 from stepwell.paper import claim_proofs, proofs
@@ -75,5 +75,9 @@ def test_every_table_of_the_page_has_rows():
     presets = {row.split("|")[1] for row in shown().splitlines()}
     for name in TABLES:
         assert len(shown(name).splitlines()) > 20
-        if name != "claims":
+        if name not in ("claims", "random chains"):
             assert {row.split("|")[1] for row in shown(name).splitlines()} == presets
+
+
+def test_the_table_of_random_chains_is_that_of_their_record():
+    assert shown("random chains") == random_chains()

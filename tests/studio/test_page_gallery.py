@@ -154,7 +154,7 @@ def test_designs_are_found_by_name_title_and_cells(listed: Page):
             "3 cells",
             [
                 *("second-touch", "three-stack", "three-wave", "two-point-gate"),
-                *("curved-beam", "trilinear"),
+                *("curved-beam", "trilinear", "robot-four-legs", "robot-six-legs"),
             ],
         ),
         ("3 cells wave", ["three-wave"]),

@@ -43,7 +43,7 @@ class CopyOptions(Group):
         parser=length(0.1),
     )
 
-    def chain(self, design: str) -> tuple[str, sw.Chain]:
+    def chain(self, design: str) -> "tuple[str, sw.Chain]":
         """The text of a design, and its chain or that of a leg of its robot."""
         if self.recording is None:
             if self.leg is not None:
@@ -109,7 +109,7 @@ def check(
 
 
 def _judge_copy(
-    given_design: tuple[str, str, sw.Chain],
+    given_design: "tuple[str, str, sw.Chain]",
     copy: CopyOptions,
     target: str | None,
     spread: Any,

@@ -123,7 +123,7 @@ class Parts(Group):
         "Available band: paper, robot or antennas; stiffness [N/m], rest length and tolerance [%]; "
         "or a design file with bands, or band.toml of lab band. With N and x before it, a pack of "
         "N bands, such as 6xpaper. May be repeated.",
-        "--band [Nx]NAME|K:LENGTH[:PERCENT]",
+        "--band NAME|K:LENGTH[:PERCENT]",
     )
     most_bands: int = option(
         "Maximum number of equal bands in a cell, all between the same anchors.",
