@@ -1,12 +1,14 @@
 """A gripper closes on an object, holds it without its actuator and opens, by one stroke."""
 
 from dataclasses import dataclass
+from typing import Any
 
-import mujoco
+import mujoco as simulator
 import numpy as np
 
 import stepwell as sw
 
+mujoco: Any = simulator  # its compiled modules have no types
 GAP = 0.024  # between the pads with the first finger at its stop and the second one open [m]
 FRICTION = 0.8  # between pads and object
 OUT = 0.040  # command of the actuator at the end of loading [m]

@@ -115,7 +115,7 @@ def test_the_index_shows_every_example_with_its_picture_its_time_and_what_it_nee
     assert {picture.stem for picture in PICTURES.iterdir()} == {*NUMBERS}
     for _, name, _, _, extra in told:
         source = (EXAMPLES / f"{name}.py").read_text("utf-8")
-        walks = re.search(r"\.(walk|maze)\(|^import mujoco$", source, re.M)
+        walks = re.search(r"\.(walk|maze)\(|^import mujoco\b", source, re.M)
         labels = "transition_map(" in source
         assert extra == ("robot" if walks else "tables" if labels else ""), name
 

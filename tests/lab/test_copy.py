@@ -51,7 +51,8 @@ def recorded(chain: sw.Chain, seed: int = 0, **rig: float) -> lab.Recording:
         )
         parts.append((u, force + how["zero"] + rng.normal(0.0, how["noise"], len(u))))
     stroke, force = (np.concatenate(one) for one in zip(*parts, strict=True))
-    return lab.Recording("copy.csv", np.arange(len(stroke)) * 0.02, stroke, force)
+    time = np.linspace(0.0, 0.02 * (len(stroke) - 1), len(stroke))
+    return lab.Recording("copy.csv", time, stroke, force)
 
 
 @pytest.mark.parametrize("number", [0, pytest.param(1, marks=pytest.mark.slow)])
