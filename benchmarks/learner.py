@@ -1,16 +1,17 @@
 """A learned stroke policy against compiled springs on the same arenas.
 
-`python benchmarks/learner.py` trains the policy by a plain evolution strategy and compares it, in
-about a quarter of an hour of one core. It writes docs/learner.json and the table of the page on
-reinforcement learning; with --page the table only. No start of the training is used in the
-comparison.
+`python benchmarks/learner.py` trains policies by a plain evolution strategy and compares them, in
+about half an hour of one core. It writes docs/learner.json and the table of the page
+on reinforcement learning, and resumes after the last robot that is in it; with --page the table
+only. --generations and --pairs are the budget of a new record. No start of the training is used in
+the comparison.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import math
-import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -20,7 +21,7 @@ from typing import Any
 import numpy as np
 
 import stepwell as sw
-from stepwell.robot import Arena, Cylinder, Goal, Robot, Wall, other_start
+from stepwell.robot import Arena, Cylinder, Goal, Leg, Robot, Wall, other_start
 
 ROOT = Path(__file__).parents[1]
 FILE, PAGE = ROOT / "docs" / "learner.json", ROOT / "docs" / "how-to" / "reinforcement-learning.md"
@@ -33,10 +34,12 @@ ARENAS = {
 }
 LIMIT = 120.0  # of an episode [s]
 INTERVAL = 0.25  # between two observations [s]
-# Budget: generations, pairs of mirrored policies in each, and the step of the search.
-GENERATIONS, PAIRS, STEP, RATE = 6, 4, 0.25, 0.5
+# Budget of a new record: generations, and pairs of mirrored policies in each.
+GENERATIONS, PAIRS = 8, 4
+STEP, RATE = 0.25, 0.5  # of the search
 TRAINED_IN = "short wall", "cylinder"  # in turn, one generation each
-STARTS = 4  # random starts in each arena of the comparison
+CHECKS = 1  # random starts in each of these arenas by which the best policy is chosen
+STARTS = 6  # random starts in each arena of the comparison
 DEVIATION = 0.05  # of the stiffness of one band
 FEATURES = ("one", "goal to the left", "sine of heading", "left antenna", "right antenna", "force")
 
@@ -45,12 +48,37 @@ Weights = np.ndarray  # (2, F): lower and upper end of the next stroke
 
 def contenders() -> dict[str, tuple[Robot, bool]]:
     """Robots by name, and whether a policy for their strokes is learned."""
-    springs = sw.files.loads(json.loads((ROOT / "docs/compiled.json").read_text("utf-8"))["robot"])
-    robot = springs.robot
+    record = json.loads((ROOT / "docs/compiled.json").read_text("utf-8"))
+    springs = sw.files.loads(record["robot"]).robot
+    legs = plain_legs(springs)
     return {
-        "compiled springs, full strokes": (robot, False),
-        "compiled springs, learned strokes": (robot, True),
+        "compiled springs, full strokes": (springs, False),
+        "compiled springs, learned strokes": (springs, True),
+        "unequal legs, full strokes": (legs, False),
+        "unequal legs, learned strokes": (legs, True),
     }
+
+
+def plain_legs(robot: Robot) -> Robot:
+    """The same body with legs of unequal steps and antennas that displace no anchor.
+
+    Full strokes turn it to the left, strokes to nine tenths to the right, so that strokes alone
+    can steer it.
+    """
+    steps = {"left": (0.016, 0.010), "right": (0.024, 0.009)}  # step and inner q_x [m]
+    legs = [replace(leg, chain=_chain(leg, *steps[leg.name])) for leg in robot.legs]
+    antennas = [replace(one, connected=False) for one in robot.antennas]
+    return replace(robot, legs=legs, antennas=antennas, sources={}, title="Unequal legs")
+
+
+def _chain(leg: Leg, step: float, q_x: float) -> sw.Chain:
+    """A chain of the same stroke [m] with this step."""
+    cells = []
+    for name, travel, x in (("inner", step, q_x), ("outer", leg.chain.full_stroke - step, 0.020)):
+        lever = max(0.010 * math.sqrt(2), travel / math.sqrt(2))
+        band, limit = sw.Band((-0.010, 0.0), (x, 0.0), 60.0, 0.010), math.asin(travel / 2 / lever)
+        cells.append(sw.Cell(band, lever=lever, limit=limit, name=name))
+    return sw.Chain(cells)
 
 
 def plain() -> Weights:
@@ -90,30 +118,53 @@ def _features(seen: np.ndarray, at: list[int], scale: np.ndarray) -> np.ndarray:
     return np.array([1.0, *np.tanh(read[: len(scale)] / scale), force])
 
 
-def evolved(score: Callable[[Weights, int], float], seed: int = 0) -> tuple[Weights, list[float]]:
-    """A plain evolution strategy: mirrored samples, ranks, one step along their mean."""
-    rng, mean, scores = np.random.default_rng(seed), plain(), list[float]()
-    for generation in range(GENERATIONS):
-        steps = rng.standard_normal((PAIRS, *mean.shape))
+def evolved(
+    score: Callable[[Weights, int], float],
+    check: Callable[[Weights], float],
+    budget: tuple[int, int] = (GENERATIONS, PAIRS),
+) -> tuple[Weights, list[float]]:
+    """A plain evolution strategy: mirrored samples, ranks, one step along their mean.
+
+    Returns:
+        The mean with the best check of all generations, the first policy included, and all checks.
+    """
+    generations, pairs = budget
+    rng, mean = np.random.default_rng(0), plain()
+    means, checks = [mean], [check(mean)]
+    for generation in range(generations):
+        steps = rng.standard_normal((pairs, *mean.shape))
         steps = np.concatenate([steps, -steps])
         found = np.array([score(mean + STEP * one, generation) for one in steps])
         rank = np.argsort(np.argsort(found)) / (len(found) - 1) - 0.5
         mean = mean + RATE * STEP * np.tensordot(rank, steps, 1) * 2
-        scores.append(float(found.max()))
-        print(f"  generation {generation + 1}: best {scores[-1]:.1f} u_max", flush=True)
-    return mean, scores
+        means.append(mean)
+        checks.append(check(mean))
+        text = f"best {found.max():.1f}, mean policy {checks[-1]:.1f} u_max"
+        print(f"  generation {generation + 1}: {text}", flush=True)
+    return means[int(np.argmax(checks))], checks
 
 
-def trained(robot: Robot) -> tuple[Weights, list[float]]:
+def trained(robot: Robot, budget: tuple[int, int]) -> tuple[Weights, list[float]]:
     """The policy of a robot: in each generation one arena and one random start."""
 
-    def score(weights: Weights, generation: int) -> float:
-        arena = ARENAS[TRAINED_IN[generation % len(TRAINED_IN)]]
-        reached, gain, took = episode(robot, other_start(arena, generation), weights)
+    def of(name: str, start: int, weights: Weights) -> float:
+        reached, gain, took = episode(robot, other_start(ARENAS[name], start), weights)
         # Of two that reach the goal the faster one is better.
         return gain + 10.0 * (LIMIT - took) / LIMIT * reached
 
-    return evolved(score)
+    def check(weights: Weights) -> float:
+        starts = range(500, 500 + CHECKS)
+        return float(np.mean([of(name, seed, weights) for name in TRAINED_IN for seed in starts]))
+
+    def score(weights: Weights, generation: int) -> float:
+        return of(TRAINED_IN[generation % len(TRAINED_IN)], generation, weights)
+
+    return evolved(score, check, budget)
+
+
+def episodes(generations: int, pairs: int) -> int:
+    """Number of episodes of a training, with those that choose the best policy."""
+    return 2 * pairs * generations + CHECKS * len(TRAINED_IN) * (generations + 1)
 
 
 def one_band_off(robot: Robot) -> Iterator[Robot]:
@@ -149,27 +200,21 @@ def compared(robot: Robot, weights: Weights) -> dict[str, Any]:
     }
 
 
-def measured() -> dict[str, Any]:
-    """Train and compare all contenders."""
-    rows: list[dict[str, Any]] = []
-    for name, (robot, learns) in contenders().items():
-        print(name, flush=True)
-        began = time.process_time()
-        weights, scores = trained(robot) if learns else (plain(), [])
-        took = time.process_time() - began
-        rows.append(
-            {
-                "name": name,
-                "numbers": weights.size if learns else 0,
-                "episodes": 2 * PAIRS * len(scores),
-                "training_s": took if learns else 0.0,
-                "best": scores,
-                "weights": weights.round(4).tolist(),
-                **compared(robot, weights),
-            }
-        )
-        print(rows[-1], flush=True)
-    return {"starts": STARTS, "limit_s": LIMIT, "deviation": DEVIATION, "rows": rows}
+def measured(name: str, budget: tuple[int, int]) -> dict[str, Any]:
+    """Train, if it learns, and compare one of the contenders."""
+    robot, learns = contenders()[name]
+    began = time.process_time()
+    weights, checks = trained(robot, budget) if learns else (plain(), [])
+    took = time.process_time() - began
+    return {
+        "name": name,
+        "numbers": weights.size if learns else 0,
+        "episodes": episodes(*budget) if learns else 0,
+        "training_s": took if learns else 0.0,
+        "checks": checks,
+        "weights": weights.round(4).tolist(),
+        **compared(robot, weights),
+    }
 
 
 def lines(record: dict[str, Any]) -> list[str]:
@@ -196,10 +241,23 @@ def page(record: dict[str, Any]) -> str:
 
 
 def main() -> None:
-    """Measure, unless --page is given, and write the page."""
-    if "--page" not in sys.argv[1:]:
-        FILE.write_text(json.dumps(measured(), indent=1) + "\n", "utf-8")
-    PAGE.write_text(page(json.loads(FILE.read_text("utf-8"))), "utf-8")
+    """Measure what is missing, unless --page is given, and write the page."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--page", action="store_true")
+    parser.add_argument("--generations", type=int, default=GENERATIONS)
+    parser.add_argument("--pairs", type=int, default=PAIRS)
+    given = parser.parse_args()
+    head = {"starts": STARTS, "limit_s": LIMIT, "deviation": DEVIATION, "checks": CHECKS}
+    head |= {"generations": given.generations, "pairs": given.pairs}
+    record = json.loads(FILE.read_text("utf-8"))
+    if not given.page:
+        if any(record.get(key) != value for key, value in head.items()):
+            record = {**head, "rows": []}
+        for name in [*contenders()][len(record["rows"]) :]:
+            print(name, flush=True)
+            record["rows"].append(measured(name, (given.generations, given.pairs)))
+            FILE.write_text(json.dumps(record, indent=1) + "\n", "utf-8")
+    PAGE.write_text(page(record), "utf-8")
 
 
 if __name__ == "__main__":

@@ -157,7 +157,7 @@ def test_designs_are_found_by_name_title_and_cells(listed: Page):
                 *("curved-beam", "trilinear", "robot-four-legs", "robot-six-legs"),
             ],
         ),
-        ("3 cells wave", ["three-wave"]),
+        ("3 cells wave", ["three-wave", "robot-six-legs"]),
         ("KRES", ["kresling"]),
         ("robot turns", ["robot-left", "robot-right"]),
         ("nothing of that name", []),
