@@ -25,9 +25,10 @@ from stepwell.cli.screen import answered, progress, usable, wrong
 from stepwell.cli.tolerances import Data, calibrated_on
 
 
-class CopyOptions(Group):
-    """The recording of a built copy."""
+class MeasuredOptions(Group):
+    """Recordings of cells, or of a built copy."""
 
+    data: Data = None
     recording: Path | None = option(
         "Recording of a built copy (one file), both ways: judge this copy instead of the design.",
         "FILE",
@@ -69,8 +70,7 @@ def check(
     ),
     *,
     within: given.BuildTolerances,
-    data: Data = None,
-    copy: CopyOptions,
+    measured: MeasuredOptions,
     sampling: given.Sampling,
     output: Output,
 ) -> None:
@@ -89,17 +89,15 @@ def check(
     """
     from stepwell.design import check
 
-    text, chain = copy.chain(design)
+    text, chain = measured.chain(design)
     spread = within.of(chain)
     output.check_output_folder("check", design=text)
-    if copy.recording is not None:
-        if data is not None:
-            raise wrong("--data", "cannot be combined with --recording.")
-        _judge_copy((text, design, chain), copy, target, spread, sampling.seed, output)
+    if measured.recording is not None:
+        _judge_copy((text, design, chain), measured, target, spread, sampling.seed, output)
         return
     calibrated = None
-    if data is not None:
-        text, chain, spread, calibrated = calibrated_on(data, text, chain, spread)
+    if measured.data is not None:
+        text, chain, spread, calibrated = calibrated_on(measured.data, text, chain, spread)
     file = sw.files.loads(text, design)
     goal = program_in_file(file) if target is None and file.program else target
     with usable(design), progress("check") as tell:
@@ -110,18 +108,21 @@ def check(
 
 def _judge_copy(
     given_design: "tuple[str, str, sw.Chain]",
-    copy: CopyOptions,
+    measured: MeasuredOptions,
     target: str | None,
     spread: Any,
     seed: int,
     output: Output,
 ) -> None:
     text, design, chain = given_design
-    assert copy.recording is not None
-    with usable(str(copy.recording)):
-        recording = sw.lab.read(copy.recording)
+    if measured.data is not None:
+        raise wrong("--data", "cannot be combined with --recording.")
+    assert measured.recording is not None
+    with usable(str(measured.recording)):
+        recording = sw.lab.read(measured.recording)
     with usable(design), progress("copy") as tell:
-        how: dict[str, Any] = {"target": target, "hole": from_unit(copy.hole, "mm"), "seed": seed}
+        hole = from_unit(measured.hole, "mm")
+        how: dict[str, Any] = {"target": target, "hole": hole, "seed": seed}
         result = sw.lab.copy_test(chain, recording, spread, progress=tell, **how)
     output.report(result, text, design)
     answered(result.verdict == "good")

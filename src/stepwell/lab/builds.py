@@ -74,6 +74,10 @@ class WrongHole(base.ByValue):
     to: base.Vec2
     fraction: float
 
+    def of(self, chain: Chain) -> Chain:
+        """The chain with this anchor in that hole."""
+        return moved(chain, self.anchor, self.was, self.to)
+
     def __str__(self):
         return f"{named(self.anchor)} is {move_in_words(self.was, self.to, 1)}"
 
@@ -90,6 +94,11 @@ def place_of(anchor: Parameter, chain: Chain) -> base.Vec2:
     """Position of an anchor of the first band [m]."""
     x, y = np.asarray(anchor.value(chain), float).tolist()
     return x, y
+
+
+def moved(chain: Chain, anchor: Parameter, was: base.Vec2, to: base.Vec2) -> Chain:
+    """The chain with an anchor moved by the way from one place to another [m]."""
+    return anchor.displaced(chain, (to[0] - was[0], to[1] - was[1]))
 
 
 def named(anchor: Parameter) -> str:

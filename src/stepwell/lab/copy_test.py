@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stepwell import base
-from stepwell.base import ByValue, Floats, InputError, StepwellError, Vec2
+from stepwell.base import ByValue, Floats, InputError, StepwellError
 from stepwell.design import (
     DEFAULT_TOLERANCES,
     Draws,
@@ -20,7 +20,7 @@ from stepwell.design import (
     checked_cycle,
     parameters as parameters_of,
 )
-from stepwell.lab import builds
+from stepwell.lab import builds, first_build
 from stepwell.lab.chain_test import CLOSE_SHARE
 from stepwell.lab.recordings.curve import from_zero, rms
 from stepwell.lab.recordings.recording import LabError, Recording, without_spikes
@@ -391,7 +391,7 @@ def copy_test(
         if (one := fits[k][0]) is not None and likely[k] >= _NAMED
     ]
     hook, fit = fits[order[0]]
-    hooked = design if hook is None else _hooked(design, hook)
+    hooked = design if hook is None else hook.of(design)
     copy = model.chain(fit.x, hooked)
     rng = np.random.default_rng(seed)
     left = [
@@ -404,7 +404,7 @@ def copy_test(
         recording.source,
         tolerances,
         str(copy.cycle().sequence),
-        sum(_does(one, wanted) for one in left) / _LEFT,
+        sum(first_build.does(one, wanted) for one in left) / _LEFT,
         copy,
         _parts(model, fit, copy),
         _switches(design, tolerances, copy, left, seed),
@@ -451,7 +451,9 @@ def _hypotheses(
     start[[-4, -2]] = 0.2
     base.notify(progress, 0, total)
     first = model.fitted(model.design, start, sigma, 30)
-    price = math.log((1.0 - 2.0 * _WRONG) / (2.0 * _WRONG / len(builds.WAYS)))
+    price = math.log(
+        (1.0 - 2.0 * first_build.WRONG_HOLE) / (2.0 * first_build.WRONG_HOLE / len(builds.WAYS))
+    )
     # What the rig adds may be that of the first fit, if its anchors are right; not its parts.
     starts = [start, np.concatenate([np.zeros(len(model.varied)), first.x[-4:]])]
     tried: list[tuple[float, Floats, builds.WrongHole]] = []
@@ -460,7 +462,7 @@ def _hypotheses(
         for x, y in builds.WAYS:
             one = builds.WrongHole(anchor, was, (was[0] + hole * x, was[1] + hole * y), 0.0)
             with suppress(StepwellError):
-                hooked = _hooked(model.design, one)
+                hooked = one.of(model.design)
                 each = [model.gaps(at, hooked) / sigma for at in starts]
                 costs = [float(np.sum(np.sqrt(1.0 + gaps**2))) for gaps in each]
                 short = model.fitted(hooked, starts[int(np.argmin(costs))], sigma, 3)
@@ -469,25 +471,9 @@ def _hypotheses(
     fits: list[tuple[builds.WrongHole | None, _Fit]] = [(None, first)]
     for done, (_, best, one) in enumerate(tried[:_FITTED], 1):
         base.notify(progress, done, total)
-        fit = model.fitted(_hooked(model.design, one), best, sigma, 15)
+        fit = model.fitted(one.of(model.design), best, sigma, 15)
         fits.append((one, fit._replace(cost=fit.cost + price)))
     return fits
-
-
-# Probability that an anchor is in a neighbouring hole.
-_WRONG = 0.05
-
-
-def _hooked(design: Chain, one: builds.WrongHole) -> Chain:
-    by: Vec2 = (one.to[0] - one.was[0], one.to[1] - one.was[1])
-    return one.anchor.displaced(design, by)
-
-
-def _does(chain: Chain, target: str) -> bool:
-    try:
-        return str(chain.cycle().sequence) == target
-    except StepwellError:
-        return False
 
 
 def _parts(model: _Model, fit: _Fit, copy: Chain) -> tuple[CopyNumber, ...]:

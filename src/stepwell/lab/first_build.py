@@ -41,7 +41,7 @@ class AnchorMove(ByValue):
 
     def of(self, chain: Chain) -> Chain:
         """The chain after this step."""
-        return self.anchor.displaced(chain, (self.to[0] - self.was[0], self.to[1] - self.was[1]))
+        return builds.moved(chain, self.anchor, self.was, self.to)
 
     def __str__(self):
         dx, dy = (

@@ -156,15 +156,13 @@ def _requirements_excluded(evidence: RequirementEvidence, progress: Progress) ->
     _prove_concave(evidence.cells, progress)
     part = "; ".join(f"'{one}'" for one in conflict)
     # Each of them is the only one that some pair misses.
-    spare = [k for k in range(len(conflict)) if frozenset({k}) not in missed]
-    least = "and none of them can be left out" if not spare else "of which some can be left out"
-    kinds = counted(len(evidence.cells), "kind") if evidence.cells else ""
-    return (
-        f"{kinds} of cell with q - p anywhere in the region"
-        if kinds
-        else f"every chain of {cells} cells, of any kind",
-        f"none of {counted(len(missed), 'pair')} of orders meets {part}, {least}",
-    )
+    least = all(frozenset({k}) in missed for k in range(len(conflict)))
+    spare = "and none of them can be left out" if least else "of which some can be left out"
+    covered = f"every chain of {cells} cells, of any kind"
+    if evidence.cells:
+        kinds = counted(len(evidence.cells), "kind")
+        covered = f"{kinds} of cell with q - p anywhere in the region"
+    return (covered, f"none of {counted(len(missed), 'pair')} of orders meets {part}, {spare}")
 
 
 def _meets(one: Requirement, loading: tuple[int, ...], unloading: tuple[int, ...]) -> bool:

@@ -6,7 +6,8 @@ order holds in the whole box exactly if the ranges of the forces do not overlap.
 does not fall everywhere needs more room: up to the largest force of its travel.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import lru_cache
 from itertools import combinations
 from typing import NamedTuple
 
@@ -24,9 +25,6 @@ from stepwell.statics import StaticsError
 _ENOUGH = 1e-2, 1e-4, 1e-6, 1e-9
 # Angles at which the largest force of a nominal cell is looked for.
 _LOOKS = 65
-# Largest forces that are known, and how many are kept.
-_KNOWN: dict[tuple[Cell | Element, tuple[CellPart, ...], int, float], LargestValue] = {}
-_MOST_KNOWN = 64
 
 
 class Decision(NamedTuple):
@@ -107,19 +105,32 @@ class OrderedBox:
 
     def _pair(self, first: Switch, second: Switch) -> Decision | None:
         """None if a first switch is proved to come before a second one; else what is known."""
-        sign, tie = (-1 if first.end else 1), TIE * self.scale
+        sign = -1 if first.end else 1
+        met = self._meet(lambda error: self._extreme(first, sign, error), second, _ENOUGH)
+        if met is None:
+            return None
+        names = f"{self.chain.names[first.cell]} and {self.chain.names[second.cell]}"
+        cause = f"the order of {names} while {'unloading' if first.end else 'loading'}"
+        return self._failed(cause, (first, second), met)
+
+    def _meet(
+        self, largest: Callable[[float], LargestValue], second: Switch, shares: Iterable[float]
+    ) -> list[list[float]] | None:
+        """Values of parts where forces that stay below a second critical one may reach it.
+
+        None if they are proved to stay below it; `largest` has the largest of them for an error.
+        """
+        sign, tie = (-1 if second.end else 1), TIE * self.scale
         one = two = None
-        for share in _ENOUGH:
-            one = self._extreme(first, sign, share * self.scale)
+        for share in shares:
+            one = largest(share * self.scale)
             two = self._extreme(second, -sign, share * self.scale)
             if -two.bound - one.bound > tie:
                 return None
             if -two.attained - one.attained < -tie:
                 break
         assert one is not None and two is not None
-        names = f"{self.chain.names[first.cell]} and {self.chain.names[second.cell]}"
-        cause = f"the order of {names} while {'unloading' if first.end else 'loading'}"
-        return self._failed(cause, (first, second), [one.at, two.at])
+        return [one.at, two.at]
 
     def _nominal(self, switch: Switch) -> float:
         """The critical force of the nominal design, as a double."""
@@ -217,8 +228,8 @@ class OrderedBox:
 
     def _passes(self, first: Switch, second: Switch) -> Decision | None:
         """None if the forces of a first cell on its way stay below the critical one of another."""
-        sign, tie = (-1 if first.end else 1), TIE * self.scale
-        names, cell = self.chain.names, self.chain.cells[first.cell]
+        sign, box = (-1 if first.end else 1), self.boxes[first.cell]
+        names, cell = self.chain.names, box.cell
         cause = f"the force of {names[first.cell]} may pass the critical force of "
         cause += f"{names[second.cell]} on its way while {'unloading' if first.end else 'loading'}"
         assert isinstance(cell, Cell)
@@ -226,16 +237,10 @@ class OrderedBox:
         if most + cell.friction >= sign * self._nominal(second):
             # That of the nominal design does, so narrower spans do not help.
             return Decision(False, cause)
-        one = two = None
-        for share in _ENOUGH[:3]:
-            one = _peak(self.boxes[first.cell], first.end, share * self.scale)
-            two = self._extreme(second, -sign, share * self.scale)
-            if -two.bound - one.bound > tie:
-                return None
-            if -two.attained - one.attained < -tie:
-                break
-        assert one is not None and two is not None
-        return self._failed(cause, (first, second), [one.at, two.at])
+        met = self._meet(
+            lambda error: _peak(box.cell, box.parts, first.end, error), second, _ENOUGH[:3]
+        )
+        return None if met is None else self._failed(cause, (first, second), met)
 
     def _one_travel(self) -> bool:
         varies = any(box.varies("lever") or box.varies("travel_scale") for box in self.boxes)
@@ -270,14 +275,12 @@ class OrderedBox:
         return 2 * ball(cell.sin_limit) * ball(least).union(ball(most))
 
 
-def _peak(box: CellBox, end: int, enough: float) -> LargestValue:
+@lru_cache(maxsize=64)
+def _peak(
+    cell: Cell | Element, parts: tuple[CellPart, ...], end: int, enough: float
+) -> LargestValue:
     """`CellBox.peak`, once for boxes that have the same numbers, as most cells of a margin."""
-    key = box.cell, box.parts, end, enough
-    if key not in _KNOWN:
-        if len(_KNOWN) > _MOST_KNOWN:
-            _KNOWN.clear()
-        _KNOWN[key] = box.peak(end, enough)
-    return _KNOWN[key]
+    return CellBox(cell, parts).peak(end, enough)
 
 
 def switches_of(sequence: States) -> tuple[list[Switch], list[Switch]] | None:

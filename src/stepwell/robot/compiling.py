@@ -319,11 +319,9 @@ def rows_of(behaviour: RobotBehaviour, robot: Robot, wiring: Wiring) -> tuple[Ro
     rules = GaitRules(robot)
     legs = _Variants.of(robot, rules, variants)
     force, which, _ = legs.margins(behaviour, wiring, rules)
-    # Rows that are left open keep an infinite margin.
-    change = np.where(np.isfinite(force[:, :1]), force[:, 1:], 0.0) - np.nan_to_num(
-        force[:, :1], posinf=0.0
-    )
-    slopes = change.reshape(-1, 4, 2) / NUDGE
+    # Rows that are left open keep an infinite margin: it has no slope.
+    known = np.where(np.isinf(force), 0.0, force)
+    slopes = (known[:, 1:] - known[:, :1]).reshape(-1, 4, 2) / NUDGE
     steepest = np.hypot(slopes[..., 0], slopes[..., 1]).max(axis=1)
     return tuple(
         RowMargin(
