@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import nullcontext
-from contextvars import copy_context
 from functools import cache
 from importlib import import_module
 from typing import Any
@@ -59,5 +58,4 @@ def stepwell(tmp_path, monkeypatch) -> Callable[..., Result]:
     def run(*arguments: object) -> Result:
         return CliRunner().invoke(app, [*map(str, arguments)], prog_name="stepwell")
 
-    # In a context of its own: what --json silences is silent in no later test.
-    return lambda *arguments: copy_context().run(run, *arguments)
+    return run

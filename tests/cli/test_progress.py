@@ -174,6 +174,10 @@ def test_json_at_a_terminal_has_no_bar(stepwell, bars):
     shown, _ = bars
     assert stepwell("run", "preset:paper-forward", "--json").exit_code == 0
     assert shown == []
+    # A call of Python in the same process has its bar again.
+    with progress("after"):
+        pass
+    assert shown == ["after"]
     assert stepwell("run", "preset:paper-forward").exit_code == 0
     assert "following" in shown
 

@@ -295,7 +295,6 @@ class Commands(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         """Run a command."""
-        silence(False)
         try:
             # From here on Ctrl-C leaves results to report.
             if threading.current_thread() is threading.main_thread():
@@ -322,6 +321,9 @@ class Commands(TyperGroup):
             code, message = known
             warn(message)
             raise typer.Exit(code) from None
+        finally:
+            # The next command in this process has a --json of its own.
+            silence(False)
 
 
 def _suggest_option(error: Any) -> None:
