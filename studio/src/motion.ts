@@ -59,6 +59,25 @@ export function eventsOf(view: View): Event[] {
   return events;
 }
 
+/** The answer to a move of some cells; what it leaves out of the others is as in the view before. */
+export function completed(before: View, now: View, moved: number[]): View {
+  const cells = [...before.cells];
+  moved.forEach((i, k) => (cells[i] = now.cells[k]));
+  const blocks = { ...now.blocks };
+  for (const name of ["landscape_travel", "landscape_energy"]) {
+    const [all, own] = [before.blocks[name].slice(), now.blocks[name]];
+    const rows = all.length / cells.length;
+    for (let k = 0; k < rows; k += 1)
+      moved.forEach((i, j) => (all[k * cells.length + i] = own[k * moved.length + j]));
+    blocks[name] = all;
+  }
+  return { ...now, cells, blocks };
+}
+
+/** The tension of each band; in the answer to a move the server has those at the cursor alone. */
+export const tensions = (view: View, at: number): ArrayLike<number> =>
+  view.blocks.tension_now ?? row(view, "tension", at);
+
 /** Row k of an (n, N) block, and between two rows while a motion is shown. */
 export function row(view: View, name: string, at: number): number[] {
   const block = view.blocks[name];

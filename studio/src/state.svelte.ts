@@ -14,7 +14,7 @@ import {
   withChain,
 } from "./design";
 import { History, type Kept, type Step, keep, keptDesigns } from "./history";
-import { likest } from "./motion";
+import { completed, likest } from "./motion";
 import { store, stored } from "./storage";
 import { type Problem, type View, Wire } from "./wire";
 
@@ -149,6 +149,8 @@ class Studio {
   private drawn = 0;
   /** Whether the last request was of a move, whose answer leaves out what a hand at rest may ask. */
   private brief = false;
+  /** The cells of a drag before it, of which the view was then; null where it was not. */
+  private before: CellTable[] | null = null;
   private readonly wire: Wire;
 
   constructor() {
@@ -265,6 +267,7 @@ class Studio {
     this.way = null;
     this.playing = false;
     this.views = {};
+    this.before = null;
     this.plan = null;
     this.problems = [];
   }
@@ -294,17 +297,18 @@ class Studio {
     this.dragging = name;
     this.marked = false;
     this.playing = false;
+    this.before = this.views.evaluate && !this.awaits && !this.problems.length ? this.cells : null;
   }
 
-  /** The design at the present place of the pointer. */
-  drag(design: Design): void {
+  /** The design at the present place of the pointer; only cells have changed where `cells` are given. */
+  drag(design: Design, cells?: CellTable[]): void {
     if (!this.marked) this.mark();
     this.marked = true;
     this.moving = true;
     if (!this.ahead) this.drawing = window.setTimeout(() => this.catchUp(), TOGETHER_MS);
     this.ahead = design;
     this.changed();
-    this.evaluate(design);
+    this.evaluate(design, cells);
   }
 
   /** Ends a drag; the design stays as it is. */
@@ -348,7 +352,7 @@ class Studio {
 
   /** The shown chain while it is dragged. */
   dragCells(cells: CellTable[]): void {
-    this.drag(withCells(this.design!, this.leg, cells));
+    this.drag(withCells(this.design!, this.leg, cells), cells);
   }
 
   /** The design while it is dragged; what was marked before is what undo comes back to. */
@@ -372,6 +376,7 @@ class Studio {
     this.leg = leg;
     this.at = 0;
     this.views = {};
+    this.before = null;
     this.plan = null;
     this.evaluate(this.design);
   }
@@ -512,7 +517,7 @@ class Studio {
     follow();
   }
 
-  private evaluate(design: Design | null): void {
+  private evaluate(design: Design | null, cells?: CellTable[]): void {
     if (this.way) this.leave();
     if (this.fresh.size) this.fresh = new Set();
     this.underWay.clear();
@@ -521,9 +526,30 @@ class Studio {
     for (const { type } of this.followers()) this.wire.cancel(type);
     this.busy = true;
     this.brief = this.moving;
-    this.asked = this.wire.ask("evaluate", design, this.leg, this.brief ? { moves: true } : {}, (view) =>
-      this.answered(view, design),
-    );
+    const moved = this.brief ? this.movedOf(cells) : null;
+    const ask = this.brief ? { moves: true, ...(moved && { cells: moved, ...this.cursor }) } : {};
+    const before = this.before;
+    this.asked = this.wire.ask("evaluate", design, this.leg, ask, (view) => {
+      if (!moved || !view.ok) return this.answered(view, design);
+      // Another chain may have come between.
+      if (before === this.before && this.views.evaluate)
+        this.answered(completed(this.views.evaluate, view, moved), design);
+    });
+  }
+
+  /** The cells of a move that the view before the drag does not have; null if it is of no use. */
+  private movedOf(cells?: CellTable[]): number[] | null {
+    const { before } = this;
+    if (before?.length !== cells?.length) return null;
+    const moved = cells?.flatMap((one, i) => (one === before![i] ? [] : [i]));
+    return moved?.length ? moved : null;
+  }
+
+  /** The place of the cursor, as messages name it. */
+  private get cursor(): { drive: number; direction: number } {
+    const { drive, direction } = this.views.evaluate.blocks;
+    const k = Math.floor(this.at);
+    return { drive: drive[k], direction: direction[k] };
   }
 
   private answered(view: View, design: Design | null): void {
@@ -541,6 +567,8 @@ class Studio {
     if (this.problems.length) this.problems = [];
     this.at = this.way ? this.at : carried(this.views.evaluate, view, this.at);
     this.views = { ...this.views, evaluate: view };
+    // A design that was put beside itself while it moved.
+    if (this.pinned?.design === design) this.pinned = { ...this.pinned!, view };
     window.clearTimeout(this.following);
     const rest = this.dragging ? REST_MS : FOLLOW_MS;
     this.following = window.setTimeout(() => this.follow(false), rest);

@@ -87,7 +87,7 @@ def test_every_sample_of_a_small_motion_is_on_the_path(name: str):
     np.testing.assert_array_equal(arrays["segment"][rows], blocks["segment"])
     assert (rows[0], rows[-1]) == (0, len(whole) - 1)
     assert header["sequence"] == str(result.sequence)
-    assert header["cells"] == cells_of(chain)
+    assert header["cells"] == cells_of(chain, range(len(chain)))
 
 
 def _in_order(few: np.ndarray[Any, Any], whole: np.ndarray[Any, Any]) -> list[int]:
@@ -163,7 +163,7 @@ def test_without_the_simulator_a_robot_of_the_page_shows_its_first_leg(
     view = gallery.moving("own", tables_in(preset_text("robot-forward")))
     robot = sw.preset("robot-forward")
     assert isinstance(robot, Robot)
-    assert view.header["cells"] == cells_of(robot.legs[0].chain)
+    assert view.header["cells"] == cells_of(robot.legs[0].chain, range(len(robot.legs[0].chain)))
     assert view.blocks["travel"].shape[1] == len(robot.legs[0].chain)
 
 

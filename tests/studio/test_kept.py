@@ -16,24 +16,27 @@ from stepwell.base import InputError
 from stepwell.files import preset_text, tables_in
 from stepwell.mechanism.levers import Levers
 from stepwell.studio.aside import answered
-from stepwell.studio.message import Message
+from stepwell.studio.message import Message, unpacked
 
 # Answers every design of its input in a process that has answered nothing before.
 FRESH = """
 import json, sys, zlib
 from stepwell.studio.aside import answered
-from stepwell.studio.message import Message
+from stepwell.studio.message import Message, unpacked
 for seq, design in json.load(sys.stdin):
     print(zlib.crc32(answered(Message("evaluate", seq, design))))
 """
 
 
-def edited(design: dict[str, Any], source: random.Random) -> dict[str, Any]:
+EDITS = "move", "move", "move", "copy", "remove", "swap"
+
+
+def edited(design: dict[str, Any], source: random.Random, kinds: Any = EDITS) -> dict[str, Any]:
     """The design with one cell moved, copied or removed, or two cells in another order."""
     design = deepcopy(design)
     cells = design["chain"]["cell"]
     at = source.randrange(len(cells))
-    kind = source.choice(["move", "move", "move", "copy", "remove", "swap"])
+    kind = source.choice(kinds)
     if kind == "move" and "q_mm" in cells[at]:
         cells[at]["q_mm"] = [mm + round(source.uniform(-1, 1), 3) for mm in cells[at]["q_mm"]]
     elif kind == "copy" and len(cells) < 7:
@@ -66,6 +69,61 @@ def test_answers_after_random_edits_are_those_of_a_fresh_process_in_reverse_orde
     )
     assert [int(line) for line in done.stdout.split()][::-1] == own
     assert len(set(own)) > 20
+
+
+def evaluated(design: dict[str, Any], **ask: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Header and arrays of an answer, without what describes its bytes."""
+    header, blocks = unpacked(answered(Message("evaluate", 1, design, ask)))
+    assert header["ok"], header
+    return {key: value for key, value in header.items() if key != "blocks"}, blocks
+
+
+def long_chain(cells: int) -> dict[str, Any]:
+    """Tables of lever cells that switch one after another, enough for a sorted cycle."""
+    listed = [{"p_mm": [-10, 0], "q_mm": [10 + 10 * k / cells, 0]} for k in range(cells)]
+    band = {"stiffness_N_per_m": 28.5, "rest_length_mm": 10}
+    return {"chain": {"lever_mm": 16, "limit_deg": 45, "band": band, "cell": listed}}
+
+
+def test_a_move_of_some_cells_completes_the_view_before_to_the_answer_for_all_cells():
+    source, drags = random.Random(12), 0
+    designs = [tables_in(preset_text(name), name) for name in ("finger-selector", "three-wave")]
+    for design in (*designs, long_chain(20)):
+        begin = design["chain"]["cell"]
+        cells = evaluated(design)[0]["cells"]
+        for _ in range(8):
+            design = edited(design, source, ["move"])
+            both = enumerate(zip(begin, design["chain"]["cell"], strict=True))
+            moved = [i for i, (old, new) in both if old != new]
+            whole, wanted = evaluated(design, moves=True)
+            k = source.randrange(len(wanted["drive"]))
+            cursor = {"drive": float(wanted["drive"][k]), "direction": int(wanted["direction"][k])}
+            part, blocks = evaluated(design, moves=True, cells=moved, **cursor)
+            for i, cell in zip(moved, part["cells"], strict=True):
+                cells[i] = cell
+            assert {**part, "cells": cells} == whole
+            for key in ("landscape_travel", "landscape_energy"):
+                np.testing.assert_array_equal(blocks.pop(key), wanted.pop(key)[:, moved])
+            # The first sample at this drive, as the page chooses it.
+            same = (wanted["drive"] == wanted["drive"][k]) & (
+                wanted["direction"] == wanted["direction"][k]
+            )
+            now = wanted.pop("tension")[np.flatnonzero(same)[0]]
+            np.testing.assert_array_equal(blocks.pop("tension_now"), now)
+            np.testing.assert_equal(blocks, wanted)
+            drags += 1
+    assert drags == 24
+
+
+def test_cells_that_a_chain_does_not_have_are_refused_with_what_is_allowed():
+    design = long_chain(3)
+    for cells in ([], [3], [-1], [0.5], [True], "0", [0, 1, 2, 0], None):
+        ask = {"moves": True, "cells": cells}
+        header, _ = unpacked(answered(Message("evaluate", 1, design, ask)))
+        assert not header["ok"] and "ask.cells = " in header["problems"][0]["text"], cells
+    for bad in ({"drive": 1.0}, {"drive": 1e9, "direction": 1}, {"drive": 1.0, "direction": 2}):
+        header, _ = unpacked(answered(Message("evaluate", 1, design, {"moves": True, **bad})))
+        assert not header["ok"] and header["problems"][0]["text"].startswith("ask."), bad
 
 
 def test_the_lever_cells_of_a_chain_have_together_the_numbers_of_each_alone():

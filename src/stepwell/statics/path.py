@@ -93,12 +93,18 @@ class Path(base.ByValue, base.Drawn):
 
     @cached_property
     def _problem(self) -> state.DrivenChain:
-        return problem_of(self.chain)
+        return problem_of(self.chain, self.__dict__.pop("_cells", None))
 
     def with_problem(self, problem: state.DrivenChain | None) -> "Path":
         """This path, with its problem already set up."""
         if problem is not None:
             self.__dict__["_problem"] = problem
+        return self
+
+    def with_cells(self, cells: tuple[mechanism.Laws, mechanism.Sheets] | None) -> "Path":
+        """This path, with the packed cells for its problem."""
+        if cells is not None:
+            self.__dict__["_cells"] = cells
         return self
 
     @property
@@ -444,7 +450,9 @@ class Path(base.ByValue, base.Drawn):
         """The same path with `points` samples on each smooth branch, 2 or more."""
         if points < 2:
             raise base.InputError(f"points = {points}: must be >= 2, both ends of a branch.")
-        return replace(self, points=points).with_problem(self.__dict__.get("_problem"))
+        known = self.__dict__.get
+        same = replace(self, points=points)
+        return same.with_problem(known("_problem")).with_cells(known("_cells"))
 
     def to_xarray(self) -> "xarray.Dataset":
         """All samples as an xarray.Dataset over (sample, cell), units in the attributes."""

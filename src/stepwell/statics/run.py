@@ -21,6 +21,8 @@ _MOST_SEGMENTS = 4_000_000
 _MANY_SEGMENTS = 10_000
 # Largest short chain, and its limit of force evaluations between two turning points.
 _SHORT, _MOST_LOOKS = 16, 20_000_000
+# Of chains up to this length a run may be too short for a thread, compiled or interpreted.
+_DIRECT, _DIRECT_INTERPRETED = 64, _SHORT
 # Force evaluations of a run, compiled or interpreted, that is too short for a thread.
 _UNWATCHED, _UNWATCHED_INTERPRETED = 1_000_000, 50_000
 _ASK_AFTER = 1.0  # s of the processor
@@ -62,7 +64,8 @@ def full_cycle(
             log, force = proved
             reach = float(np.sum(laws.full))
             begin = places.Configuration((0.0,) * len(chain), (0,) * len(chain))
-            return _as_path(chain, None, np.array([0.0, reach, 0.0]), begin, force, log)
+            turning = np.array([0.0, reach, 0.0])
+            return _as_path(chain, turning, begin, force, log).with_cells(cells)
     problem = places.problem_of(chain, cells, prefer)
     begin, (low, high) = places.full_range(chain, problem)
     state = places.starting_state(chain, problem, begin, low)
@@ -90,7 +93,7 @@ def _follow_from(
     if promise != certificate.KEPT:
         drive = float(log.segments[broken, logged.DRIVE_1])
         outcome.refuse_broken(promise, chain, drive, by, problem.scale)
-    return _as_path(chain, problem, turning, place, float(start.force[0]), log)
+    return _as_path(chain, turning, place, float(start.force[0]), log).with_problem(problem)
 
 
 def _followed(
@@ -105,7 +108,8 @@ def _followed(
     capacity = 64 + 16 * len(chain) * len(turning)
     # A short chain ends or reaches the step limit in seconds; longer chains have no limit.
     most = _MOST_LOOKS if len(chain) <= _SHORT else UNLIMITED
-    aside = len(chain) * len(turning) > 3 * _SHORT or progress is not None
+    short = _DIRECT_INTERPRETED if follow.interpreted else _DIRECT
+    aside = len(chain) * len(turning) > 3 * short or progress is not None
 
     def fresh() -> State:
         log = logged.empty_log(capacity, 4 * capacity)
@@ -174,18 +178,12 @@ def _watched(
 
 
 def _as_path(
-    chain: Chain,
-    problem: DrivenChain | None,
-    turning: Floats,
-    begin: places.Configuration,
-    force: float,
-    log: logged.Log,
+    chain: Chain, turning: Floats, begin: places.Configuration, force: float, log: logged.Log
 ) -> Path:
     # Long chains have many branches: fewer samples on each keep the arrays in memory.
     points = max(2, min(33, 4_000_000 // max(1, int(log.used[0]) * len(chain))))
     turns, written = tuple(turning.tolist()), logged.written(log)
-    result = Path(chain, turns, begin.travel, points, begin.sheet, force, written)
-    return result.with_problem(problem)
+    return Path(chain, turns, begin.travel, points, begin.sheet, force, written)
 
 
 def _finite_turns(turning_points: Sequence[float]) -> Floats:

@@ -112,6 +112,13 @@ class Ask:
             raise _wrong(key, value, f"a list of {least_many} to {longest} numbers")
         return [Ask({key: one}).number(key, least, most) for one in value]
 
+    def wholes(self, key: str, longest: int, least: int, most: int) -> list[int]:
+        """Whole numbers of a list, each between two bounds."""
+        value = self._take(key)
+        if not isinstance(value, list) or not 1 <= len(value) <= longest:
+            raise _wrong(key, value, f"a list of 1 to {longest} whole numbers")
+        return [Ask({key: one}).whole(key, least, most) for one in value]
+
     def table(self, key: str) -> dict[str, Any]:
         """An object with keys of its own, which the caller checks."""
         value = self._take(key)

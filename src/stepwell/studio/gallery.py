@@ -133,7 +133,11 @@ def _chain(name: str, chain: Chain, written: files.WrittenProgram | None) -> Vie
         for event in events_of(result.path.events, path)
         if event["kind"] == "snap"
     ]
-    header = {"name": name, "sequence": str(result.sequence), "cells": cells_of(chain)}
+    header = {
+        "name": name,
+        "sequence": str(result.sequence),
+        "cells": cells_of(chain, range(len(chain))),
+    }
     header |= {"layout": layout_of(result.path), "events": snaps}
     return View(header, {block: arrays[block][rows] for block in _BLOCKS})
 

@@ -42,35 +42,54 @@ def _units_of(chain: Chain) -> list[tuple[str, float]]:
     return [display_unit(unit) for unit in units]
 
 
-def drawn(path: Path) -> Path:
-    """The path, resampled for a picture."""
+def drawn(path: Path, *, every: int = 1) -> Path:
+    """The path, resampled for a picture; with `every` = 2 every second of its samples."""
     spans = path.move_spans
     longest = np.max(spans, initial=0.0) / (np.ptp(path.turning_points) or 1.0)
     least = max(_LEAST, math.ceil(_WHOLE * longest))
-    return path.resampled(min(_MOST, max(least, _ALL // max(1, len(spans)))))
+    # An even number of steps on each segment.
+    steps = min(_MOST, max(least, _ALL // max(1, len(spans)))) // 2 * 2
+    return path.resampled(steps // every + 1)
 
 
-def arrays_of(path: Path) -> dict[str, np.ndarray[Any, Any]]:
+def sample_near(path: Path, drive: float, direction: int) -> int:
+    """The first sample nearest to a drive, in the unit of `units_of`, on its way there or back."""
+    _, _, (_, unit) = _units_of(path.chain)
+    far = np.where(path.direction == direction, np.abs(path.drive * unit - drive), np.inf)
+    return int(np.argmin(far))
+
+
+def arrays_of(path: Path, at: int | None = None) -> dict[str, np.ndarray[Any, Any]]:
     """The samples of a path in the units of `units_of`; a snap is a jump between two of them.
 
     `tension` (n, B) is a fraction of the greatest tension of any band, NaN if slack; `pull` (n, E)
     is the force of every element on its curve. What is drawn and not printed has single precision.
+    With a sample `at`, its tensions alone are computed: `tension_now` (B,).
     """
     (_, travel), (_, force), (_, drive) = _units_of(path.chain)
-    turned = levers.Levers(path.chain.cells, path.travel)
-    greatest = max(still.greatest_tension for still in _stills_of(path.chain))
-    share = np.abs(turned.tension()) / (greatest or 1.0)
-    tension = np.where(turned.slack, np.nan, share)
+    tension = (
+        {"tension": _tensions(path.chain, path.travel)}
+        if at is None
+        else {"tension_now": _tensions(path.chain, path.travel[at : at + 1])[0]}
+    )
     return {
         "drive": path.drive * drive,
         "stroke": path.stroke * travel,
         "force": path.force * force,
         "travel": path.travel * travel,
-        "tension": tension.astype(np.float32),
+        **tension,
         "pull": (_pulls(path) * force).astype(np.float32),
         "segment": path.branch,
         "direction": path.direction,
     }
+
+
+def _tensions(chain: Chain, travel: Floats) -> np.ndarray[Any, Any]:
+    """(n, B) tensions at travels, as in `arrays_of`."""
+    turned = levers.Levers(chain.cells, travel)
+    greatest = max(still.greatest_tension for still in _stills_of(chain))
+    share = np.abs(turned.tension()) / (greatest or 1.0)
+    return np.where(turned.slack, np.nan, share).astype(np.float32)
 
 
 def _pulls(path: Path) -> Floats:
@@ -84,9 +103,9 @@ def _pulls(path: Path) -> Floats:
     return pulls
 
 
-def landscape(chain: Chain) -> dict[str, np.ndarray[Any, Any]]:
-    """Travels and energies of every single cell (m, N); NaN for curves that fold back."""
-    stills = _stills_of(chain)
+def landscape(chain: Chain, cells: Iterable[int]) -> dict[str, np.ndarray[Any, Any]]:
+    """Travels and energies of single cells (m, k); NaN for curves that fold back."""
+    stills = [_stills_of(chain)[i] for i in cells]
     return {
         "landscape_travel": np.stack([one.travel for one in stills], axis=1),
         "landscape_energy": np.stack([one.energy for one in stills], axis=1),
@@ -124,10 +143,10 @@ def _stills_of(chain: Chain) -> list[_Still]:
     return stills
 
 
-def cells_of(chain: Chain) -> list[dict[str, Any]]:
-    """Geometry of every cell, and the phases that are stable without a force."""
-    named = zip(chain.names, _stills_of(chain), strict=True)
-    return [{"name": name, **still.header} for name, still in named]
+def cells_of(chain: Chain, cells: Iterable[int]) -> list[dict[str, Any]]:
+    """Geometry of cells, and the phases that are stable without a force."""
+    names, stills = chain.names, _stills_of(chain)
+    return [{"name": names[i], **stills[i].header} for i in cells]
 
 
 def _cell(cell: Cell | Element) -> dict[str, Any]:
@@ -210,18 +229,18 @@ def events_of(events: Iterable[Event], path: Path) -> list[dict[str, Any]]:
     ]
 
 
-def path_header(path: Path, few: Path, *, events: bool = True) -> dict[str, Any]:
+def path_header(path: Path, few: Path | None, cells: Iterable[int] | None = None) -> dict[str, Any]:
     """Cells, events, forces and dissipated energy of a path; events refer to samples of `few`.
 
-    Without `events` the page reads the snaps off the samples.
+    Without `few` there are no events: the page reads the snaps off the samples.
     """
     chain = path.chain
-    listed = {"events": events_of(path.events, few)} if events else {}
+    listed = {"events": events_of(path.events, few)} if few is not None else {}
     return {
         "title": chain.title,
         "units": units_of(chain),
         "words": words_of(chain),
-        "cells": cells_of(chain),
+        "cells": cells_of(chain, range(len(chain)) if cells is None else cells),
         "layout": layout_of(path),
         **listed,
         "peak_force_N": path.peak_force * display_unit(chain.measure.force_unit)[1],
@@ -329,7 +348,8 @@ def motion_of(
     kept = written(result) if isinstance(result, Program) else None
     rest = {"version": __version__, "assumptions": rests, "toml": design_text(path.chain, kept)}
     header = {**path_header(path, few), **rest, **view_header}
-    return View(header, arrays_of(few) | landscape(path.chain) | {"phase": _phases(few)})
+    energies = landscape(path.chain, range(len(path.chain)))
+    return View(header, arrays_of(few) | energies | {"phase": _phases(few)})
 
 
 def written(program: Program) -> WrittenProgram:

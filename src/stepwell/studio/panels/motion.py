@@ -22,23 +22,49 @@ def answer_evaluate(design: PageDesign, ask: Ask) -> View:
     Keys have the same names for chains of volumes or angles; `units` has their units. For a design
     that `moves` under a hand, events and the sequence after the smallest change are left out.
     """
-    moves = ask.switch("moves", default=False)
+    if ask.switch("moves", default=False):
+        return _while_it_moves(design.chain, ask)
     ask.close()
     chain = design.chain
     cycle = chain.cycle()
     path = motion.drawn(cycle.path)
     header = {
-        **motion.path_header(cycle.path, path, events=not moves),
+        **motion.path_header(cycle.path, path),
         **motion.cycle_header(cycle),
         # A search takes 100 times as long as the rest: panel `margin` runs it separately.
-        **motion.margins_of(proved_margin(chain), becomes=not moves),
+        **motion.margins_of(proved_margin(chain)),
         "names": list(chain.names),
         "full_stroke_mm": chain.full_stroke * display_unit(chain.measure.travel_unit)[1],
     }
-    blocks = motion.arrays_of(path) | motion.landscape(chain)
-    if moves:  # tables of all cells are most of the bytes, and are drawn
-        blocks = {k: v.astype(np.float32) if v.ndim == 2 else v for k, v in blocks.items()}
-    return View(header, blocks)
+    cells = range(len(chain))
+    return View(header, motion.arrays_of(path) | motion.landscape(chain, cells))
+
+
+def _while_it_moves(chain: Chain, ask: Ask) -> View:
+    """The same for a chain under a hand that drags, with every second sample.
+
+    If `cells` are given, the others are as before. With `drive` and `direction` of the cursor, the
+    tensions are those at the cursor alone.
+    """
+    cells = range(len(chain))
+    if ask.has("cells"):
+        cells = ask.wholes("cells", len(chain), 0, len(chain) - 1)
+    cursor = None
+    if ask.has("drive"):
+        cursor = ask.number("drive", -_FARTHEST, _FARTHEST), ask.whole("direction", -1, 1)
+    ask.close()
+    cycle = chain.cycle()
+    path = motion.drawn(cycle.path, every=2)
+    header = {
+        **motion.path_header(cycle.path, None, cells),
+        **motion.cycle_header(cycle),
+        **motion.margins_of(proved_margin(chain), becomes=False),
+        "full_stroke_mm": chain.full_stroke * display_unit(chain.measure.travel_unit)[1],
+    }
+    at = None if cursor is None else motion.sample_near(path, *cursor)
+    blocks = motion.arrays_of(path, at) | motion.landscape(chain, cells)
+    # Tables of all cells are most of the bytes, and are drawn.
+    return View(header, {k: v.astype(np.float32) if v.ndim == 2 else v for k, v in blocks.items()})
 
 
 def answer_margin(design: PageDesign, ask: Ask) -> View:
