@@ -174,3 +174,31 @@ def test_robust_is_not_asked_of_a_program(stepwell):
     refused = stepwell("yield", "preset:finger-selector", "--program", "--robust", 10)
     assert refused.exit_code == 2
     assert "--robust" in refused.stderr
+
+
+def test_tolerances_are_given_cell_by_cell(stepwell):
+    each = ("--anchor", "2,0.5mm", "--stiffness-tolerance", "10%,0", "--friction", "0,0.02")
+    record = json.loads(stepwell("yield", "forward.toml", *each, "--json").stdout)
+    tolerances = Tolerances((0.002, 0.0005), (0.1, 0.0), friction=(0.0, 0.02))
+    assert record["fraction"] == yields(sw.load("forward.toml"), tolerances).fraction
+    assert record["tolerances"]["anchor_mm"] is None
+    assert record["tolerances"]["lever_mm"] == 0.0
+    by_cell = record["tolerances"]["by_cell"]
+    assert [one["anchor_mm"] for one in by_cell] == [2.0, 0.5]
+    assert [one["friction_N"] for one in by_cell] == [0.0, 0.02]
+    assert "anchors ±2 / 0.5 mm" in stepwell("yield", "forward.toml", *each).stdout
+
+
+@pytest.mark.parametrize(
+    ("given", "facts"),
+    [
+        (("--anchor", "1,1,1"), ("3 tolerances for 2 cells",)),
+        (("--anchor", "1,"), ("--anchor", "''")),
+        (("--friction", "0,-1"), ("--friction", "'-1'")),
+        (("--stiffness-tolerance", "5,nan"), ("--stiffness-tolerance", "'nan'")),
+    ],
+)
+def test_wrong_tolerances_of_cells_are_refused(stepwell, given, facts):
+    result = stepwell("yield", "forward.toml", *given)
+    assert result.exit_code == 2
+    assert all(fact in " ".join(result.stderr.split()) for fact in facts)

@@ -8,7 +8,7 @@ from stepwell.accounts.head import CALIBRATED, About, DesignShape, keys, recorde
 from stepwell.accounts.parts import CARD, FULL, Account, Fact, Picture, RecordTable, Text, Warned
 from stepwell.accounts.words import assumed, calibration, cells_of, scattered, turning_points
 from stepwell.base import Column, Quantity, Schema, in_measure, number, percent, record
-from stepwell.design import Survival, Tolerances, Yield
+from stepwell.design import CellTolerances, Survival, Tolerances, Yield
 from stepwell.mechanism import Chain
 
 # The figures of samples.
@@ -44,9 +44,31 @@ def counted_schema(shape: DesignShape) -> Schema:
 def tolerance_schema(shape: DesignShape) -> Schema:
     """The tolerances of a chain; each kind of cell has its own."""
 
-    def ratio(tolerances: Tolerances) -> float | None:
-        return tolerances.mobility if tolerances.mobility > 1 else None
+    def common(quantity: Quantity) -> Any:
+        def read(tolerances: Tolerances) -> float | None:
+            value = quantity.of(tolerances)
+            return None if isinstance(value, tuple) else value
 
+        return read
+
+    own = _cell_tolerances(shape)
+    return (
+        *(replace(one, read=common(one)) for one in own),
+        Quantity("mobility", head="mobility ratio up to ", read=_ratio, holds=float),
+        Quantity("by_cell", read=_by_cell, holds=[own], missing=True),
+    )
+
+
+def _ratio(tolerances: Tolerances) -> float | None:
+    return tolerances.mobility if tolerances.mobility > 1 else None
+
+
+def _by_cell(tolerances: Tolerances) -> list[CellTolerances] | None:
+    return [*tolerances.each(tolerances.cells)] or None
+
+
+def _cell_tolerances(shape: DesignShape) -> Schema:
+    """The tolerances of a cell."""
     of_levers = (
         Quantity("anchor", "mm", "anchors ±"),
         Quantity("stiffness", "percent", "stiffness ±"),
@@ -57,17 +79,27 @@ def tolerance_schema(shape: DesignShape) -> Schema:
         *(of_levers if shape.levers else [Quantity("stiffness", "percent", "force ±")]),
         Quantity("friction", "N", "friction up to "),
         *([Quantity("travel", "percent", "travel ±")] if shape.elements else ()),
-        Quantity("mobility", head="mobility ratio up to ", read=ratio, holds=float),
     )
     return in_measure(schema, shape.measure)
 
 
 def tolerance_words(given: Tolerances, chain: Chain) -> str:
     """The tolerances of a chain in words."""
-    schema = tolerance_schema(DesignShape.of(chain))
-    row = record(schema, given)
-    words = [f"{q.head}{number(row[q.key])} {q.sign}".strip() for q in schema if row[q.key]]
+    schema = _cell_tolerances(DesignShape.of(chain))
+    rows = [record(schema, one) for one in given.each(given.cells or 1)]
+    words = [
+        f"{q.head}{_of_cells([number(row[q.key]) for row in rows])} {q.sign}".strip()
+        for q in schema
+        if any(row[q.key] for row in rows)
+    ]
+    if given.mobility > 1:
+        words.append(f"mobility ratio up to {number(given.mobility)}")
     return ", ".join(words) or "no tolerance"
+
+
+def _of_cells(texts: list[str]) -> str:
+    """What all cells have, or what each has."""
+    return " / ".join(texts if len({*texts}) > 1 else texts[:1])
 
 
 def yield_words(result: Yield | Survival) -> str:

@@ -4,7 +4,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import typer
 
@@ -56,6 +56,32 @@ def percent(most: float) -> Callable[[str | float], float]:
         return value
 
     return parse
+
+
+def number(least: float = 0.0) -> Callable[[str | float], float]:
+    """A parser of an option: a finite number with a lower bound."""
+
+    def parse(text: str | float) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not least <= value < math.inf:
+            raise typer.BadParameter(f"{text!r}: must be a number of at least {short(least)}.")
+        return value
+
+    return parse
+
+
+def by_cell(parse: Callable[[str | float], float]) -> Callable[[str | float], Any]:
+    """A parser of an option: one value, or one per cell with commas between them, as a tuple."""
+
+    def parse_all(text: str | float) -> Any:
+        if not isinstance(text, str) or "," not in text:
+            return parse(text)
+        return tuple(parse(one) for one in text.split(","))
+
+    return parse_all
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import typer
 import stepwell as sw
 from stepwell import base
 from stepwell.cli.options import Group, option
-from stepwell.cli.ranges import length, percent
+from stepwell.cli.ranges import by_cell, length, number, percent
 from stepwell.cli.screen import progress, usable, warn
 
 if TYPE_CHECKING:
@@ -22,18 +22,18 @@ if TYPE_CHECKING:
 Friction = Annotated[
     float,
     typer.Option(
-        metavar="FORCE",
+        metavar="FORCE[,FORCE]...",
         help="Friction tolerance: uniform additional friction of every cell, at most FORCE [N; kPa "
         "or mN m for elements with these units].",
-        min=0,
+        parser=by_cell(number()),
     ),
 ]
 TravelTolerance = Annotated[
     float,
     typer.Option(
-        metavar="PERCENT",
+        metavar="PERCENT[,PERCENT]...",
         help="Travel tolerance: standard deviation of the travel of an element [%].",
-        parser=percent(24.9),
+        parser=by_cell(percent(24.9)),
     ),
 ]
 Seed = Annotated[int, typer.Option(metavar="N", help="Random seed.", min=0)]
@@ -53,23 +53,24 @@ class BandTolerances(Group):
     """Tolerances of bands and elements, common to all commands with tolerances."""
 
     anchor: float = option(
-        "Anchor tolerance: radius of a uniform distribution [mm].",
-        "--anchor LENGTH",
+        "Anchor tolerance: radius of a uniform distribution [mm]. As all tolerances, one for all "
+        "cells, or one per cell with commas, inner cell first.",
+        "--anchor LENGTH[,LENGTH]...",
         default=base.to_unit(base.USUAL_ANCHOR, "mm"),
-        parser=length(),
+        parser=by_cell(length()),
     )
     stiffness_tolerance: float = option(
         "Stiffness tolerance: standard deviation of the stiffness of a band, or of the force scale "
         "of an element [%].",
-        "PERCENT",
+        "PERCENT[,PERCENT]...",
         default=base.to_unit(base.USUAL_STIFFNESS, "percent"),
-        parser=percent(24.9),
+        parser=by_cell(percent(24.9)),
     )
     rest_length_tolerance: float = option(
         "Rest-length tolerance: standard deviation of the rest length of a band [%].",
-        "PERCENT",
+        "PERCENT[,PERCENT]...",
         default=0.0,
-        parser=percent(24.9),
+        parser=by_cell(percent(24.9)),
     )
 
     # Options of the groups below.
@@ -79,16 +80,23 @@ class BandTolerances(Group):
         """These tolerances in SI; friction is given in the display unit of the measure's forces."""
         from stepwell.design import Tolerances
 
-        _, factor = base.display_unit(measure.force_unit)
+        shown, _ = base.display_unit(measure.force_unit)
         with usable("tolerances"):
             return Tolerances(
-                base.from_unit(self.anchor, "mm"),
-                base.from_unit(self.stiffness_tolerance, "percent"),
-                base.from_unit(self.rest_length_tolerance, "percent"),
-                base.from_unit(self.lever_tolerance, "mm"),
-                self.friction / factor,
-                base.from_unit(self.travel_tolerance, "percent"),
+                _in_si(self.anchor, "mm"),
+                _in_si(self.stiffness_tolerance, "percent"),
+                _in_si(self.rest_length_tolerance, "percent"),
+                _in_si(self.lever_tolerance, "mm"),
+                _in_si(self.friction, shown),
+                _in_si(self.travel_tolerance, "percent"),
             )
+
+
+def _in_si(given: float | tuple[float, ...], unit: str) -> float | tuple[float, ...]:
+    """What `by_cell` has read, in SI."""
+    if isinstance(given, tuple):
+        return tuple(base.from_unit(one, unit) for one in given)
+    return base.from_unit(given, unit)
 
 
 class DesignTolerances(BandTolerances):
@@ -96,9 +104,9 @@ class DesignTolerances(BandTolerances):
 
     lever_tolerance: float = option(
         "Lever tolerance: half width of a uniform distribution [mm].",
-        "LENGTH",
+        "LENGTH[,LENGTH]...",
         default=0.0,
-        parser=length(),
+        parser=by_cell(length()),
     )
     friction: Friction = 0.0
 

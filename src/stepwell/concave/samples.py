@@ -33,11 +33,11 @@ def in_disc(radius: float, u: float, v: float) -> tuple[float, float]:
 
 
 @entry(2e-6, "numbers")
-def in_discs(radius: float, numbers: Floats, out: Floats) -> None:
-    """`in_disc` of (m, 2 k) numbers, into (m, k, 2)."""
+def in_discs(radius: Floats, numbers: Floats, out: Floats) -> None:
+    """`in_disc` of (k,) radii [m] and (m, 2 k) numbers, into (m, k, 2)."""
     for sample in range(len(numbers)):
         for k in range(out.shape[1]):
-            place = in_disc(radius, numbers[sample, 2 * k], numbers[sample, 2 * k + 1])
+            place = in_disc(radius[k], numbers[sample, 2 * k], numbers[sample, 2 * k + 1])
             out[sample, k, 0], out[sample, k, 1] = place
 
 
@@ -46,19 +46,19 @@ def _sampled_cell(draw: Floats, cells: Floats, spread: Floats, i: int) -> tuple[
     """Cell i of one sample, and its friction [N]; the columns are those of `Draws`."""
     n = len(cells)
     dx, dy = cells[i, 0], cells[i, 1]
-    if spread[0] > 0.0:
-        px, py = in_disc(spread[0], draw[4 * i], draw[4 * i + 1])
-        qx, qy = in_disc(spread[0], draw[4 * i + 2], draw[4 * i + 3])
+    if spread[i, 0] > 0.0:
+        px, py = in_disc(spread[i, 0], draw[4 * i], draw[4 * i + 1])
+        qx, qy = in_disc(spread[i, 0], draw[4 * i + 2], draw[4 * i + 3])
         dx, dy = dx + qx - px, dy + qy - py
     made = Simple(
         dx,
         dy,
-        cells[i, 2] * (1.0 + spread[1] * draw[4 * n + i]),
-        cells[i, 3] * (1.0 + spread[2] * draw[5 * n + i]),
-        cells[i, 4] + spread[3] * (2.0 * draw[6 * n + i] - 1.0),
+        cells[i, 2] * (1.0 + spread[i, 1] * draw[4 * n + i]),
+        cells[i, 3] * (1.0 + spread[i, 2] * draw[5 * n + i]),
+        cells[i, 4] + spread[i, 3] * (2.0 * draw[6 * n + i] - 1.0),
         cells[i, 5],
     )
-    return made, cells[i, 6] + spread[4] * draw[7 * n + i]
+    return made, cells[i, 6] + spread[i, 4] * draw[7 * n + i]
 
 
 @entry(6e-6, "draws")
@@ -74,8 +74,8 @@ def _sampled_cells(draws: Floats, cells: Floats, spread: Floats, out: Floats) ->
 def sampled_cells(draws: Floats, numbers: Floats, spread: Floats) -> Floats:
     """(m, N, 6) cells of m samples, from the nominal cells (N, 6), the fields of `Simple`.
 
-    Draws (m, 8 N) have one sample per row, in the layout of `Draws`; `spread` (5,) contains the
-    tolerances of anchor, stiffness, rest length, lever and friction.
+    Draws (m, 8 N) have one sample per row, in the layout of `Draws`; `spread` (N, 5) or wider has
+    the tolerances of each cell: anchor, stiffness, rest length, lever and friction.
     """
     out = np.empty((len(draws), *numbers.shape))
     cells = np.column_stack([numbers, np.zeros(len(numbers))])
@@ -214,7 +214,7 @@ class DrawJudge:
     """Evaluation of many samples of one chain against a target cycle."""
 
     cells: Floats  # (N, 7) as `judge_samples` takes them
-    spread: Floats  # (5,)
+    spread: Floats  # (N, 5) or wider
     target: Ints  # (2, N)
     drive: int
 

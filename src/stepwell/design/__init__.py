@@ -14,7 +14,7 @@ from stepwell.design.margins.robustness import Robustness, RobustnessLimit, robu
 from stepwell.design.orders import checked_cycle
 from stepwell.design.parameters import Parameter, parameter, parameters
 from stepwell.design.plane import Boundary, BoundaryKind, Method
-from stepwell.design.tolerances.draws import DEFAULT_TOLERANCES, Draws, Tolerances
+from stepwell.design.tolerances.draws import DEFAULT_TOLERANCES, CellTolerances, Draws, Tolerances
 
 if TYPE_CHECKING:
     from stepwell.design.checks import Check, Measurement, Verdict, check, measurement, verdict_of
@@ -60,6 +60,7 @@ __all__ = [
     "AnchorPolygon",
     "Boundary",
     "BoundaryKind",
+    "CellTolerances",
     "Change",
     "Check",
     "Critical",

@@ -1,7 +1,7 @@
 """Check of a design: yield verdict, smallest critical change, and most useful measurement."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
@@ -15,7 +15,7 @@ from stepwell.design.margins.margin import LONGEST_FOLLOWED, Change, margin
 from stepwell.design.orders import checked_cycle, short
 from stepwell.design.plane import Method
 from stepwell.design.synthesis.region import usual_box
-from stepwell.design.tolerances.draws import DEFAULT_TOLERANCES, Tolerances
+from stepwell.design.tolerances.draws import DEFAULT_TOLERANCES, CellTolerances, Tolerances
 from stepwell.design.tolerances.survival import Survival, ends_right, survival
 from stepwell.design.tolerances.yields import Yield, parts_of, with_tightened_tolerance, yields
 from stepwell.mechanism import Band, Cell, Chain, Element, Table, sizes
@@ -131,7 +131,8 @@ def measurement(counted: Yield | Survival) -> Measurement | None:
     measurement by scale and callipers; for the best part all samples are.
     """
     parts = parts_of(counted)
-    left = {name: _left_of(counted.tolerances, part.tolerance) for name, part in parts.items()}
+    each = counted.tolerances.each(len(counted.chain))
+    left = {name: _left_of(each[part.cell], part.tolerance) for name, part in parts.items()}
     measurable = [name for name in parts if left[name] < 1.0]
     if counted.successes == counted.samples or not measurable:
         return None
@@ -142,14 +143,14 @@ def measurement(counted: Yield | Survival) -> Measurement | None:
     if after < counted.fraction + _GAIN:
         return None
     cell, what, tolerance, _ = parts[best]
-    now = getattr(counted.tolerances, tolerance)
+    now = getattr(each[cell], tolerance)
     return Measurement(cell, what, tolerance, now, now * left[best], counted.fraction, after)
 
 
-def _left_of(tolerances: Tolerances, name: str) -> float:
+def _left_of(tolerances: CellTolerances, name: str) -> float:
     if name == "friction":
         return _OF_FRICTION
-    return min(1.0, getattr(MEASURED, name) / getattr(tolerances, name))
+    return min(1.0, getattr(MEASURED.most, name) / getattr(tolerances, name))
 
 
 # Sizes of changes tried, in tolerances, until one changes the outcome; halvings of bisection.
@@ -172,8 +173,9 @@ class ProgramChange(Change):
 
 def critical_change_of_cycle(chain: Chain, tolerances: Tolerances) -> Change | None:
     """The smallest change of a margin in units of tolerances; None if there is none."""
-    changes = margin(chain).changes
-    near = min(changes, key=lambda one: one.distance / _tolerance_of(one.parameter, tolerances))
+    of = _tolerances_of(chain, tolerances)
+    changes = [one for one in margin(chain).changes if of(one.cell, one.parameter)]
+    near = min(changes, key=lambda one: one.distance / of(one.cell, one.parameter))
     return None if math.isinf(near.distance) else near
 
 
@@ -184,11 +186,12 @@ def critical_change_of_program(program: Program, tolerances: Tolerances) -> Chan
     amounts. The first amount that breaks the program is bisected.
     """
     chain = program.chain
-    ways = list(_changes(chain))
+    of = _tolerances_of(chain, tolerances)
+    ways = [way for way in _changes(chain) if of(way[0], way[1])]
 
     def change(way: _Direction, tried: float) -> Change:
         cell, part, along = way
-        size = tried * _tolerance_of(part, tolerances)
+        size = tried * of(cell, part)
         move = (along[0] * size, along[1] * size) if isinstance(along, tuple) else along * size
         return ProgramChange(chain, cell, part, size, move, move, Method.SEARCH)
 
@@ -222,12 +225,17 @@ def _changes(chain: Chain) -> Iterator[_Direction]:
         yield from product([cell], numbers, (1.0, -1.0))
 
 
-def _tolerance_of(part: str, tolerances: Tolerances) -> float:
-    """The tolerance of a part [m] or [1], or the default one if it is zero."""
-    if part == "anchor":
-        return tolerances.anchor or DEFAULT_TOLERANCES.anchor
-    own = tolerances.travel if part == "travel_scale" else tolerances.stiffness
-    return own or DEFAULT_TOLERANCES.stiffness
+def _tolerances_of(chain: Chain, tolerances: Tolerances) -> Callable[[int, str], float]:
+    """The tolerance of a part of a cell [m] or [1], or the default one if it is zero for all."""
+    each, most = tolerances.each(len(chain)), tolerances.most
+
+    def of(cell: int, part: str) -> float:
+        name = {"anchor": "anchor", "travel_scale": "travel"}.get(part, "stiffness")
+        usual = "anchor" if name == "anchor" else "stiffness"
+        one = each[cell] if getattr(most, name) else DEFAULT_TOLERANCES.most
+        return getattr(one, name if one is each[cell] else usual)
+
+    return of
 
 
 @dataclass(frozen=True, eq=False)

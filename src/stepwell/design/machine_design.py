@@ -206,9 +206,7 @@ def _improved(
 
 def _score(one: Realisation, tolerances: Tolerances) -> int:
     """Successes among some samples within the tolerances, and within twice these."""
-    wide = replace(
-        tolerances, anchor=2 * tolerances.anchor, stiffness=min(0.2, 2 * tolerances.stiffness)
-    )
+    wide = tolerances.scaled(2.0, "anchor").scaled(2.0, "stiffness", most=0.2)
     return sum(
         machine_yield(one, spread, samples=_COMPARED, seed=1).successes
         for spread in (tolerances, wide)

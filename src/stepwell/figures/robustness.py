@@ -88,6 +88,7 @@ def margins(margin: Margin, tolerances: Tolerances | None = None) -> Figure:
 
 def _rows(margin: Margin, anchors: bool, tolerances: Tolerances) -> list[_Row]:
     """Rows of the anchors [mm], or of all other parameters [%]; smallest margin first."""
+    each = tolerances.each(len(margin.chain))
     some = [change for change in margin.changes if (change.parameter == "anchor") == anchors]
     chain, shown = margin.chain, sorted(some, key=lambda change: change.distance)[:_MOST]
     words = {"force": chain.measure.force, "travel": chain.measure.travel}
@@ -97,7 +98,7 @@ def _rows(margin: Margin, anchors: bool, tolerances: Tolerances) -> list[_Row]:
     for change in shown:
         changed, deviation = _CHANGED[change.parameter]
         what = f"{chain.names[change.cell]}: {changed.format(**words)}"
-        off = getattr(tolerances, deviation) * factor
+        off = getattr(each[change.cell], deviation) * factor
         if math.isinf(change.distance):
             rows.append(_Row([*_lines(what), f"no other sequence{reach}"], off=off))
             continue

@@ -310,12 +310,14 @@ class _Model:
 
 def _spread(one: Parameter, design: Chain, tolerances: Tolerances) -> float:
     """Standard deviation of a number of a copy, in its SI unit."""
+    assert one.cell is not None
+    own = tolerances.each(len(design))[one.cell]
     if one.part.startswith("q."):
-        return tolerances.anchor / math.sqrt(2.0)
+        return own.anchor / math.sqrt(2.0)
     if one.part == "travel_scale":
-        return tolerances.travel
+        return own.travel
     value: Any = one.value(design)
-    return tolerances.stiffness * abs(float(value))
+    return own.stiffness * abs(float(value))
 
 
 def _halves(recording: Recording, full: float) -> tuple[list[_Half], float]:
@@ -484,7 +486,8 @@ def _parts(model: _Model, fit: _Fit, copy: Chain) -> tuple[CopyNumber, ...]:
         nominal: Any = one.value(model.design)
         value: Any = one.value(copy)
         at = float(nominal)
-        wide = 2.0 * model.tolerances.anchor if one.part.startswith("q.") else WIDE * spread
+        # The spread of an anchor is its tolerance over √2.
+        wide = spread * (2.0 * math.sqrt(2.0) if one.part.startswith("q.") else WIDE)
         parts.append(
             CopyNumber(one.name, one.unit, at, float(value), spread * sigma, at - wide, at + wide)
         )

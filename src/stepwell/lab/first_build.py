@@ -389,11 +389,10 @@ def as_built(
 
 def _wide(given: Tolerances, wider: float, drawing: Chain) -> Tolerances:
     """Tolerances of anchors and friction times `wider`; for elements, those of the scales."""
-    wide = replace(given, anchor=wider * given.anchor, friction=wider * given.friction)
+    wide = given.scaled(wider, "anchor", "friction")
     if len(drawing.elements) < len(drawing):
         return wide
-    scales = {"stiffness": given.stiffness, "travel": given.travel}
-    return replace(wide, **{name: min(wider * value, _WIDEST) for name, value in scales.items()})
+    return wide.scaled(wider, "stiffness", "travel", most=_WIDEST)
 
 
 def _wrong(

@@ -66,7 +66,7 @@ def prove_tolerances(
         )
     nominal = cycle(chain)
     sequence = str(nominal.sequence) if target is None else target
-    parts = [parts_within(cell, tolerances) for cell in chain.cells]
+    parts = [*map(parts_within, chain.cells, tolerances.each(len(chain)))]
     decision = Decision(False, "the nominal design itself", chain, str(nominal.sequence))
     if str(nominal.sequence) == sequence:
         decision = OrderedBox(nominal, parts).decide()

@@ -7,7 +7,7 @@ from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from stepwell.design import Tolerances
+from stepwell.design import CellTolerances
 from stepwell.mechanism import Band, Cell, Element
 from stepwell.proof import balls
 from stepwell.proof.balls import Ball, ball, hull
@@ -50,9 +50,9 @@ class CriticalForce(NamedTuple):
     sign: int
 
 
-def parts_within(cell: Cell | Element, tolerances: Tolerances) -> tuple[CellPart, ...]:
+def parts_within(cell: Cell | Element, t: CellTolerances) -> tuple[CellPart, ...]:
     """All numbers of a cell that samples within tolerances may have."""
-    t, parts = tolerances, list[CellPart]()
+    parts = list[CellPart]()
 
     def factor(what: str, band: int, deviation: float) -> None:
         if deviation > 0:

@@ -101,7 +101,7 @@ def design_jump(
     _refuse(hopper, given, lever)
     copies = hopper.copies
     own = given._replace(force=given.force / copies, friction=max(c.friction for c in cells))
-    own = own._replace(spread=tolerances.stiffness)
+    own = own._replace(spread=tolerances.most.stiffness)
     load, found, failed = hopper.load / copies, list[StrongestSnap](), list[Impossible]()
     for kind in kinds:
         try:

@@ -98,6 +98,11 @@ def _require_blocks(study: Study, tolerances: Tolerances) -> IndependentBlocks:
         raise InputError(f"{study.folder}: must contain an atlas, but contains {study!r}.")
     if not study.done_chunks():
         raise InputError(f"{study.folder}: no block is finished yet: run the same command again.")
+    if tolerances.cells:
+        raise InputError(
+            "tolerances by cell: must be one for all cells, because the cells of an atlas are any "
+            "of its designs."
+        )
     if tolerances.friction or tolerances.travel or tolerances.lever:
         raise InputError(
             "tolerances: lever, friction and travel must be 0, because cells of an atlas have one "

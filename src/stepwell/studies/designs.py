@@ -222,10 +222,10 @@ class Workshop(ByValue):
     def names(self, subject: Subject) -> tuple[str, ...]:
         """Names of the parameters with a tolerance, of every cell."""
         chain, names = _chain(subject), list[str]()
-        numbers = [str(i) for i in range(1, len(chain) + 1)]
-        for number, cell in zip(numbers, chain.cells, strict=True):
+        each = self.tolerances.each(len(chain))
+        for number, (cell, own) in enumerate(zip(chain.cells, each, strict=True), 1):
             parts = _OF_CELL if isinstance(cell, Cell) else _OF_ELEMENT
-            names += [f"{number}.{part}" for part, of in parts if getattr(self.tolerances, of)]
+            names += [f"{number}.{part}" for part, of in parts if getattr(own, of)]
         return tuple(names)
 
     def made(self, subject: Subject, first: int, last: int) -> Iterator[Made]:

@@ -117,14 +117,17 @@ def _words_of(study: Study) -> list[str]:
     if isinstance(designs, Workshop):
         within = designs.tolerances
         spread = {
-            "--anchor": to_unit(within.anchor, "mm"),
-            "--stiffness-tolerance": to_unit(within.stiffness, "percent"),
-            "--rest-length-tolerance": to_unit(within.rest_length, "percent"),
-            "--lever-tolerance": to_unit(within.lever, "mm"),
-            "--travel-tolerance": to_unit(within.travel, "percent"),
+            "--anchor": (within.anchor, "mm"),
+            "--stiffness-tolerance": (within.stiffness, "percent"),
+            "--rest-length-tolerance": (within.rest_length, "percent"),
+            "--lever-tolerance": (within.lever, "mm"),
+            "--travel-tolerance": (within.travel, "percent"),
         }
-        always = ("--anchor", "--stiffness-tolerance")
-        given = {name: f"{value:.12g}" for name, value in spread.items() if value or name in always}
+        given: dict[str, str] = {}
+        for name, (value, unit) in spread.items():
+            each = value if isinstance(value, tuple) else (value,)
+            if any(each) or name in ("--anchor", "--stiffness-tolerance"):
+                given[name] = ",".join(f"{to_unit(one, unit):.12g}" for one in each)
         return ["--monte-carlo", str(designs.count), *chain.from_iterable(given.items()), *seed]
     if not isinstance(designs, Space):
         return ["--table", "designs.csv"]

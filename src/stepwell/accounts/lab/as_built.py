@@ -62,7 +62,10 @@ def as_built_schema(shape: DesignShape) -> Schema:
         *keys(hole="mm", wrong_hole=(float, "chance"), wrong_holes=([_WRONG], "wrong")),
         *keys(seen=seen, known=[_KNOWN], drawn=(int, "samples"), agreeing=float, wider=float),
         *keys(converged=bool),
-        *keys(anchor=("mm", "tolerances.anchor"), stiffness=("percent", "tolerances.stiffness")),
+        *keys(
+            anchor=("mm", "tolerances.most.anchor"),
+            stiffness=("percent", "tolerances.most.stiffness"),
+        ),
     )
 
 

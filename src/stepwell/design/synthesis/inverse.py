@@ -342,7 +342,7 @@ def _success_criterion(
     states: frozenset[str] | None, result: Cycle, tolerances: Tolerances
 ) -> str | tuple[str, ...]:
     """Criterion that a sample must meet: the target states, or the nominal cycle."""
-    if states is None or unsearchable(result.chain, tolerances.friction):
+    if states is None or unsearchable(result.chain, tolerances.most.friction):
         return str(result.sequence)
     return by_cells_at_1(states)
 
@@ -350,7 +350,7 @@ def _success_criterion(
 def _not_searched(target: Target, counted: Yield) -> str:
     if not target.by_states or counted.states is not None:
         return ""
-    why = unsearchable(counted.chain, counted.tolerances.friction)
+    why = unsearchable(counted.chain, counted.tolerances.most.friction)
     return f"; the yield counts samples with the nominal cycle, because {why}"
 
 

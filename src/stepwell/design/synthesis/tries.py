@@ -409,7 +409,7 @@ class TargetSearch:
         if not chains:
             excluded = self._excluded_holes(rules, self.holes) if whole else None
             raise self._impossible(placed, report, excluded, proved=whole)
-        counted = None if tolerances.friction else target.states
+        counted = None if tolerances.most.friction else target.states
 
         def fraction(chain: Chain) -> float:
             return yields(

@@ -196,7 +196,7 @@ class OutcomeCounter:
         chain, count = draws.chain, len(Switches.of(draws.chain.last_state))
         # If every two loops are nested, all states are reached (theory page, "Stroke programs").
         whole = states is not None and len(states) == 2**count and not chain.elements
-        self._nested_do = whole and one_travel(chain) and not draws.tolerances.lever
+        self._nested_do = whole and one_travel(chain) and not draws.tolerances.most.lever
         self.judge: DrawJudge | RelayJudge | None = None
         if not chain.elements:
             some = self.orders if self.orders is not None else np.tile(np.arange(count), (2, 1))

@@ -16,7 +16,7 @@ from stepwell.design.tolerances import draws, survival, tally as tallies
 from stepwell.design.tolerances.draws import Draws
 from stepwell.design.tolerances.sensitivity import Sensitivities, gaps_of_built, sensitivities
 from stepwell.design.tolerances.tally import Counted, OutcomeCounter, RelayJudge
-from stepwell.mechanism import Chain
+from stepwell.mechanism import Cell, Chain
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -261,7 +261,7 @@ def _checked_states(
             f"target = {sorted(states)}: must be states of {len(chain)} {digits}, one per "
             f"cell, cell 1 (the inner one) first."
         )
-    why = unsearchable(chain, tolerances.friction)
+    why = unsearchable(chain, tolerances.most.friction)
     if why:
         raise base.InputError(
             f"target = {short(' '.join(sorted(states)))}: {why}; give a full cycle instead."
@@ -278,12 +278,12 @@ def _check_arguments(chain: Chain, tolerances: draws.Tolerances, samples: int, s
     base.check.whole("samples", samples, 1)
     base.check.whole("seed", seed, 0)
     base.require("samples", samples, "samples =")
-    shortest = min((cell.lever for cell in draws.levers_of(chain)), default=np.inf)
-    if tolerances.lever >= shortest:
-        raise base.InputError(
-            f"lever = {tolerances.lever} m: must be smaller than the shortest lever, "
-            f"{shortest:.6g} m."
-        )
+    for cell, own in zip(chain.cells, tolerances.each(len(chain)), strict=True):
+        if isinstance(cell, Cell) and own.lever >= cell.lever:
+            raise base.InputError(
+                f"lever = {own.lever} m: must be smaller than the shortest lever, "
+                f"{cell.lever:.6g} m."
+            )
     draws.validate(tolerances, chain)
 
 
