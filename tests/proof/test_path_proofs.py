@@ -189,3 +189,12 @@ def test_a_span_in_which_a_band_may_have_no_length_has_no_polynomial():
     cell = EnclosedWalk(sw.preset("three-wave"), problem_of(sw.preset("three-wave"))).cells[0]
     assert cell.taylor(ball(0.005, 1e-6), 3) is not None
     assert cell.taylor(ball(0.005, 1.0), 3) is None
+
+
+def test_wide_spans_of_random_cells_have_a_polynomial_or_none_and_never_an_error():
+    chain = chains.any_chain(np.random.default_rng([5, 29]), 3, friction=False)
+    widths, found = np.geomspace(1e-6, 3e-2, 20), []
+    for cell in EnclosedWalk(chain, problem_of(chain)).cells:
+        places = np.linspace(0.0, cell.size, 7).tolist()
+        found += [cell.taylor(ball(s, w), 3) is None for s in places for w in widths.tolist()]
+    assert any(found) and not all(found)

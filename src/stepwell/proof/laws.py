@@ -178,6 +178,9 @@ class EnclosedBand:
         if one < 0:
             return sin * 0
         length = (2 * self._r * (dx * cos + dy * sin) + self._square).sqrt()
+        # Without the exact relation of sin and cos the first terms are wider than `reach`.
+        if not (length[0] > 0 and cos[0] > 0):
+            return None
         return self.curve.series(one, length - self._rest) * (dy - dx * (sin / cos)) / length
 
     def force(self, sin: Any, cos: Any) -> Any:
