@@ -1,5 +1,6 @@
-"""Tolerances that are given cell by cell."""
+"""Tolerances and levers that are given cell by cell."""
 
+import itertools
 import math
 from dataclasses import replace
 from typing import Any
@@ -11,6 +12,9 @@ import stepwell as sw
 from chains import any_chain
 from facts import refuses
 from stepwell.design.checks import critical_change_of_cycle, measurement
+from stepwell.design.synthesis.designed import Impossible
+from stepwell.design.synthesis.inverse import design
+from stepwell.design.synthesis.region import AnchorBox, BandType
 from stepwell.design.tolerances.draws import Draws, Tolerances
 
 ALL = Tolerances(anchor=0.002, stiffness=0.08, rest_length=0.05, lever=0.0008, friction=0.05)
@@ -210,3 +214,95 @@ def test_text_shows_the_tolerances_of_each_cell():
     assert str(given) == "anchors ±1 / 0 mm, stiffness ±5 %"
     assert "anchors ±1 / 0 mm" in repr(given)
     assert given != Tolerances(anchor=0.001, stiffness=0.05)
+
+
+class Grid:
+    """Pairs of cells on a coarse grid, each with its own lever, by the paper's formulas."""
+
+    places = tuple((x, y) for x in (0.010, 0.015, 0.020) for y in (-0.005, 0.0, 0.005))
+    box = AnchorBox(0.010, 0.020, -0.005, 0.005)
+
+    def __init__(self, levers: tuple[float, float]):
+        self.force = np.array([[self.ends(lever, q) for q in self.places] for lever in levers])
+
+    @staticmethod
+    def ends(lever: float, q: tuple[float, float]) -> list[float]:
+        """F0 and F1 with p at (-10, 0) mm."""
+        dx, dy, forces = q[0] + 0.010, q[1], list[float]()
+        for theta in (-math.pi / 4, math.pi / 4):
+            length = math.hypot(lever * math.cos(theta) + dx, lever * math.sin(theta) + dy)
+            forces.append(28.5 * (1 - 0.010 / length) * (dy - dx * math.tan(theta)))
+        return forces
+
+    def best(self, inner_first: tuple[bool, bool], sigma: tuple[float, float]) -> float:
+        """The largest logarithm of the chance that no order of the forces is reversed."""
+        from scipy.special import log_ndtr
+
+        found = -math.inf
+        for a, b in itertools.product(*self.force.tolist()):
+            gaps = [b[0] - a[0], a[1] - b[1]]
+            signs = [1 if first else -1 for first in inner_first]
+            ratio = [
+                sign * gap / math.hypot(sigma[0] * a[end], sigma[1] * b[end])
+                for end, (sign, gap) in enumerate(zip(signs, gaps, strict=True))
+            ]
+            if min(sign * gap for sign, gap in zip(signs, gaps, strict=True)) > 1e-9:
+                found = max(found, float(sum(log_ndtr(ratio))))
+        return found
+
+
+@pytest.mark.parametrize(
+    ("target", "first"), [("00>10>11>01>00", (True, True)), ("00>01>11>01>00", (False, True))]
+)
+@pytest.mark.parametrize("levers", [(0.012, 0.020), (0.020, 0.012), (0.0141, 0.0141)])
+def test_the_best_pair_with_levers_and_tolerances_of_each_cell_is_found(target, first, levers):
+    grid, sigma = Grid(levers), (0.20, 0.02)
+    expected = grid.best(first, sigma)
+    tolerances = Tolerances(stiffness=sigma)
+    how = {"within": grid.box, "holes": 0.005, "tolerances": tolerances, "lever": [levers]}
+    if expected == -math.inf:
+        with pytest.raises(Impossible):
+            design(target, samples=10, **how)
+        return
+    made = design(target, samples=10, **how)
+    assert [cell.lever for cell in made.chain.levers] == list(levers)
+    assert made.sequence == target
+    assert made.yield_.tolerances == tolerances
+    own = Grid(levers)
+    own.force = np.array([[Grid.ends(c.lever, c.bands[0].q)] for c in made.chain.levers])
+    assert made.proved
+    assert own.best(first, sigma) == pytest.approx(expected, rel=1e-6)
+
+
+def test_levers_of_cells_are_alternatives_as_others_are():
+    choices = [(0.012, 0.016), (0.016, 0.012)]
+    alone = [design("00>10>11>01>00", lever=[one], holes=0.005, samples=10) for one in choices]
+    both = design("00>10>11>01>00", lever=choices, holes=0.005, samples=10)
+    assert tuple(c.lever for c in both.chain.levers) in choices
+    assert both.chain in [one.chain for one in alone]
+    mixed = design("00>10>11>01>00", lever=choices, holes=0.005, samples=10, equal_levers=False)
+    assert {cell.lever for cell in mixed.chain.levers} <= {0.012, 0.016}
+
+
+def test_equal_levers_of_all_cells_give_the_design_of_one_lever():
+    one = design("000>100>110>111>011>001>000", lever=0.016, holes=0.005, samples=20)
+    each = design("000>100>110>111>011>001>000", lever=[(0.016,) * 3], holes=0.005, samples=20)
+    assert one.chain == each.chain
+
+
+def test_every_cell_has_the_deviation_of_its_own_band():
+    bands = (BandType(28.5, 0.010, 0.02), BandType(47.0, 0.010, 0.15))
+    made = design("00>10>11>01>00", bands=bands, holes=0.005, samples=10)
+    spreads = [band.spread for band, _ in made.bands]
+    each = made.yield_.tolerances.each(2)
+    assert [one.stiffness for one in each] == spreads
+
+
+def test_wrong_levers_of_cells_are_refused():
+    for lever in ([(0.012,) * 3], [(0.012, 0.016), (0.012,) * 3], [()], [(0.012, -0.016)]):
+        with refuses(sw.InputError, "lever"):
+            design("00>10>11>01>00", lever=lever)
+    with refuses(sw.InputError, "lever", "finite"):
+        design("00>10>11>01>00", lever=[(0.012, math.nan)])
+    with refuses(sw.InputError, "3 tolerances for 2 cells"):
+        design("00>10>11>01>00", tolerances=Tolerances(anchor=(0.0,) * 3))

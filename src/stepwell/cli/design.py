@@ -27,7 +27,7 @@ from stepwell.cli.options import (
     read_chain,
     read_hopper,
 )
-from stepwell.cli.ranges import Point, Range, length, millimetres, point, span
+from stepwell.cli.ranges import Point, Range, by_cell, length, millimetres, point, span
 from stepwell.cli.screen import answered, progress, usable, wrong
 
 if TYPE_CHECKING:
@@ -133,9 +133,10 @@ class Parts(Group):
         max=10,
     )
     levers: list[float] | None = option(
-        "Available lever length [mm]; the paper's by default. May be repeated.",
-        "--lever LENGTH",
-        parser=length(),
+        "Available lever length [mm]; the paper's by default. Lengths with commas are those of the "
+        "cells, inner cell first. May be repeated.",
+        "--lever LENGTH[,LENGTH]...",
+        parser=by_cell(length()),
     )
     mixed_levers: bool = flag("Allow cells with different levers.", "--mixed-levers")
     elements: list[str] | None = option(
@@ -153,8 +154,9 @@ class Parts(Group):
 
         kinds = [*itertools.chain.from_iterable(map(elements_of, self.elements or ()))]
         self._refuse_combinations(kinds)
-        levers = [from_unit(lever, "mm") for lever in self.levers or ()] or [PAPER_LEVER]
-        usual, holes = usual_box(max(levers), self.place), self.holes
+        levers = [given.in_si(lever, "mm") for lever in self.levers or ()] or [PAPER_LEVER]
+        longest = max(max(one) if isinstance(one, tuple) else one for one in levers)
+        usual, holes = usual_box(longest, self.place), self.holes
         box = self._box(usual) if self.x or self.y else None
         if self.build is not None:
             grid = self._grid(self.build)
@@ -182,8 +184,8 @@ class Parts(Group):
         unused |= {"--force-scale": self.force_scale != FORCE_SCALE}
         unused |= {"--travel-scale": self.travel_scale != TRAVEL_SCALE}
         _refuse_given(unused)
-        if len(self.levers or ()) > 1:
-            raise wrong("--lever", "must be given once for a jump.")
+        if len(self.levers or ()) > 1 or any(isinstance(one, tuple) for one in self.levers or ()):
+            raise wrong("--lever", "must be one length for a jump.")
 
     def means(self, usual: "Means") -> "Means":
         """The grid of holes in place of the usual one."""

@@ -83,16 +83,16 @@ class BandTolerances(Group):
         shown, _ = base.display_unit(measure.force_unit)
         with usable("tolerances"):
             return Tolerances(
-                _in_si(self.anchor, "mm"),
-                _in_si(self.stiffness_tolerance, "percent"),
-                _in_si(self.rest_length_tolerance, "percent"),
-                _in_si(self.lever_tolerance, "mm"),
-                _in_si(self.friction, shown),
-                _in_si(self.travel_tolerance, "percent"),
+                in_si(self.anchor, "mm"),
+                in_si(self.stiffness_tolerance, "percent"),
+                in_si(self.rest_length_tolerance, "percent"),
+                in_si(self.lever_tolerance, "mm"),
+                in_si(self.friction, shown),
+                in_si(self.travel_tolerance, "percent"),
             )
 
 
-def _in_si(given: float | tuple[float, ...], unit: str) -> float | tuple[float, ...]:
+def in_si(given: float | tuple[float, ...], unit: str) -> float | tuple[float, ...]:
     """What `by_cell` has read, in SI."""
     if isinstance(given, tuple):
         return tuple(base.from_unit(one, unit) for one in given)

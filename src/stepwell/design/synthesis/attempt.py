@@ -9,7 +9,7 @@ import numpy as np
 from stepwell.base import Floats, to_unit
 from stepwell.design.orders import Orders
 from stepwell.design.synthesis import placement
-from stepwell.design.synthesis.candidates import Candidates, Rule, differences, joined
+from stepwell.design.synthesis.candidates import Candidates, Rule, Site, differences, joined
 from stepwell.design.synthesis.holes import best_choice, fits
 from stepwell.design.synthesis.region import HoleGrid, Region, drilled, lattice
 from stepwell.mechanism import Cell, Chain
@@ -56,8 +56,8 @@ class Attempt:
         """Number of holes where the band is not proved, or too strong for the actuator."""
         if self.holes is None:
             return ""
-        every = [drilled(region, self.holes) for region in dict.fromkeys(self.regions)]
-        ways = len(self.rule.kinds) * sum(len(q) for q in every)
+        every = dict.fromkeys(self.rule.sites(self.regions))
+        ways = sum(len(kinds) * len(drilled(region, self.holes)) for region, kinds in every)
         out = ways - self.candidates
         return f"{out} of {ways} holes" if out else ""
 
@@ -129,9 +129,7 @@ def from_lattice(
     rule: Rule, orders: Orders, regions: tuple[Region, ...], holes: HoleGrid | None
 ) -> Attempt:
     """The best choice from a lattice or from all holes, by complete search if these are few."""
-    different = list(dict.fromkeys(regions))
-    pitch, tables = _tables(rule, different, holes)
-    owner = tuple(different.index(region) for region in regions)
+    pitch, tables, owner = _tables(rule, regions, holes)
     if not all(len(table.q) for table in tables):
         return Attempt(rule, orders, regions, holes, tables, owner, None, True, 0, pitch)
     best, complete, nodes = None, False, 0
@@ -152,36 +150,42 @@ def possible(
     rule: Rule, orders: Orders, regions: tuple[Region, ...], holes: HoleGrid | None
 ) -> bool:
     """Whether a short search among the holes finds a choice that meets both orders."""
-    different = list(dict.fromkeys(regions))
-    _, tables = _tables(rule, different, holes)
+    _, tables, owner = _tables(rule, regions, holes)
     if not all(len(table.q) for table in tables):
         return False
     if not fits(len(orders), sum(len(table.q) for table in tables)):
         return False
-    owner = tuple(different.index(region) for region in regions)
     best, _, _ = placement.choose(rule, orders, tables, owner, _START_NODES)
     return best is not None and best.smallest > 0.0
 
 
 def _tables(
     rule: Rule, regions: Sequence[Region], holes: HoleGrid | None
-) -> tuple[float, list[Candidates]]:
-    """The pitch [m] of the lattice or the holes, and the candidates of each region."""
+) -> tuple[float, list[Candidates], tuple[int, ...]]:
+    """The pitch [m] of the lattice or the holes, candidates, and the number of each cell's."""
+    sites = rule.sites(regions)
+    different = list(dict.fromkeys(sites))
+    owner = tuple(map(different.index, sites))
     if holes is not None:
-        return holes.pitch, [rule.everything(region, drilled(region, holes)) for region in regions]
-    share = _LATTICE_OF_ALL / (len(rule.kinds) * len(regions))
+        tables = [
+            rule.everything(region, drilled(region, holes), kinds=kinds)
+            for region, kinds in different
+        ]
+        return holes.pitch, tables, owner
+    share = _LATTICE_OF_ALL / sum(len(site.kinds) for site in different)
     places = min(_LATTICE, max(_LATTICE_LEAST, share))
-    pitches, tables = zip(*(_lattice(rule, region, places) for region in regions), strict=True)
-    return max(pitches), list(tables)
+    pitches, tables = zip(*(_lattice(rule, site, places) for site in different), strict=True)
+    return max(pitches), list(tables), owner
 
 
-def _lattice(rule: Rule, region: Region, places: float) -> tuple[float, Candidates]:
+def _lattice(rule: Rule, site: Site, places: float) -> tuple[float, Candidates]:
     """Pitch [m] of a lattice with about `places` allowed places, and its candidates."""
+    region, kinds = site
     box = region.bounds
     pitch = max(box.right - box.left, box.top - box.bottom)
     while True:
         q = lattice(region, pitch)
-        table = rule.everything(region, q)
-        if len(table.q) >= 0.8 * places * len(rule.kinds) or len(q) >= _LATTICE_MOST:
+        table = rule.everything(region, q, kinds=kinds)
+        if len(table.q) >= 0.8 * places * len(kinds) or len(q) >= _LATTICE_MOST:
             return pitch, table
         pitch /= 1.1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -15,7 +16,7 @@ from stepwell.design.margins.robustness import SIDES, AnchorProof, extremes, far
 from stepwell.design.plane import Box
 from stepwell.design.synthesis.holes import UNLIMITED, Packs
 from stepwell.design.synthesis.region import BandType, Region
-from stepwell.design.tolerances.draws import Tolerances
+from stepwell.design.tolerances.draws import CellTolerances, Tolerances
 from stepwell.mechanism import Cell, Linear, geometry
 
 # Samples of the force over the travel, and relative steps of the derivatives [1].
@@ -51,13 +52,18 @@ def differences(table: Candidates) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Kind:
-    """Equal bands on a lever, the limit in rad; `unusual` to accept unusual lengths."""
+    """Equal bands on a lever, the limit in rad; `unusual` to accept unusual lengths.
+
+    Without `cells` it is for every cell, without `tolerances` it has the largest ones of the rule.
+    """
 
     band: BandType
     lever: float
     limit: float
     unusual: bool = False
     count: int = 1  # number of bands
+    cells: frozenset[int] | None = None  # that it may be, 0 the innermost
+    tolerances: CellTolerances | None = None
 
     @cached_property
     def cell(self) -> Simple:
@@ -118,6 +124,13 @@ class Kind:
         return np.asarray(geometry.band_force(tension, first)), length
 
 
+class Site(NamedTuple):
+    """Where a cell may be placed, and the numbers of the kinds that it may be."""
+
+    region: Region
+    kinds: tuple[int, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class Rule:
     """Allowed cells, and the measure of robustness."""
@@ -144,19 +157,32 @@ class Rule:
         """Combined deviation by which two critical forces may approach each other."""
         return a + b if self.worst else np.hypot(a, b)
 
-    def everything(self, region: Region, q: Floats, radius: float = 0.0) -> Candidates:
-        """Candidates of every kind at each of (m, 2) places, moved inside the region.
+    def everything(
+        self, region: Region, q: Floats, radius: float = 0.0, kinds: tuple[int, ...] | None = None
+    ) -> Candidates:
+        """Candidates of every kind, or of some, at each of (m, 2) places, moved inside the region.
 
         Places are left out if the cell is not proved taut and concave, or exceeds the actuator's
         force. In the worst case, `radius` [m] is the displacement of `down` and `up`.
         """
         q = region.clamped(q)
-        return joined([self._of_kind(q, k, radius) for k in range(len(self.kinds))])
+        every = range(len(self.kinds)) if kinds is None else kinds
+        return joined([self._of_kind(q, k, radius) for k in every])
 
     def these(self, q: Floats, kind: Ints, radius: float = 0.0) -> Candidates:
         """Candidates of (m,) kinds at (m, 2) places, one each, as in `everything`."""
         pairs = enumerate(kind.tolist())
         return joined([self._of_kind(q[i : i + 1], k, radius) for i, k in pairs])
+
+    def sites(self, regions: Sequence[Region]) -> tuple[Site, ...]:
+        """The region of every cell, and the kinds that the cell may be."""
+        allowed = [
+            tuple(
+                k for k, kind in enumerate(self.kinds) if kind.cells is None or cell in kind.cells
+            )
+            for cell in range(len(regions))
+        ]
+        return tuple(map(Site, regions, allowed))
 
     def _of_kind(self, q: Floats, k: int, radius: float) -> Candidates:
         cell = self.kinds[k].cell
@@ -167,7 +193,7 @@ class Rule:
             down, up = extremes(cell, d, force, slope, radius)
             room = self._proofs[k].radius(d)
         else:
-            down = up = _deviations(self.kinds[k], d, force, slope, self._tolerances(k))
+            down = up = _deviations(self.kinds[k], d, force, slope, self._deviating(k))
             room = np.full(len(d), math.inf)
         return Candidates(q, np.full(len(q), k), force, down, up, room)
 
@@ -180,8 +206,9 @@ class Rule:
         if self.as_drawn:
             return weak & certified(kind.cell, d)
         # A longer rest length makes the proof harder, as any displacement does.
-        rest = kind.cell.rest * (1.0 + 4.0 * self.tolerances.rest_length)
-        return weak & certified(kind.cell._replace(rest=rest), d, 2.0 * self.tolerances.anchor)
+        own = self._tolerances(k)
+        rest = kind.cell.rest * (1.0 + 4.0 * own.rest_length)
+        return weak & certified(kind.cell._replace(rest=rest), d, 2.0 * own.anchor)
 
     def differences(self, q: Floats) -> Floats:
         """d = q - p [m] with the free anchor at (m, 2) places."""
@@ -233,11 +260,20 @@ class Rule:
         d = Box(*np.sort(corners, axis=0).T.ravel().tolist())
         return [AnchorProof(kind.cell, d) for kind in self.kinds]
 
-    def _tolerances(self, k: int) -> Tolerances:
-        spread = self.kinds[k].band.spread
-        these = self.tolerances if spread is None else replace(self.tolerances, stiffness=spread)
+    def _tolerances(self, k: int) -> CellTolerances:
+        kind = self.kinds[k]
+        own, spread = kind.tolerances or self.tolerances.most, kind.band.spread
+        return own if spread is None else own._replace(stiffness=spread)
+
+    def _deviating(self, k: int) -> CellTolerances:
+        """Its tolerances, never all zero."""
+        own = self._tolerances(k)
+        if any(own):
+            return own
         # Without tolerances all designs are equally robust; gaps are then measured in millimetres.
-        return these if these != Tolerances() else Tolerances(anchor=0.001)
+        # An exact cell next to others has nearly no deviation.
+        exact = not any(any(self._tolerances(j)) for j in range(len(self.kinds)))
+        return CellTolerances(anchor=0.001 if exact else 1e-6)
 
     def gaps(self, table: Candidates) -> Floats:
         """Robustness of candidate a next below b, [end, a, b]; -inf if it is not below.
@@ -277,7 +313,7 @@ class Rule:
         return out if sign > 0 else out.swapaxes(1, 2)
 
 
-def _deviations(kind: Kind, d: Floats, force: Floats, slope: Floats, t: Tolerances) -> Floats:
+def _deviations(kind: Kind, d: Floats, force: Floats, slope: Floats, t: CellTolerances) -> Floats:
     """Standard deviations of F0 and F1 [N] to first order, (m, 2).
 
     A uniform point in a disc of radius a has the variance a²/4 along each axis, and d is the

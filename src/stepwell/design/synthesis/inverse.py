@@ -20,12 +20,18 @@ from stepwell.design.synthesis.region import AnchorBox, AnchorPolygon, BandType,
 from stepwell.design.synthesis.tries import Placed, TargetSearch
 from stepwell.design.synthesis.weighing import checked_weights, of_requirements, weighed
 from stepwell.design.targets import Target, unsearchable
-from stepwell.design.tolerances.draws import DEFAULT_TOLERANCES, Tolerances, levers_of, refuse_slips
+from stepwell.design.tolerances.draws import (
+    DEFAULT_TOLERANCES,
+    CellTolerances,
+    Tolerances,
+    levers_of,
+    refuse_slips,
+)
 from stepwell.design.tolerances.yields import Yield, yields
 from stepwell.mechanism import Band, Chain, Element, Linear, SlipError, sizes
 from stepwell.sequences import Cycle, cycle
 
-Levers = float | Sequence[float]
+Levers = float | Sequence[float | tuple[float, ...]]
 Order = str | Sequence[int | str]
 
 _WAY = "If the value is intended, set unusual=True."
@@ -106,11 +112,11 @@ def design(
             design needs more bands than these hold.
         most_bands: most equal bands in a cell, all between the same two anchors; the number in
             each cell is chosen. Their stiffnesses deviate together.
-        lever: r, or several to choose from [m].
+        lever: r, or several to choose from [m]; each for all cells, or a tuple with one per cell.
         limit: θc of every cell [rad].
         equal_levers: whether all cells must have the same lever. If not, the engine checks whether
             the order of F0 and F1 decides; if it does not, the next best candidate is tried.
-        tolerances: manufacturing tolerances.
+        tolerances: manufacturing tolerances, of all cells or of each.
         objective: "yield" for the largest fraction of samples that reach the target, "worst" for
             the largest displacement of all outer anchors at once, as in `robustness`.
         most_force: limit of the actuator for all |F0| and |F1| [N].
@@ -144,7 +150,8 @@ def design(
         goal = ElementTarget.of(sequence, states, cells)
         choice = scaled(goal, allowed, actuator_stiffness, seed, progress)
         return _design_of_elements(goal, choice, allowed, samples, seed)
-    levers = list(map(float, np.atleast_1d(lever)))
+    choices = _choices(lever)
+    levers = [one for choice in choices for one in choice]
     _check_anchors(p, q, free)
     _check_sizes(bands, levers, limit)
     if check.whole("most_bands", most_bands, 1) > MOST_BANDS:
@@ -153,10 +160,16 @@ def design(
     fixed = q if free == "p" else p
     usual = within is None
     within = areas.usual_box(max(levers), free) if within is None else within
-    target, regions = _target_and_regions(parts or sequence, states, cells, within)
+    alike = _alike(choices, tolerances)
+    target, regions = _target_and_regions(parts or sequence, states, cells, (within, alike))
+    choices = _of_each_cell(choices, target.orders.cells)
+    if usual and not alike:
+        regions = tuple(areas.usual_box(max(each), free) for each in zip(*choices, strict=True))
+    each = tolerances.each(target.orders.cells)
+    way = bands, float(limit), unusual, most_bands
     rule = Rule(
         (float(fixed[0]), float(fixed[1])),
-        _kinds(bands, levers, float(limit), unusual, most_bands),
+        _kinds(choices, each, way),
         tolerances,
         float(most_force),
         objective == "worst",
@@ -165,8 +178,9 @@ def design(
     )
     _check_units(rule, grid)
     _check_holes(regions, grid, free)
-    mixed = not equal_levers and len(levers) > 1
-    rules = [rule] * mixed + _one_lever_each(rule, len(bands) * most_bands)
+    mixed = not equal_levers and len(choices) > 1
+    alone = [replace(rule, kinds=_kinds([choice], each, way)) for choice in choices]
+    rules = [rule] * mixed + alone
     n = len(rules)
     search = TargetSearch(
         *(target, regions, grid, actuator_stiffness, seed, progress, n, free, usual, tuple(bands))
@@ -185,8 +199,9 @@ def design(
     result = cycle(chain)
     criterion = _success_criterion(target.states, result, tolerances)
     count = samples or _default_samples(attempt, criterion)
-    largest = _largest_tolerances(attempt, chain, bands, tolerances)
-    counted = yields(chain, largest, samples=count, seed=seed, target=criterion)
+    chosen = _bands_of(attempt, chain, bands)
+    own = _with_spreads(tolerances, [band.spread for band, _ in chosen])
+    counted = yields(chain, own, samples=count, seed=seed, target=criterion)
     if parts is not None:
         counted = of_requirements(counted, parts)
     search.end()
@@ -200,7 +215,7 @@ def design(
         placed.proved_best,
         how,
         _standing(attempt) + _not_searched(target, counted),
-        _bands_of(attempt, chain, bands),
+        chosen,
     )
 
 
@@ -216,12 +231,50 @@ def _check_elements_alone(
         raise InputError("elements have no anchors: leave `within` and `holes` out.")
 
 
+def _choices(lever: Levers) -> list[tuple[float, ...]]:
+    """The levers to choose from: one for all cells, or one per cell; InputError for others."""
+    given = [lever] if not isinstance(lever, Iterable) else list(lever)
+    choices = [tuple(map(float, np.atleast_1d(one))) for one in given]
+    numbers = {len(one) for one in choices if len(one) != 1}
+    if len(numbers) > 1 or 0 in numbers:
+        raise InputError(f"lever = {lever!r}: must be one for all cells, or one for each [m].")
+    return choices
+
+
+def _alike(choices: list[tuple[float, ...]], tolerances: Tolerances) -> bool:
+    """Whether all cells have the same levers to choose from, and the same tolerances."""
+    same = len({*tolerances.each(tolerances.cells or 1)}) == 1
+    return same and all(len({*one}) == 1 for one in choices)
+
+
+def _of_each_cell(choices: list[tuple[float, ...]], cells: int) -> list[tuple[float, ...]]:
+    """The same with a lever of every cell; InputError for another number of cells."""
+    for one in choices:
+        if len(one) not in (1, cells):
+            raise InputError(
+                f"lever has {len(one)} lengths for {cells} cells: must be one for all, or one for "
+                f"each, inner cell first."
+            )
+    return [one * cells if len(one) == 1 else one for one in choices]
+
+
 def _kinds(
-    bands: Sequence[BandType], levers: Sequence[float], limit: float, unusual: bool, most_bands: int
+    choices: list[tuple[float, ...]],
+    each: Sequence[CellTolerances],
+    way: tuple[Sequence[BandType], float, bool, int],
 ) -> tuple[Kind, ...]:
-    counts = range(1, most_bands + 1)
-    each = ((lever, band, count) for lever in levers for band in bands for count in counts)
-    return tuple(Kind(band, lever, limit, unusual, count) for lever, band, count in each)
+    """Cells with every lever and band, for the cells that may have this lever."""
+    bands, limit, unusual, most_bands = way
+    cells: dict[tuple[float, CellTolerances], list[int]] = {}
+    for levers in choices:
+        for cell, key in enumerate(zip(levers, each, strict=True)):
+            cells.setdefault(key, []).append(cell)
+    return tuple(
+        Kind(band, lever, limit, unusual, count, frozenset(those), own)
+        for (lever, own), those in cells.items()
+        for band in bands
+        for count in range(1, most_bands + 1)
+    )
 
 
 def _check_packs(target: Target, bands: Sequence[BandType]) -> None:
@@ -244,12 +297,6 @@ def _check_strokes(parts: Requirements | None, most: float) -> None:
                 f"requirement '{one}': the stroke of this chain is at most "
                 f"{to_unit(most, 'mm'):.4g} mm: give a stroke below."
             )
-
-
-def _one_lever_each(rule: Rule, bands: int) -> list[Rule]:
-    """The rule for each lever alone; kinds with all bands on one lever follow each other."""
-    starts = range(0, len(rule.kinds), bands)
-    return [replace(rule, kinds=rule.kinds[k : k + bands]) for k in starts]
 
 
 def _default_samples(attempt: Attempt | None, criterion: str | tuple[str, ...] | None) -> int:
@@ -282,14 +329,16 @@ def _target_and_regions(
     sequence: str | Requirements | None,
     states: Iterable[str] | str | None,
     cells: int | None,
-    within: Region | Sequence[Region],
+    places: tuple[Region | Sequence[Region], bool],
 ) -> tuple[Target, tuple[Region, ...]]:
+    """The target, and the region of every cell; `places` has whether cells are alike too."""
+    within, alike = places
     given = (within,) if isinstance(within, AnchorBox | AnchorPolygon) else tuple(within)
     if not given or not all(isinstance(region, AnchorBox | AnchorPolygon) for region in given):
         raise InputError(
             f"within = {within!r}: must be an AnchorBox or an AnchorPolygon, or one for each cell."
         )
-    alike = len(set(given)) == 1
+    alike = alike and len(set(given)) == 1
     if isinstance(sequence, Requirements):
         orders = sequence.orders(alike=alike)
         target = Target(sequence.text, orders, by_states=False, requirements=sequence)
@@ -454,16 +503,13 @@ def _enclosing_box(regions: tuple[Region, ...]) -> Box:
     return Box(min(left), max(right), min(bottom), max(top))
 
 
-def _largest_tolerances(
-    attempt: Attempt | None, chain: Chain, bands: Sequence[BandType], tolerances: Tolerances
-) -> Tolerances:
-    if attempt is not None and attempt.best is not None:
-        spreads = [attempt.rule.kinds[k].band.spread for k in attempt.best.cells.kind.tolist()]
-    else:
-        first = [cell.bands[0] for cell in levers_of(chain)]
-        spreads = [b.spread for b in bands if any(_counted(b, one) for one in first)]
-    spread = max(tolerances.stiffness if one is None else one for one in spreads)
-    return replace(tolerances, stiffness=spread)
+def _with_spreads(tolerances: Tolerances, spreads: Sequence[float | None]) -> Tolerances:
+    """The tolerances with the standard deviation of each cell's band, if it has one."""
+    if all(spread is None for spread in spreads):
+        return tolerances
+    each = zip(spreads, tolerances.each(len(spreads)), strict=True)
+    own = tuple(t.stiffness if spread is None else spread for spread, t in each)
+    return replace(tolerances, stiffness=own if len({*own}) > 1 else own[0])
 
 
 def _counted(band: BandType, made: Band) -> int:
@@ -525,6 +571,4 @@ def _method(attempt: Attempt, placed: Placed) -> str:
         how += f"; better candidates miss the target in the simulation ({placed.mismatch})"
     if placed.others:
         how += f"; the most robust of {placed.others} random choices that reaches the target"
-    if len({kind.band.spread for kind in attempt.rule.kinds}) > 1:
-        objective += "; the yield uses the largest standard deviation of the chosen bands for all"
     return f"searched: {how}; objective: {objective}"

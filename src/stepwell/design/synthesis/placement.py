@@ -238,7 +238,8 @@ class Search:
                 def offer(i: int, now: Placement, step: float = step) -> Candidates:
                     radius = max(now.smallest, 0.0) if self.rule.worst else 0.0
                     around = now.cells.q[i] + step * _LATTICE
-                    return self.rule.everything(self.regions[i], around, radius)
+                    region, kinds = self.rule.sites(self.regions)[i]
+                    return self.rule.everything(region, around, radius, kinds)
 
                 now, used = self.settle(now, offer, left, sure)
                 left -= used

@@ -14,7 +14,7 @@ import numpy as np
 from stepwell.base import Floats, Ints, Progress, notify
 from stepwell.concave import TIED, closed
 from stepwell.design.synthesis.attempt import Attempt, from_lattice, named_chain
-from stepwell.design.synthesis.candidates import Candidates, Rule, joined
+from stepwell.design.synthesis.candidates import Candidates, Rule, Site, joined
 from stepwell.design.synthesis.designed import Impossible, explained
 from stepwell.design.synthesis.evidence import (
     Evidence,
@@ -141,12 +141,13 @@ def _without_packs(attempts: Sequence[Attempt]) -> str:
     return ""
 
 
-def _buildable(rule: Rule, region: Region, holes: HoleGrid) -> list[Buildable]:
+def _buildable(rule: Rule, site: Site, holes: HoleGrid) -> list[Buildable]:
+    region, kinds = site
     buildable: list[Buildable] = []
     places = drilled(region, holes)
-    taut = [kind.taut(rule.differences(places)).tolist() for kind in rule.kinds]
+    taut = {k: rule.kinds[k].taut(rule.differences(places)).tolist() for k in kinds}
     for row, (x, y) in enumerate(places.tolist()):
-        for k in range(len(rule.kinds)):
+        for k in kinds:
             if not taut[k][row]:
                 continue  # a slack band holds no state
             try:
@@ -341,13 +342,15 @@ class TargetSearch:
         report.
         """
         target, regions, before = self.target, self.regions, self._done
-        alike, repeats = len(set(regions)) == 1, target.has_equal_cells
+        repeats = target.has_equal_cells
         most = self._most_cells() // target.orders.cells
         chains: list[Chain] = []
         left = done = unanswered = 0
         for rule in rules:
-            ways = {region: _buildable(rule, region, holes) for region in dict.fromkeys(regions)}
-            tables = [ways[region] for region in regions]
+            sites = rule.sites(regions)
+            alike = len(set(sites)) == 1
+            ways = {site: _buildable(rule, site, holes) for site in dict.fromkeys(sites)}
+            tables = [ways[site] for site in sites]
             settled = decided and len({kind.lever for kind in rule.kinds}) == 1
             count = _count(tables, alike, repeats, settled)
             left += count
@@ -457,10 +460,9 @@ class TargetSearch:
             return None  # its tables have no packs
         tables: list[tuple[tuple[Cell, ...], ...]] = []
         for rule in rules:
-            ways = {
-                region: _buildable(rule, region, holes) for region in dict.fromkeys(self.regions)
-            }
-            tables.append(tuple(tuple(way.cell for way in ways[one]) for one in self.regions))
+            sites = rule.sites(self.regions)
+            ways = {site: _buildable(rule, site, holes) for site in dict.fromkeys(sites)}
+            tables.append(tuple(tuple(way.cell for way in ways[one]) for one in sites))
         orders = tuple(one.rising for one in self.target.orders.orders)
         states = None if self.target.states is None else frozenset(self.target.states)
         whole = self.target.orders.complete

@@ -111,6 +111,11 @@ class Tolerances(base.ByValue):
         columns = [np.broadcast_to(getattr(self, name), cells).tolist() for name in _UNITS]
         return tuple(CellTolerances(*row) for row in zip(*columns, strict=True))
 
+    def of_cells(self, cells: slice) -> "Tolerances":
+        """Those of some cells of a chain."""
+        changed: dict[str, Any] = {name: value[cells] for name, value in self._by_cell.items()}
+        return replace(self, **changed)
+
     def scaled(self, factor: float, *names: str, most: float = math.inf) -> "Tolerances":
         """The same with some of them multiplied by a factor, up to `most`."""
         changed: dict[str, Any] = {
