@@ -275,3 +275,36 @@ def test_two_actuators_are_reported_with_positions_and_written_with_both_sides(s
     assert refused.exit_code == 2 and "--actuators 2" in refused.stderr
     none = stepwell("design", "000>100>000>010>000>001>000", "--actuators", 2, "--samples", 50)
     assert none.exit_code == 3
+
+
+def test_json_has_the_band_and_the_number_of_bands_of_each_cell(stepwell):
+    packs = ("--band", "4xpaper", "--band", "2xantennas", "--most-bands", 2, "--holes", 10)
+    record = json.loads(
+        stepwell("design", "00>10>11>01>00", *packs, "--samples", 20, "--json").stdout
+    )
+    for cell, band in zip(record["cells"], record["bands"], strict=True):
+        assert band["name"] in ("paper", "antennas") and band["count"] in (1, 2)
+        assert cell["stiffness_N_per_m"] == band["count"] * band["stiffness_N_per_m"]
+        assert cell["rest_length_mm"] == band["rest_length_mm"]
+    walk = ("design", "00>10>00>01>00", "--actuators", 2, *packs, "--samples", 20, "--json")
+    tapped = json.loads(stepwell(*walk).stdout)
+    assert len(tapped["bands"]) == len(tapped["cells"]) == 2
+    assert {one["name"] for one in tapped["bands"]} <= {"paper", "antennas"}
+
+
+@pytest.mark.parametrize("band", ["2.5xpaper", "x:paper", "sixxpaper"])
+def test_a_band_that_cannot_be_read_is_refused_with_the_form_of_a_pack(stepwell, band):
+    result = stepwell("design", "00>10>11>01>00", "--band", band)
+    assert result.exit_code == 2
+    says(" ".join(result.stderr.split()), "--band", band, "whole number", "6xpaper")
+
+
+def test_levers_of_each_cell_are_given_with_commas(stepwell):
+    given = ("--lever", "12,2cm", "--anchor", "0.3,0", "--holes", 5, "--samples", 20, "--json")
+    record = json.loads(stepwell("design", "00>10>11>01>00", *given).stdout)
+    assert [cell["lever_mm"] for cell in record["cells"]] == [12.0, 20.0]
+    by_cell = record["yield"]["tolerances"]["by_cell"]
+    assert [one["anchor_mm"] for one in by_cell] == [0.3, 0.0]
+    wrong = stepwell("design", "00>10>11>01>00", "--lever", "12,20,16")
+    assert wrong.exit_code == 2
+    says(" ".join(wrong.stderr.split()), "lever", "3 lengths", "2 cells")

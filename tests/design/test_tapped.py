@@ -1,13 +1,14 @@
 """Chains with two actuators: walks that one actuator cannot follow, against plain paths."""
 
 import random
-from itertools import pairwise
+from dataclasses import replace
+from itertools import pairwise, product
 
 import pytest
 
 import stepwell as sw
 from facts import refuses, says
-from stepwell.design import design_tapped
+from stepwell.design import BandType, Tolerances, design_tapped
 
 
 def one_way_on(chain, state, direction):
@@ -71,6 +72,70 @@ def test_a_walk_that_no_tap_allows_is_impossible_with_the_steps_on_each_side():
     with refuses(sw.Impossible, "after cell 1", "'00 to 10'", "after cell 2", "'00 to 01'") as why:
         design_tapped(walk, samples=20)
     assert why.value.proved
+
+
+PAPER, WIDE = BandType(28.5, 0.010), BandType(47.0, 0.022)
+WALK = "000>100>000>001>011>001>000"
+
+
+def shared(packs, most=1):
+    """The largest yield of both sides, tap after cell 1, if packs are divided by hand."""
+    found = []
+    for first in product(*[range(pack + 1) for pack in packs]):
+        sides = first, tuple(pack - one for pack, one in zip(packs, first, strict=True))
+        steps = "0 to 1; 1 to 0", "00 to 01; 01 to 11; 11 to 01; 01 to 00"
+        fraction = 1.0
+        for counts, wanted in zip(sides, steps, strict=True):
+            kinds = zip((PAPER, WIDE), counts, strict=True)
+            bands = [replace(band, pack=count) for band, count in kinds if count]
+            try:
+                made = sw.design(requirements=wanted, bands=bands, most_bands=most, **ROUGH)
+            except (sw.Impossible, sw.InputError):
+                break
+            fraction *= made.yield_.fraction
+        else:
+            found.append(fraction)
+    return max(found, default=None)
+
+
+ROUGH = {"holes": 0.010, "samples": 60, "tolerances": Tolerances(anchor=0.004, stiffness=0.15)}
+
+
+@pytest.mark.parametrize(
+    ("packs", "most"), [((3, 1), 1), ((1, 2), 1), ((2, 1), 1), ((2, 3), 2), ((4, 1), 2)]
+)
+def test_both_sides_share_the_packs_as_divided_by_hand(packs, most):
+    bands = [replace(PAPER, pack=packs[0]), replace(WIDE, pack=packs[1])]
+    made = design_tapped(WALK, bands=bands, most_bands=most, **ROUGH)
+    assert made.tap == 1 and made.simulate() == made.walk
+    taken = (*made.inner.bands, *made.outer.bands)
+    for band, pack in zip((PAPER, WIDE), packs, strict=True):
+        assert sum(n for one, n in taken if one.stiffness == band.stiffness) <= pack
+    assert made.fraction == pytest.approx(shared(packs, most))
+
+
+def test_packs_that_hold_too_few_bands_for_both_sides_are_impossible():
+    with refuses(sw.Impossible, "packs", "2 cells", "hold 1") as why:
+        design_tapped(WALK, bands=[replace(PAPER, pack=2)], samples=20)
+    assert why.value.proved
+
+
+def test_packs_of_one_band_add_up():
+    one = replace(PAPER, pack=1)
+    made = design_tapped(WALK, bands=[one, one, one], samples=20)
+    assert len(made.inner.bands) + len(made.outer.bands) == 3
+
+
+def test_each_side_has_the_levers_and_tolerances_of_its_cells():
+    levers, anchors = (0.012, 0.014, 0.016), (0.0001, 0.0002, 0.0)
+    how = {"lever": [levers], "tolerances": Tolerances(anchor=anchors), "samples": 20}
+    made = design_tapped(WALK, **how)
+    assert tuple(cell.lever for cell in made.chain.levers) == levers
+    sides = made.inner.yield_, made.outer.yield_
+    assert (made.tap, *(one.tolerances.anchor for one in sides)) == (1, anchors[:1], anchors[1:])
+    for wrong in ({"lever": [levers[:2]]}, {"tolerances": Tolerances(anchor=anchors[:2])}):
+        with refuses(sw.InputError, "for 3 cells"):
+            design_tapped(WALK, **(how | wrong))
 
 
 @pytest.mark.parametrize(

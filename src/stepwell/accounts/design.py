@@ -28,6 +28,12 @@ _SCALES: Schema = (
     Quantity("travel_scale", head="travel scale", holds=float, left=False),
 )
 _LEVER: Schema = (Quantity("lever", "mm", "lever"), Quantity("limit", "deg"))
+# The type of band of a cell, and the number of its bands.
+_BANDS: Schema = (
+    *keys(name=(str, lambda one: one[0].name), count=(int, itemgetter(1))),
+    Quantity("stiffness", "N/m", read=lambda one: one[0].stiffness),
+    Quantity("rest_length", "mm", read=lambda one: one[0].rest_length),
+)
 _HOLES = Picture("holes", "The plates of each cell with p, q and the holes, origin and axes")
 # Tables have every k-th place of a displacement.
 _EVERY = 5
@@ -58,7 +64,7 @@ def design_schema(shape: DesignShape) -> Schema:
         *keys(state_count=(int, "reached.count"), states=([str], _states)),
         *keys(states_whole=(bool, "reached.whole"), states_how=(str, "reached.how")),
         *keys(actuator=(actuator_schema(shape), "chain")),
-        *keys(cells=([built_schema(shape)], lambda one: named(one.chain))),
+        *keys(cells=([built_schema(shape)], lambda one: named(one.chain)), bands=[_BANDS]),
         *(_of_grid(*one) for one in (("holes", "pitch", float), ("origin", "origin", [float]))),
         *keys(off_grid=str, candidates=int, robustness=_ROBUSTNESS),
         Quantity("yield", read="yield_", holds=yields.inner_yield_schema(shape)),
@@ -280,6 +286,7 @@ def tapped_design_schema(shape: DesignShape) -> Schema:
         Quantity("yield", read="fraction", holds=float),
         *keys(inner_yield=(sampled, "inner.yield_"), outer_yield=(sampled, "outer.yield_")),
         *keys(cells=([built_schema(shape)], lambda one: named(one.chain))),
+        *keys(bands=([_BANDS], lambda one: [*one.inner.bands, *one.outer.bands])),
         *keys(positions=([_STEP], _steps)),
         Quantity("one_actuator", read="single", holds=str),
         *keys(proved=bool),
@@ -295,11 +302,12 @@ def tapped_design_account(made: TappedDesign, about: About) -> Account:
     chain, tap = made.chain, made.tap
     single = made.single or "one actuator can follow this walk too"
     proved = "; this is proved" * made.proved
-    sides = zip(("within", "beyond"), (made.inner, made.outer), strict=True)
+    sides = (("within", made.inner), ("beyond", made.outer))
     facts = (
         Fact("Tap", f"holds the block between cells {tap} and {tap + 1}"),
         Fact("One actuator", f"{single}{proved}"),
         *(Fact(f"Yield {side} the tap", base.percent(one.yield_.fraction)) for side, one in sides),
+        *(Fact(f"Bands {side} the tap", one.bands_used) for side, one in sides),
         Fact("Full stroke", amount(chain.full_stroke, "m")),
     )
     built = built_schema(DesignShape.of(chain))

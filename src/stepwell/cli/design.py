@@ -559,7 +559,8 @@ def band_of(text: str) -> "BandType":
         raise wrong(
             "--band",
             f"{text!r}: must be {', '.join(BANDS)}, or K:LENGTH[:PERCENT] in N/m, mm and %, such "
-            f"as 28.5:10:5, or a design file with bands, such as mine.toml.",
+            f"as 28.5:10:5, or a design file with bands, such as mine.toml; for a pack, with a "
+            f"whole number of bands and x before it, such as 6xpaper.",
         ) from None
     tolerance = from_unit(percent, "percent") if percents else None
     with usable("--band"):

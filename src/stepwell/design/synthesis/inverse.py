@@ -150,7 +150,7 @@ def design(
         goal = ElementTarget.of(sequence, states, cells)
         choice = scaled(goal, allowed, actuator_stiffness, seed, progress)
         return _design_of_elements(goal, choice, allowed, samples, seed)
-    choices = _choices(lever)
+    choices = lever_choices(lever)
     levers = [one for choice in choices for one in choice]
     _check_anchors(p, q, free)
     _check_sizes(bands, levers, limit)
@@ -162,7 +162,7 @@ def design(
     within = areas.usual_box(max(levers), free) if within is None else within
     alike = _alike(choices, tolerances)
     target, regions = _target_and_regions(parts or sequence, states, cells, (within, alike))
-    choices = _of_each_cell(choices, target.orders.cells)
+    choices = of_each_cell(choices, target.orders.cells)
     if usual and not alike:
         regions = tuple(areas.usual_box(max(each), free) for each in zip(*choices, strict=True))
     each = tolerances.each(target.orders.cells)
@@ -231,7 +231,7 @@ def _check_elements_alone(
         raise InputError("elements have no anchors: leave `within` and `holes` out.")
 
 
-def _choices(lever: Levers) -> list[tuple[float, ...]]:
+def lever_choices(lever: Levers) -> list[tuple[float, ...]]:
     """The levers to choose from: one for all cells, or one per cell; InputError for others."""
     given = [lever] if not isinstance(lever, Iterable) else list(lever)
     choices = [tuple(map(float, np.atleast_1d(one))) for one in given]
@@ -247,7 +247,7 @@ def _alike(choices: list[tuple[float, ...]], tolerances: Tolerances) -> bool:
     return same and all(len({*one}) == 1 for one in choices)
 
 
-def _of_each_cell(choices: list[tuple[float, ...]], cells: int) -> list[tuple[float, ...]]:
+def of_each_cell(choices: list[tuple[float, ...]], cells: int) -> list[tuple[float, ...]]:
     """The same with a lever of every cell; InputError for another number of cells."""
     for one in choices:
         if len(one) not in (1, cells):

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,8 @@ import numpy as np
 from stepwell.base import ByValue, Floats, InputError, Progress, notify, to_unit
 from stepwell.design.requirements import Requirements
 from stepwell.design.synthesis.designed import Design, Impossible
-from stepwell.design.synthesis.inverse import design
+from stepwell.design.synthesis.inverse import design, lever_choices, of_each_cell
+from stepwell.design.synthesis.region import PAPER_BAND, BandType
 from stepwell.mechanism import Chain
 from stepwell.sequences import Program
 
@@ -50,7 +51,7 @@ class TappedDesign(ByValue):
     @property
     def fraction(self) -> float:
         """Fraction of samples that follow the walk: both sides are independent [1]."""
-        return self.inner.yield_.fraction * self.outer.yield_.fraction
+        return _fraction((self.inner, self.outer))
 
     @property
     def positions(self) -> Floats:
@@ -102,6 +103,7 @@ def design_tapped(
         walk: states from all cells at 0 on, such as "00>10>00>01>00"; each step moves one cell.
         progress: called with (done, total) places of the tap.
         how: further arguments of `design`, for both sides: bands, levers, regions, tolerances.
+            What is given cell by cell is for all cells. Both sides share packs of bands.
 
     Raises:
         Impossible: no place of the tap allows the walk, with the contradictory steps of each.
@@ -109,31 +111,150 @@ def design_tapped(
 
     Source: ours (theory page, "Two actuators").
     """
-    if any(band.pack is not None for band in how.get("bands", ())):
-        raise InputError("bands: a limited pack cannot be shared by two sides: leave it out.")
     states = _checked(walk)
     single, proved = _single(states)
     found: list[TappedDesign] = []
-    failed: list[tuple[str, bool]] = []
+    failed: list[Impossible] = []
     taps = range(1, len(states[0]))
     for done, tap in enumerate(taps):
         notify(progress, done, len(taps))
-        sides = [[state[:tap] for state in states], [state[tap:] for state in states]]
-        try:
-            inner, outer = (design(requirements=_steps(side), **how) for side in sides)
-        except Impossible as why:
-            texts = [_conflict(_steps(side)) for side in sides]
-            failed.append((next(filter(None, texts), str(why).rstrip(".")), why.proved))
+        sides = [_Side.of(states, part, how) for part in (slice(0, tap), slice(tap, None))]
+        pair = _best_pair(sides[0], sides[1])
+        if isinstance(pair, Impossible):
+            failed.append(pair)
             continue
-        made = TappedDesign(states, tap, inner, outer, single, proved)
+        made = TappedDesign(states, tap, *pair, single, proved)
         if made.simulate() == states:
             found.append(made)
     notify(progress, len(taps), len(taps))
     if not found:
-        reasons = "; ".join(f"tap after cell {k}: {why}" for k, (why, _) in enumerate(failed, 1))
-        sure = len(failed) == len(taps) and all(proved for _, proved in failed)
+        texts = (str(why).rstrip(".") for why in failed)
+        reasons = "; ".join(f"tap after cell {k}: {text}" for k, text in enumerate(texts, 1))
+        sure = len(failed) == len(taps) and all(why.proved for why in failed)
         raise Impossible(">".join(states), f"no place of a tap allows it; {reasons}", proved=sure)
     return max(found, key=lambda one: one.fraction)
+
+
+_Room = tuple[int | None, ...]
+"""Number of bands of each type that a side may take; None for any."""
+
+
+@dataclass
+class _Side:
+    """The designs of the cells within or beyond a tap, by the bands that they may take."""
+
+    steps: tuple[str, ...]
+    cells: int
+    how: dict[str, Any]
+    bands: tuple[BandType, ...]  # without packs
+    packs: _Room
+    found: dict[_Room, Design | Impossible] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, states: Sequence[str], part: slice, how: dict[str, Any]) -> "_Side":
+        """The cells of a part of a walk, with what is given for them."""
+        packs: dict[BandType, int | None] = {}
+        for band in how.get("bands", (PAPER_BAND,)):
+            kind = replace(band, pack=None)
+            held = packs.get(kind, 0)
+            packs[kind] = None if held is None or band.pack is None else held + band.pack
+        own = dict(how)
+        if "tolerances" in how:
+            how["tolerances"].each(len(states[0]))  # refuses another number of cells
+            own["tolerances"] = how["tolerances"].of_cells(part)
+        if "lever" in how:
+            choices = of_each_cell(lever_choices(how["lever"]), len(states[0]))
+            own["lever"] = [one[part] for one in choices]
+        if isinstance(how.get("within"), list | tuple):
+            own["within"] = how["within"][part] if len(how["within"]) > 1 else how["within"]
+        steps = _steps([state[part] for state in states])
+        cells = len(states[0][part])
+        return cls(steps, cells, own, tuple(packs), tuple(packs.values()))
+
+    def room(self, left: _Room) -> _Room:
+        """Of the bands that are left, no more than all cells can take."""
+        most = self.cells * self.how.get("most_bands", 1)
+        return tuple(None if one is None else min(one, most) for one in left)
+
+    def design(self, room: _Room) -> Design | Impossible:
+        """The best design with these bands, or why there is none."""
+        for larger, known in self.found.items():
+            if not _fits(room, larger):
+                continue
+            if isinstance(known, Impossible):
+                if known.proved:
+                    return known
+            elif _fits(self.used(known), room):
+                return known
+        self.found[room] = self._searched(room)
+        return self.found[room]
+
+    def used(self, made: Design) -> _Room:
+        """Number of bands of each type in a design."""
+        return tuple(
+            sum(count for own, count in made.bands if replace(own, pack=None) == band)
+            for band in self.bands
+        )
+
+    def _searched(self, room: _Room) -> Design | Impossible:
+        bands = [
+            replace(band, pack=held)
+            for band, held in zip(self.bands, room, strict=True)
+            if held != 0
+        ]
+        text = "; ".join(self.steps)
+        if not bands:
+            return Impossible(text, "no band is left for these cells", proved=True)
+        try:
+            return design(requirements=self.steps, **(self.how | {"bands": bands}))
+        except Impossible as why:
+            conflict = _conflict(self.steps)
+            return Impossible(text, conflict, proved=why.proved) if conflict else why
+
+
+def _fits(used: _Room, room: _Room) -> bool:
+    """Whether a room holds no more than another."""
+    return all(
+        held is None or (one is not None and one <= held)
+        for one, held in zip(used, room, strict=True)
+    )
+
+
+def _best_pair(inner: _Side, outer: _Side) -> tuple[Design, Design] | Impossible:
+    """Designs of both sides that share the packs, with the largest yield, or why there are none.
+
+    With all bands for each, the packs may hold what both take. Otherwise they are divided in every
+    way: what one side does not get, the other one may take.
+    """
+    packs = inner.packs
+    alone = [side.design(side.room(packs)) for side in (inner, outer)]
+    for one in alone:
+        if isinstance(one, Impossible):
+            return one
+    best: tuple[Design, Design] | None = None
+    why, proved = "", True
+    counts = [[None] if one is None else range(one + 1) for one in inner.room(packs)]
+    for first in product(*counts):
+        left = tuple(
+            None if held is None or one is None else held - one
+            for held, one in zip(packs, first, strict=True)
+        )
+        pair = inner.design(first), outer.design(outer.room(left))
+        failed = [one for one in pair if isinstance(one, Impossible)]
+        if failed:
+            why, proved = str(failed[0]).rstrip("."), proved and failed[0].proved
+        elif best is None or _fraction(pair) > _fraction(best):
+            best = pair
+    if best is None:
+        text = "; ".join((*inner.steps, *outer.steps))
+        reason = f"the packs cannot be divided between both sides; {why}"
+        return Impossible(text, reason, proved=proved)
+    return best
+
+
+def _fraction(pair: tuple[Design, Design]) -> float:
+    """Fraction of samples of which both sides are right [1]."""
+    return pair[0].yield_.fraction * pair[1].yield_.fraction
 
 
 def _checked(walk: str | Sequence[str]) -> tuple[str, ...]:
