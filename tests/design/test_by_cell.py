@@ -259,7 +259,12 @@ def test_the_best_pair_with_levers_and_tolerances_of_each_cell_is_found(target, 
     grid, sigma = Grid(levers), (0.20, 0.02)
     expected = grid.best(first, sigma)
     tolerances = Tolerances(stiffness=sigma)
-    how = {"within": grid.box, "holes": 0.005, "tolerances": tolerances, "lever": [levers]}
+    how: dict[str, Any] = {
+        "within": grid.box,
+        "holes": 0.005,
+        "tolerances": tolerances,
+        "lever": [levers],
+    }
     if expected == -math.inf:
         with pytest.raises(Impossible):
             design(target, samples=10, **how)

@@ -3,6 +3,7 @@
 import random
 from dataclasses import replace
 from itertools import pairwise, product
+from typing import Any
 
 import pytest
 
@@ -98,7 +99,11 @@ def shared(packs, most=1):
     return max(found, default=None)
 
 
-ROUGH = {"holes": 0.010, "samples": 60, "tolerances": Tolerances(anchor=0.004, stiffness=0.15)}
+ROUGH: dict[str, Any] = {
+    "holes": 0.010,
+    "samples": 60,
+    "tolerances": Tolerances(anchor=0.004, stiffness=0.15),
+}
 
 
 @pytest.mark.parametrize(
@@ -115,7 +120,7 @@ def test_both_sides_share_the_packs_as_divided_by_hand(packs, most):
 
 
 def test_packs_that_hold_too_few_bands_for_both_sides_are_impossible():
-    with refuses(sw.Impossible, "packs", "2 cells", "hold 1") as why:
+    with refuses(sw.Impossible, "2 cells", "hold 1") as why:
         design_tapped(WALK, bands=[replace(PAPER, pack=2)], samples=20)
     assert why.value.proved
 
@@ -128,12 +133,20 @@ def test_packs_of_one_band_add_up():
 
 def test_each_side_has_the_levers_and_tolerances_of_its_cells():
     levers, anchors = (0.012, 0.014, 0.016), (0.0001, 0.0002, 0.0)
-    how = {"lever": [levers], "tolerances": Tolerances(anchor=anchors), "samples": 20}
+    how: dict[str, Any] = {
+        "lever": [levers],
+        "tolerances": Tolerances(anchor=anchors),
+        "samples": 20,
+    }
     made = design_tapped(WALK, **how)
     assert tuple(cell.lever for cell in made.chain.levers) == levers
     sides = made.inner.yield_, made.outer.yield_
     assert (made.tap, *(one.tolerances.anchor for one in sides)) == (1, anchors[:1], anchors[1:])
-    for wrong in ({"lever": [levers[:2]]}, {"tolerances": Tolerances(anchor=anchors[:2])}):
+    wrongs: list[dict[str, Any]] = [
+        {"lever": [levers[:2]]},
+        {"tolerances": Tolerances(anchor=anchors[:2])},
+    ]
+    for wrong in wrongs:
         with refuses(sw.InputError, "for 3 cells"):
             design_tapped(WALK, **(how | wrong))
 

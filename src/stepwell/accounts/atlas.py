@@ -108,7 +108,7 @@ def atlas_account(
         matching = number(len(graph_classes)) if graph_classes else "none"
         answer = f"{query}: {matching} of the graphs in this atlas"
     rows, space = recorded(_CLASS_TABLE, graph_classes), recorded(VARIED, _space(atlas))
-    full, within = recorded(_CYCLES, atlas.cycles), atlas.tolerances
+    full, within = recorded(_CYCLES, atlas.cycles), atlas.tolerances.most
     columns = (
         "Back: the cells in the order in which they snap back, numbered as they load. Yield: the "
         "fraction of samples of the most robust design with the same graph, within "

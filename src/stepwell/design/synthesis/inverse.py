@@ -1,5 +1,6 @@
 """Inverse design: anchors with which a chain reaches a target."""
 
+import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -151,21 +152,21 @@ def design(
         choice = scaled(goal, allowed, actuator_stiffness, seed, progress)
         return _design_of_elements(goal, choice, allowed, samples, seed)
     choices = lever_choices(lever)
-    levers = [one for choice in choices for one in choice]
+    levers = list(itertools.chain.from_iterable(choices))
     _check_anchors(p, q, free)
     _check_sizes(bands, levers, limit)
+    _check_regions(within)
     if check.whole("most_bands", most_bands, 1) > MOST_BANDS:
         raise InputError(f"most_bands = {most_bands}: must be at most {MOST_BANDS}.")
     _check_objective(tolerances, objective, bands, most_force)
     fixed = q if free == "p" else p
     usual = within is None
-    within = areas.usual_box(max(levers), free) if within is None else within
-    alike = _alike(choices, tolerances)
-    target, regions = _target_and_regions(parts or sequence, states, cells, (within, alike))
+    within = _usual_regions(choices, free) if within is None else within
+    alike = _alike(choices, tolerances, within)
+    target = _target(parts or sequence, states, cells, alike)
     choices = of_each_cell(choices, target.orders.cells)
-    if usual and not alike:
-        regions = tuple(areas.usual_box(max(each), free) for each in zip(*choices, strict=True))
     each = tolerances.each(target.orders.cells)
+    regions = _regions(within, target.orders.cells)
     way = bands, float(limit), unusual, most_bands
     rule = Rule(
         (float(fixed[0]), float(fixed[1])),
@@ -179,8 +180,7 @@ def design(
     _check_units(rule, grid)
     _check_holes(regions, grid, free)
     mixed = not equal_levers and len(choices) > 1
-    alone = [replace(rule, kinds=_kinds([choice], each, way)) for choice in choices]
-    rules = [rule] * mixed + alone
+    rules = [rule] * mixed + _one_choice_each(rule, choices, each, way)
     n = len(rules)
     search = TargetSearch(
         *(target, regions, grid, actuator_stiffness, seed, progress, n, free, usual, tuple(bands))
@@ -200,7 +200,7 @@ def design(
     criterion = _success_criterion(target.states, result, tolerances)
     count = samples or _default_samples(attempt, criterion)
     chosen = _bands_of(attempt, chain, bands)
-    own = _with_spreads(tolerances, [band.spread for band, _ in chosen])
+    own = _with_spreads(tolerances, chosen)
     counted = yields(chain, own, samples=count, seed=seed, target=criterion)
     if parts is not None:
         counted = of_requirements(counted, parts)
@@ -241,10 +241,13 @@ def lever_choices(lever: Levers) -> list[tuple[float, ...]]:
     return choices
 
 
-def _alike(choices: list[tuple[float, ...]], tolerances: Tolerances) -> bool:
-    """Whether all cells have the same levers to choose from, and the same tolerances."""
+def _alike(
+    choices: list[tuple[float, ...]], tolerances: Tolerances, within: Region | Sequence[Region]
+) -> bool:
+    """Whether all cells have the same levers to choose from, tolerances, and region."""
     same = len({*tolerances.each(tolerances.cells or 1)}) == 1
-    return same and all(len({*one}) == 1 for one in choices)
+    one = isinstance(within, AnchorBox | AnchorPolygon) or len({*within}) == 1
+    return one and same and all(len({*levers}) == 1 for levers in choices)
 
 
 def of_each_cell(choices: list[tuple[float, ...]], cells: int) -> list[tuple[float, ...]]:
@@ -256,6 +259,24 @@ def of_each_cell(choices: list[tuple[float, ...]], cells: int) -> list[tuple[flo
                 f"each, inner cell first."
             )
     return [one * cells if len(one) == 1 else one for one in choices]
+
+
+def _usual_regions(choices: list[tuple[float, ...]], free: str) -> Region | tuple[Region, ...]:
+    """The usual region of the longest lever, or of the longest one of each cell."""
+    cells = max(map(len, choices), default=1)
+    each = zip(*of_each_cell(choices, cells), strict=True)
+    regions = tuple(areas.usual_box(max(levers), free) for levers in each)
+    return regions if len({*regions}) > 1 else regions[0]
+
+
+def _one_choice_each(
+    rule: Rule,
+    choices: list[tuple[float, ...]],
+    each: Sequence[CellTolerances],
+    way: tuple[Sequence[BandType], float, bool, int],
+) -> list[Rule]:
+    """The rule for each choice of levers alone."""
+    return [replace(rule, kinds=_kinds([choice], each, way)) for choice in choices]
 
 
 def _kinds(
@@ -325,38 +346,43 @@ def _design_of_elements(
     )
 
 
-def _target_and_regions(
-    sequence: str | Requirements | None,
-    states: Iterable[str] | str | None,
-    cells: int | None,
-    places: tuple[Region | Sequence[Region], bool],
-) -> tuple[Target, tuple[Region, ...]]:
-    """The target, and the region of every cell; `places` has whether cells are alike too."""
-    within, alike = places
-    given = (within,) if isinstance(within, AnchorBox | AnchorPolygon) else tuple(within)
-    if not given or not all(isinstance(region, AnchorBox | AnchorPolygon) for region in given):
+def _check_regions(within: Region | Sequence[Region] | None) -> None:
+    if within is None or isinstance(within, AnchorBox | AnchorPolygon):
+        return
+    if not within or not all(isinstance(region, AnchorBox | AnchorPolygon) for region in within):
         raise InputError(
             f"within = {within!r}: must be an AnchorBox or an AnchorPolygon, or one for each cell."
         )
-    alike = alike and len(set(given)) == 1
+
+
+def _target(
+    sequence: str | Requirements | None,
+    states: Iterable[str] | str | None,
+    cells: int | None,
+    alike: bool,
+) -> Target:
+    """The target; `alike` if any cell can be any other one."""
     if isinstance(sequence, Requirements):
         orders = sequence.orders(alike=alike)
-        target = Target(sequence.text, orders, by_states=False, requirements=sequence)
-    elif states is None:
+        return Target(sequence.text, orders, by_states=False, requirements=sequence)
+    if states is None:
         orders = of_sequence(str(sequence))
         text = str(orders.orders[0].sequence) if len(orders.orders) == 1 else f"order {sequence}"
-        target = Target(short(text), orders, by_states=False)
-    else:
-        states = states if isinstance(states, str) else tuple(states)
-        every = f"all states of {cells} cells"
-        text = every if states == "all" else f"states {' '.join(states)}"
-        target = Target(short(text), of_states(states, cells, alike), by_states=True)
-    if len(given) not in (1, target.orders.cells):
+        return Target(short(text), orders, by_states=False)
+    states = states if isinstance(states, str) else tuple(states)
+    every = f"all states of {cells} cells"
+    text = every if states == "all" else f"states {' '.join(states)}"
+    return Target(short(text), of_states(states, cells, alike), by_states=True)
+
+
+def _regions(within: Region | Sequence[Region], cells: int) -> tuple[Region, ...]:
+    """The region of every cell."""
+    given = (within,) if isinstance(within, AnchorBox | AnchorPolygon) else tuple(within)
+    if len(given) not in (1, cells):
         raise InputError(
-            f"within has {len(given)} regions for {target.orders.cells} cells: must be one for "
-            f"all, or one each."
+            f"within has {len(given)} regions for {cells} cells: must be one for all, or one each."
         )
-    return target, given if len(given) == target.orders.cells else given * target.orders.cells
+    return given if len(given) == cells else given * cells
 
 
 def _one_target(
@@ -503,8 +529,9 @@ def _enclosing_box(regions: tuple[Region, ...]) -> Box:
     return Box(min(left), max(right), min(bottom), max(top))
 
 
-def _with_spreads(tolerances: Tolerances, spreads: Sequence[float | None]) -> Tolerances:
+def _with_spreads(tolerances: Tolerances, chosen: Sequence[tuple[BandType, int]]) -> Tolerances:
     """The tolerances with the standard deviation of each cell's band, if it has one."""
+    spreads = [band.spread for band, _ in chosen]
     if all(spread is None for spread in spreads):
         return tolerances
     each = zip(spreads, tolerances.each(len(spreads)), strict=True)

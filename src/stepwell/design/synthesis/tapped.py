@@ -1,6 +1,6 @@
 """Chains with two actuators: one at the end, and one that holds a block between two cells."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise, product
@@ -206,7 +206,8 @@ class _Side:
         if not bands:
             return Impossible(text, "no band is left for these cells", proved=True)
         try:
-            return design(requirements=self.steps, **(self.how | {"bands": bands}))
+            how: dict[str, Any] = self.how | {"bands": bands}
+            return design(requirements=self.steps, **how)
         except Impossible as why:
             conflict = _conflict(self.steps)
             return Impossible(text, conflict, proved=why.proved) if conflict else why
@@ -220,39 +221,47 @@ def _fits(used: _Room, room: _Room) -> bool:
     )
 
 
-def _best_pair(inner: _Side, outer: _Side) -> tuple[Design, Design] | Impossible:
+_Pair = tuple[Design, Design]
+
+
+def _best_pair(inner: _Side, outer: _Side) -> _Pair | Impossible:
     """Designs of both sides that share the packs, with the largest yield, or why there are none.
 
     With all bands for each, the packs may hold what both take. Otherwise they are divided in every
     way: what one side does not get, the other one may take.
     """
-    packs = inner.packs
-    alone = [side.design(side.room(packs)) for side in (inner, outer)]
-    for one in alone:
-        if isinstance(one, Impossible):
-            return one
-    best: tuple[Design, Design] | None = None
     why, proved = "", True
-    counts = [[None] if one is None else range(one + 1) for one in inner.room(packs)]
-    for first in product(*counts):
-        left = tuple(
-            None if held is None or one is None else held - one
-            for held, one in zip(packs, first, strict=True)
-        )
-        pair = inner.design(first), outer.design(outer.room(left))
-        failed = [one for one in pair if isinstance(one, Impossible)]
-        if failed:
-            why, proved = str(failed[0]).rstrip("."), proved and failed[0].proved
-        elif best is None or _fraction(pair) > _fraction(best):
-            best = pair
-    if best is None:
-        text = "; ".join((*inner.steps, *outer.steps))
-        reason = f"the packs cannot be divided between both sides; {why}"
-        return Impossible(text, reason, proved=proved)
-    return best
+    best: _Pair | None = None
+    for rooms in _divided(inner, outer):
+        first, second = inner.design(rooms[0]), outer.design(rooms[1])
+        if isinstance(first, Impossible) or isinstance(second, Impossible):
+            failed = first if isinstance(first, Impossible) else second
+            assert isinstance(failed, Impossible)
+            why, proved = str(failed).rstrip("."), proved and failed.proved
+            continue
+        if best is None or _fraction((first, second)) > _fraction(best):
+            best = first, second
+    if best is not None:
+        return best
+    text = "; ".join((*inner.steps, *outer.steps))
+    return Impossible(text, why, proved=proved)
 
 
-def _fraction(pair: tuple[Design, Design]) -> float:
+def _divided(inner: _Side, outer: _Side) -> Iterator[tuple[_Room, _Room]]:
+    """Numbers of bands for each side: all for both if this decides, else every division."""
+    packs = inner.packs
+    whole = inner.room(packs), outer.room(packs)
+    alone = inner.design(whole[0]), outer.design(whole[1])
+    if any(isinstance(one, Impossible) for one in alone):
+        yield whole
+        return
+    for first in product(*([None] if one is None else range(one + 1) for one in whole[0])):
+        left = zip(packs, first, strict=True)
+        rest = tuple(None if held is None else held - (one or 0) for held, one in left)
+        yield first, outer.room(rest)
+
+
+def _fraction(pair: _Pair) -> float:
     """Fraction of samples of which both sides are right [1]."""
     return pair[0].yield_.fraction * pair[1].yield_.fraction
 
