@@ -135,7 +135,7 @@ class Parts(Group):
     levers: list[float] | None = option(
         "Available lever length [mm]; the paper's by default. Lengths with commas are those of the "
         "cells, inner cell first. May be repeated.",
-        "--lever LENGTH[,LENGTH]...",
+        "--lever LENGTH,...",
         parser=by_cell(length()),
     )
     mixed_levers: bool = flag("Allow cells with different levers.", "--mixed-levers")

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Friction = Annotated[
     float,
     typer.Option(
-        metavar="FORCE[,FORCE]...",
+        metavar="FORCE,...",
         help="Friction tolerance: uniform additional friction of every cell, at most FORCE [N; kPa "
         "or mN m for elements with these units].",
         parser=by_cell(number()),
@@ -31,7 +31,7 @@ Friction = Annotated[
 TravelTolerance = Annotated[
     float,
     typer.Option(
-        metavar="PERCENT[,PERCENT]...",
+        metavar="PERCENT,...",
         help="Travel tolerance: standard deviation of the travel of an element [%].",
         parser=by_cell(percent(24.9)),
     ),
@@ -55,20 +55,20 @@ class BandTolerances(Group):
     anchor: float = option(
         "Anchor tolerance: radius of a uniform distribution [mm]. As all tolerances, one for all "
         "cells, or one per cell with commas, inner cell first.",
-        "--anchor LENGTH[,LENGTH]...",
+        "--anchor LENGTH,...",
         default=base.to_unit(base.USUAL_ANCHOR, "mm"),
         parser=by_cell(length()),
     )
     stiffness_tolerance: float = option(
         "Stiffness tolerance: standard deviation of the stiffness of a band, or of the force scale "
         "of an element [%].",
-        "PERCENT[,PERCENT]...",
+        "PERCENT,...",
         default=base.to_unit(base.USUAL_STIFFNESS, "percent"),
         parser=by_cell(percent(24.9)),
     )
     rest_length_tolerance: float = option(
         "Rest-length tolerance: standard deviation of the rest length of a band [%].",
-        "PERCENT[,PERCENT]...",
+        "PERCENT,...",
         default=0.0,
         parser=by_cell(percent(24.9)),
     )
@@ -104,7 +104,7 @@ class DesignTolerances(BandTolerances):
 
     lever_tolerance: float = option(
         "Lever tolerance: half width of a uniform distribution [mm].",
-        "LENGTH[,LENGTH]...",
+        "LENGTH,...",
         default=0.0,
         parser=by_cell(length()),
     )

@@ -148,7 +148,7 @@ class _Side:
     how: dict[str, Any]
     bands: tuple[BandType, ...]  # without packs
     packs: _Room
-    found: dict[_Room, Design | Impossible] = field(default_factory=dict)
+    designs: dict[_Room, Design | Impossible] = field(default_factory=dict)
 
     @classmethod
     def of(cls, states: Sequence[str], part: slice, how: dict[str, Any]) -> "_Side":
@@ -178,7 +178,7 @@ class _Side:
 
     def design(self, room: _Room) -> Design | Impossible:
         """The best design with these bands, or why there is none."""
-        for larger, known in self.found.items():
+        for larger, known in self.designs.items():
             if not _fits(room, larger):
                 continue
             if isinstance(known, Impossible):
@@ -186,8 +186,8 @@ class _Side:
                     return known
             elif _fits(self.used(known), room):
                 return known
-        self.found[room] = self._searched(room)
-        return self.found[room]
+        self.designs[room] = self._searched(room)
+        return self.designs[room]
 
     def used(self, made: Design) -> _Room:
         """Number of bands of each type in a design."""
