@@ -67,6 +67,8 @@ class Cell(ByValue, Drawn):
     """What its travel and force are: a travel and a force."""
     # Whether the sizes were checked for slips; `replace` copies it.
     _asked: bool = field(default=False, repr=False, compare=False, kw_only=True)
+    # S [m], which most computations read several times a cell.
+    _full_travel: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self):
         if not isinstance(self.band, Band):
@@ -79,6 +81,8 @@ class Cell(ByValue, Drawn):
         check.fields(self, check.not_negative, friction="N")
         object.__setattr__(self, "mobility", a_mobility(self.mobility))
         _refuse_limit(self.limit)
+        full = geometry.travel_of(self.sin_limit, self.lever, self.sin_limit)
+        object.__setattr__(self, "_full_travel", full)
         if not (self.unusual or self._asked):
             slips = sizes.slips(self)
             if slips:
@@ -102,7 +106,7 @@ class Cell(ByValue, Drawn):
     @property
     def full_travel(self) -> float:
         """S = 2 r sin θc [m]."""
-        return geometry.travel_of(self.sin_limit, self.lever, self.sin_limit)
+        return self._full_travel
 
     def with_anchors(self, p: Vec2 | None = None, q: Vec2 | None = None) -> "Cell":
         """The same cell with the anchors of its bands at p and q [m]; None leaves them.

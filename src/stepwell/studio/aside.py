@@ -118,14 +118,16 @@ class WorkerProcess:
     @property
     def waits(self) -> bool:
         """Whether the process is there and has nothing to do."""
-        return not self._works and self._process is not None and self._process.is_alive()
+        return not self._works and self._alive() is not None
 
     async def run(self, message: Message, report: Callable[[bytes], None]) -> bytes | None:
         """The answer to a message, None if the work was ended; `report` is called with progress."""
         loop = asyncio.get_running_loop()
         self._ended, self._works = False, True
         try:
-            pipe = await loop.run_in_executor(self._thread, self._started)
+            pipe = self._alive()
+            if pipe is None:
+                pipe = await loop.run_in_executor(self._thread, self._started)
             if self._ended:  # meanwhile
                 self.end()
                 return None
@@ -153,9 +155,11 @@ class WorkerProcess:
         self.end()
         self._thread.shutdown(wait=False, cancel_futures=True)
 
+    def _alive(self) -> Connection | None:
+        alive = self._process is not None and self._process.is_alive()
+        return self._pipe if alive else None
+
     def _started(self) -> Connection:
-        if self._process is not None and self._process.is_alive() and self._pipe is not None:
-            return self._pipe
         apart = _apart()
         ours, theirs = apart.Pipe()
         process: BaseProcess = apart.Process(target=_work, args=(theirs, self._nice), daemon=True)
