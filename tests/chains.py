@@ -96,7 +96,7 @@ def contest(mobility: float = 1.0, friction: float = 0.0) -> sw.Chain:
 
 
 def corrupted(rng: np.random.Generator, events: list[sw.statics.Event]) -> list[sw.statics.Event]:
-    """The events with one dropped, two swapped, or one moved."""
+    """The events with one dropped, two swapped, or one moved by more than the errors they state."""
     k, how = int(rng.integers(len(events))), int(rng.integers(3))
     if how == 0:
         return [*events[:k], *events[k + 1 :]]
@@ -105,5 +105,6 @@ def corrupted(rng: np.random.Generator, events: list[sw.statics.Event]) -> list[
         return [*events[:k], events[k + 1], events[k], *events[k + 2 :]]
     event, cell = events[k], 0
     after = list(event.after)
-    after[cell] += float(rng.choice([-1, 1]) * 10 ** rng.uniform(-10, -4))
+    stated = 2.0 * sum(one.error for one in events[: k + 1])
+    after[cell] += float(rng.choice([-1, 1]) * (10 ** rng.uniform(-10, -4) + stated))
     return [*events[:k], replace(event, after=tuple(after)), *events[k + 1 :]]

@@ -11,7 +11,10 @@ import pytest
 import chains
 import stepwell as sw
 from accounts.schemas import violations
+from races import Race
 from sizes import cases
+from statics.test_against_oracle import as_oracle
+from statics.test_races import races
 from stepwell.accounts import account
 from stepwell.design import Run
 from stepwell.proof import PathProof, ProvedEvent, ProvedRun, Theorem, prove
@@ -111,6 +114,24 @@ def test_a_snap_of_three_cells_with_friction_is_followed():
     proof = chain.cycle().path.prove()
     flows = [one for one in proof.events if one.theorem is Theorem.FLOW]
     assert proof.proved and len(flows[0].event.cells) == 3 and chain.cells[2].friction > 0
+
+
+# Cells that come to rest in a flow, that let go, or reverse as another one reaches its stop.
+@pytest.mark.parametrize("number", cases([110, 125, 260, 281], [125, 281]))
+def test_landings_with_friction_are_proved_where_brute_force_lands(number):
+    rng = np.random.default_rng([41, number])
+    chain = chains.any_chain(rng, int(rng.integers(2, 7)))
+    proof = chain.cycle().path.prove()
+    assert proof.proved and any(cell.friction > 0.0 for cell in chain.cells)
+    race = Race([as_oracle(cell) for cell in chain.cells])
+    flows = {one.event.drive: one for one in proof.events if one.theorem is Theorem.FLOW}
+    for before, segment, landing in races(chain):
+        if one := flows.get(segment.drive[0]):
+            there = race.land(before, segment.direction, segment.drive[0])
+            known = 1e-7 * race.span + one.travel_error
+            assert np.all(np.abs(there - landing) <= known)
+    wrong = chains.corrupted(rng, list(proof.path.events))
+    assert not prove(proof.path, claims=wrong).proved
 
 
 def test_wrong_answers_are_caught():

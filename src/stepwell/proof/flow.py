@@ -1,433 +1,491 @@
-"""The overdamped flow of a snap at a prescribed stroke, enclosed step by step to its landing.
+"""The flow of a snap with friction, enclosed in a tube too, and the choice of the tube.
 
-Each step of time h encloses s(h) = s + h v + h²/2 s'' with s'' from a box that holds the whole step
-(Moore 1966), and v from its mean value form. Where a cell may meet a stop or leave it, the step is
-of first order, with all forces λ that either case gives.
+Let P(a) be the velocities of the flow for the driving forces a: the least of Σ v²/2m - a v + f |v|
+over all v with Σ v = 0. |P(a) - P(b)| is at most |a - b| in the metric of mobilities, so two flows
+part at most at the largest m |κ|. While the tube shows in which sense each cell slides, or that it
+rests, friction only shifts forces, and the rate is that of a flow without it.
 """
 
 import math
-from dataclasses import replace
-from functools import reduce
+from collections.abc import Iterator
+
+import numpy as np
 
 from stepwell.proof import balls
 from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull, low
-from stepwell.proof.tube import follow
-from stepwell.proof.walk import FREE, HELD, EnclosedWalk, Stand
+from stepwell.proof.leaving import Cone, slowest
+from stepwell.proof.motion import FlowMotion, derivative, value, when
+from stepwell.proof.tube import MOST_STEPS, WIDE, Tube
+from stepwell.proof.walk import HELD, EnclosedWalk, Stand
 
-# Steps as a fraction of the shortest time scale 1/(m |κ|), one after the other where a flow is not
-# enclosed, and the number of steps of the first one.
-_STEPS, _MOST_STEPS = (0.04, 0.01), 600
-# A box wider than this fraction of the travel leads nowhere.
-_WIDE = 0.2
+# A cell comes to rest, or lets go, for certain within a time of this many widths of the tube.
+_MARGIN = 8.0
+_CAUSE = "which cells friction holds in the flow of a snap"
 
 
-def land(walk: EnclosedWalk, places: dict[int, Ball]) -> None:
+def follow(walk: EnclosedWalk, places: dict[int, Ball], radius: Ball | None = None) -> None:
     """Follow the flow of a snap from enclosed travels, and put the walk at its landing.
+
+    Args:
+        walk: the chain; cells that are not in `places` are held.
+        places: travels of the others.
+        radius: of a ball around the places that holds the flow, in the metric of mobilities.
 
     Raises:
         UndecidedError: its landing is not proved.
     """
-    stands = [replace(stand) for stand in walk.stands]
-    try:
-        follow(walk, places)
-        return
-    except UndecidedError as why:
-        walk.stands, cause = stands, why
-        if not any(cell.rubs for cell in walk.cells):
-            raise
-    for step in _STEPS:
-        stands = [replace(stand) for stand in walk.stands]
-        try:
-            EnclosedFlow(walk, dict(places), step).land()
+    tube = (RubbedTube if any(cell.rubs for cell in walk.cells) else Tube)(walk, places)
+    if radius is not None:
+        tube.radius = high(tube.radius + radius)
+    for step in range(MOST_STEPS):
+        if (tube.is_alone() and tube.put_last()) or (step % 8 == 7 and tube.lands()):
+            _away_from_stops(walk)
             return
-        except UndecidedError as why:
-            walk.stands, cause = stands, why
-    raise cause
+        tube.step()
+        if tube.width() > WIDE:
+            break
+    raise UndecidedError("the flow of a snap is not enclosed narrowly enough")
 
 
-class EnclosedFlow:
-    """Cells in a snap: those that move or may move, each with a ball of travel; others are held."""
+def _ratio(width: float, rate: float) -> float:
+    """The time of some widths at a rate."""
+    return _MARGIN * width / abs(rate) if rate else math.inf
 
-    def __init__(self, walk: EnclosedWalk, places: dict[int, Ball], step: float):
-        self.walk, self.s, self.step = walk, places, step
-        self.total = ball(0.0)
-        for i, stand in enumerate(walk.stands):
-            self.total = self.total + places.get(i, stand.travel)
-        self.mobility = {i: ball(m) for i, m in enumerate(walk.mobility)}
 
-    def land(self) -> None:
-        """Follow the flow until its landing is proved, and put the walk there."""
-        for step in range(round(_MOST_STEPS * _STEPS[0] / self.step)):
-            if len(self.s) == 1 and self._put_last():
+def _away_from_stops(walk: EnclosedWalk) -> None:
+    """Prove that each cell is exactly at a stop, or at none."""
+    for cell, stand in zip(walk.cells, walk.stands, strict=True):
+        for stop in (cell.low, cell.high):
+            if stand.travel.overlaps(stop) and not stand.travel == stop:
+                raise UndecidedError("whether a cell is at its stop after a snap")
+
+
+class RubbedTube(Tube):
+    """A tube of cells some of which have friction."""
+
+    def __init__(self, walk: EnclosedWalk, places: dict[int, Ball]):
+        super().__init__(walk, places)
+        self.stuck = {i for i in self.middle if self.cells[i].rubs}
+        # Cells that were let go in this step, and the longest step in which cells are let go.
+        self.fresh: set[int] = set()
+        self.least = math.inf
+        # A bound of the speed of the middle in a step, and whether it crosses a joint or a stop.
+        self.pace, self.crosses = ball(math.inf), False
+
+    # Which cells slide in the middle of the tube: hints.
+
+    def _at(self, i: int) -> float:
+        return balls.number(self.cells[i].law(ball(self.middle[i]))[0])
+
+    def _rub(self, i: int) -> float:
+        return balls.number(self.cells[i].friction)
+
+    def _mean(self) -> tuple[float, float]:
+        """λ in the middle of the tube, and its rate."""
+        laws = {i: self.cells[i].law(ball(self.middle[i])) for i in self._movers()}
+        force = {i: balls.number(law[0] + self.shift(i)) for i, law in laws.items()}
+        mass = sum(self.m[i] for i in laws)
+        level = sum(self.m[i] * f for i, f in force.items()) / mass
+        ways = {i: self.m[i] * (level - f) for i, f in force.items()}
+        slopes = {i: balls.number(law[1]) for i, law in laws.items()}
+        return level, sum(self.m[i] * slopes[i] * ways[i] for i in laws) / mass
+
+    def _release(self) -> None:
+        for _ in range(8 * len(self.cells)):
+            if not self._movers() and not self._first_two():
                 return
-            if step % 8 == 7 and (self._is_trapped() or self._pair_ends()):
+            if not self._changed(*self._mean()):
                 return
-            if len(self.s) > 1:
-                self._step()
-            widths = [float(s.rad()) / self.walk.cells[i].size for i, s in self.s.items()]
-            if max(widths, default=0.0) > _WIDE:
-                break
-        raise UndecidedError("the flow of a snap is not enclosed narrowly enough")
+        raise UndecidedError(_CAUSE)
 
-    def _stops(self, i: int) -> tuple[Ball, Ball]:
-        return self.walk.cells[i].low, self.walk.cells[i].high
-
-    def _touches(self, i: int, s: Ball) -> bool:
-        a, b = self._stops(i)
-        return not (s > a and s < b)
-
-    def _rates(self, at: dict[int, Ball]) -> tuple[dict[int, Ball], dict[int, Ball], Ball, bool]:
-        """Velocities and slopes κ in a box, λ, and whether each cell moves for certain."""
-        laws = {i: self.walk.cells[i].law(s) for i, s in at.items()}
-        force, moving = self._level(at, {i: law[0] for i, law in laws.items()})
-        rates = {i: self._rate(i, law[0], force, moving) for i, law in laws.items()}
-        return rates, {i: law[1] for i, law in laws.items()}, force, len(moving) == len(at)
-
-    def _rate(self, i: int, own: Ball, force: Ball, moving: dict[int, Ball]) -> Ball:
-        m, rub = self.mobility[i], self.walk.cells[i].friction
-        if i in moving:
-            return m * (force - moving[i])
-        up, down, still = m * (force - own - rub), m * (force - own + rub), ball(0.0)
-        if up > 0 or down < 0:
-            # One that is pressed against its stop moves up to it, and stays there.
-            return up if up > 0 else down
-        fast, slow = max(high(up), still), min(low(down), still)
-        return hull(fast, slow)
-
-    def _level(self, at: dict[int, Ball], own: dict[int, Ball]) -> tuple[Ball, dict[int, Ball]]:
-        """λ in a box, and the forces with friction of the cells that move for certain."""
-        moving = {
-            i: own[i]
-            for i, s in at.items()
-            if not self.walk.cells[i].rubs and not self._touches(i, s)
-        }
-        ends = {i: own[i] + self.walk.cells[i].friction * ball(0.0, 1.0) for i in at}
-        while (more := self._next_mover(at, own, ends, moving)) is not None:
-            moving[more[0]] = more[1]
-        unsure = [i for i in at if i not in moving]
-        if not moving:
-            # λ is a mean of the forces of those that move.
-            return reduce(hull, ends.values()), moving
-        mass = sum((self.mobility[i] for i in moving), ball(0.0))
-        force = sum((self.mobility[i] * f for i, f in moving.items()), ball(0.0)) / mass
-        for i in unsure:
-            # λ with the cell lies between λ without it and the cell's own force.
-            share = self.mobility[i] / (mass + self.mobility[i])
-            force = hull(force, force + share * (ends[i] - force))
-        return force, moving
-
-    def _next_mover(self, at, own, ends, moving) -> tuple[int, Ball] | None:
-        """A cell that moves whichever of the other ones do, with its force and friction."""
-        for i, s in at.items():
-            others = [moving.get(k, ends[k]) for k in at if k != i]
-            if i in moving or not others:
-                continue
-            # λ without the cell is a mean of the forces of others.
-            force, rub = reduce(hull, others), self.walk.cells[i].friction
-            a, b = self._stops(i)
-            if force > own[i] + rub and not s.overlaps(b):
-                return i, own[i] + rub
-            if force < own[i] - rub and not s.overlaps(a):
-                return i, own[i] - rub
-        return None
-
-    def _step(self) -> None:
-        rates, slopes, _, _ = self._rates(self.s)
-        pace = 0.0
-        for i in self.s:
-            # Where forces are constant, the time scale is that of the way.
-            way = float(high(abs(rates[i]))) / self.walk.cells[i].size
-            pace = max(pace, float(high(abs(slopes[i] * self.mobility[i]))), way)
-        if not 0.0 < pace < math.inf:
-            raise UndecidedError("the pace of the flow of a snap")
-        h = ball(self.step / pace)
-        h = self._short_of_stops(h, rates)
-        for _ in range(40):
-            around = self._around(h)
-            if around is not None and not self._released(around):
-                break
-            h = h if around is not None else h / 2
-        else:
-            raise UndecidedError("a step of the flow is not enclosed")
-        rates, slopes, _, smooth = self._rates(around)
-        self.s = self._second(h, rates, slopes) if smooth else self._first(h, rates)
-        self._close()
-        self._hold_arrived()
-        self._hold_stuck(around)
-
-    def _short_of_stops(self, h: Ball, rates: dict[int, Ball]) -> Ball:
-        """A step that ends before a stop, or one that brings the whole box of a cell to it."""
-        for i, s in self.s.items():
-            a, b = self._stops(i)
-            rate, size = rates[i], self.walk.cells[i].size
-            if not (rate > 0 or rate < 0):
-                continue
-            stop, front, rear = (b, high(s), low(s)) if rate > 0 else (a, low(s), high(s))
-            gap, speed = abs(stop - front), abs(rate)
-            if s.overlaps(stop) or gap < 1e-6 * size + 4 * s.rad():
-                need = high(abs(stop - rear) / low(speed)) * ball(1.02)
-                h = min(h, balls.middle(need))
-            else:
-                h = min(h, balls.middle(ball(0.7) * gap / high(speed)))
-        return balls.middle(h)
-
-    def _around(self, h: Ball) -> dict[int, Ball] | None:
-        """A box that holds the flow from every place of the present one for a time h."""
-        time = hull(ball(0.0), h)
-        guess = {i: self._clip(i, s) for i, s in self.s.items()}
-        for _ in range(4):
-            rates = self._rates(guess)[0]
-            wider = {}
-            for i, s in self.s.items():
-                way = time * rates[i]
-                wider[i] = self._clip(i, s + way + way * ball(0.0, 0.1))
-            rates = self._rates(wider)[0]
-            if all(
-                wider[i].contains(self._clip(i, s + time * rates[i])) for i, s in self.s.items()
-            ):
-                return wider
-            guess = wider
-        return None
-
-    def _clip(self, i: int, s: Ball) -> Ball:
-        a, b = self._stops(i)
-        left, right = low(s), high(s)
-        return (
-            hull(max(left, a), min(right, b))
-            if left < b and right > a
-            else hull(min(max(left, a), b), min(max(right, a), b))
-        )
-
-    def _released(self, around: dict[int, Ball]) -> bool:
-        """Let held cells move that may be released in a box; whether there are any."""
-        return self._release(self._rates(around)[2])
-
-    def _release(self, force: Ball) -> bool:
-        """Let held cells move that λ may release; whether there are any."""
-        found = False
-        for i, stand in enumerate(self.walk.stands):
-            if i not in self.s and not self.walk.stays(i, force):
-                self.s[i], found = stand.travel, True
-        return found
-
-    def _first(self, h: Ball, rates: dict[int, Ball]) -> dict[int, Ball]:
-        return {i: self._clip(i, s + h * rates[i]) for i, s in self.s.items()}
-
-    def _second(self, h: Ball, rates, slopes) -> dict[int, Ball]:
-        """s + h v + h²/2 s'', with v in mean value form."""
-        middles = {i: balls.middle(s) for i, s in self.s.items()}
-        at_middle = self._rates(middles)[0]
-        here = {i: self.walk.cells[i].law(s)[1] for i, s in self.s.items()}
-        mass = sum((self.mobility[i] for i in self.s), ball(0.0))
-        bend = sum((self.mobility[i] * slopes[i] * rates[i] for i in self.s), ball(0.0)) / mass
-        out = {}
-        for i, s in self.s.items():
-            m = self.mobility[i]
-            own = (s - middles[i]) * (1 - h * m * here[i] * (1 - m / mass))
-            for k, other in self.s.items():
-                if k != i:
-                    own = own + h * m * self.mobility[k] * here[k] * (other - middles[k]) / mass
-            second = m * (bend - slopes[i] * rates[i])
-            out[i] = middles[i] + h * at_middle[i] + own + h * h * second / 2
-        return {i: self._clip(i, s) for i, s in out.items()}
-
-    def _close(self) -> None:
-        """Use that the stroke is constant: each travel is the rest of the others."""
-        held = sum(
-            (stand.travel for i, stand in enumerate(self.walk.stands) if i not in self.s), ball(0.0)
-        )
-        for i, s in self.s.items():
-            others = sum((t for k, t in self.s.items() if k != i), ball(0.0))
-            rest = self.total - held - others
-            if rest.overlaps(s):
-                self.s[i] = rest.intersection(s)
-
-    def _hold_stuck(self, around: dict[int, Ball]) -> None:
-        """Hold cells whose friction is proved to hold them during a whole step."""
-        force = self._rates(around)[2]
-        for i, s in list(self.s.items()):
-            own, rub = self.walk.cells[i].law(around[i])[0], self.walk.cells[i].friction
-            if len(self.s) > 1 and own - rub < force and force < own + rub:
-                self.walk.stands[i] = Stand(HELD, s)
-                del self.s[i]
-
-    def _hold_arrived(self) -> None:
-        """Hold cells whose whole ball is at a stop, if λ presses them against it."""
-        for i in list(self.s):
-            a, b = self._stops(i)
-            at = b if low(self.s[i]) >= b else a if high(self.s[i]) <= a else None
-            if at is None:
-                continue
-            cell = self.walk.cells[i]
-            force, own = self._rates(self.s)[2], cell.law(at)[0]
-            if (at == b and force > own - cell.friction) or (
-                at == a and force < own + cell.friction
-            ):
-                if self.walk.cells[i].leads[bool(at == b)]:
-                    raise UndecidedError("a curve that folds back")
-                del self.s[i]
-                self.walk.stands[i] = Stand(HELD, at)
-
-    def _put_last(self) -> bool:
-        """The only cell that is not at a stop takes the rest of the stroke.
-
-        False if its force may release another one: then the flow goes on with it.
-        """
-        (i,) = self.s
-        cell = self.walk.cells[i]
-        held = sum((t.travel for k, t in enumerate(self.walk.stands) if k != i), ball(0.0))
-        travel = self.total - held
-        self.s[i] = travel
-        if cell.rubs:
-            return self._rests_by_friction(i)
-        if self._release(cell.law(travel)[0]):
+    def _first_two(self) -> bool:
+        """Let the two cells slide whose forces are farthest apart; whether friction allows it."""
+        force = {i: self._at(i) for i in self.middle}
+        ups = {i: f + self._rub(i) for i, f in force.items() if not self._stops(i, 1)}
+        downs = {i: f - self._rub(i) for i, f in force.items() if not self._stops(i, -1)}
+        if not ups or not downs:
             return False
-        self.walk.stands[i] = Stand(FREE, travel, self.walk.branch_at(cell, travel, 0))
+        up, down = min(ups, key=ups.__getitem__), max(downs, key=downs.__getitem__)
+        if not downs[down] > ups[up]:
+            return False
+        for i, sense in ((up, 1), (down, -1)):
+            self.rests.pop(i, None)
+            self.gap.pop(i, None)
+            if self.cells[i].rubs:
+                self.stuck.remove(i)
+                self.sense[i] = sense
         return True
 
-    def _rests_by_friction(self, last: int) -> bool:
-        """Whether some λ holds all cells: then the last one rests; if not, others may leave."""
-        walk = self.walk
-        walk.stands[last] = Stand(HELD, self.s[last])
-        if walk.windows_meet():
-            return True
-        own_down, own_up = walk.window(last)
-        for i in range(len(walk.cells)):
-            down, up = walk.window(i)
-            if i != last and not (
-                (down is None or down < own_up) and (up is None or up > own_down)
-            ):
-                self.s[i] = walk.stands[i].travel
-        if len(self.s) == 1:
-            raise UndecidedError("which cells are held by friction after a snap")
+    def _stops(self, i: int, sense: int) -> bool:
+        cell = self.cells[i]
+        return self.middle[i] == balls.number(cell.high if sense > 0 else cell.low)
+
+    def _changed(self, level: float, rate: float) -> bool:
+        """Change the state of one cell that contradicts λ; whether there is one."""
+        for i, sense in list(self.rests.items()):
+            if not sense * (level - self._at(i) - balls.number(self.shift(i))) > 0.0:
+                if i in self.sense:
+                    raise UndecidedError(_CAUSE)
+                del self.rests[i], self.gap[i]
+                return True
+        # One cell alone does not move: whichever way it slides, it rests.
+        sliding = list(self.sense.items()) if len(self._movers()) > 1 else []
+        for i, sense in sliding:
+            if i not in self.rests and sense * (level - self._at(i)) - self._rub(i) < 0.0:
+                del self.sense[i]
+                self.stuck.add(i)
+                return True
+        for i in list(self.stuck):
+            gap = level - self._at(i)
+            sense = 1 if gap > 0.0 else -1
+            over = sense * gap - self._rub(i)
+            # One that has just come to rest may be over by the width of a step.
+            grows = sense * rate > 0.0 or over > 1e-9 * self._rub(i)
+            if over > 0.0 and grows and not self._stops(i, sense):
+                self.stuck.remove(i)
+                self.sense[i] = sense
+                return True
         return False
 
-    def _is_trapped(self) -> bool:
-        """Whether the flow is near a rest around which the energy is convex: put the walk there."""
-        walk, cells = self.walk, self.walk.cells
-        if any(self._touches(i, s) or cells[i].rubs for i, s in self.s.items()):
-            return False
-        before = {i: walk.stands[i] for i in self.s}
-        try:
-            for i, s in self.s.items():
-                walk.stands[i] = Stand(FREE, balls.middle(s), walk.branch_at(cells[i], s, 0))
-            rest = self._trap()
-            for i, s in rest.items():
-                walk.stands[i] = Stand(FREE, s, walk.branch_at(cells[i], s, 0))
-        except UndecidedError:
-            walk.stands = [before.get(i, stand) for i, stand in enumerate(walk.stands)]
-            return False
-        return True
+    # Steps up to the next change of a cell with friction.
 
-    def _trap(self) -> dict[int, Ball]:
-        """The rest, and proof that the energy is convex in a ball around it which holds the box."""
-        walk, cells = self.walk, self.walk.cells
-        if any(walk.branch(i).sign <= 0 for i in self.s):
-            raise UndecidedError("a falling cell")
-        rest = self._rest()
-        radius = ball(0.0)
-        for i, s in self.s.items():
-            radius = radius + (s - rest[i]) * (s - rest[i]) / self.mobility[i]
-        radius = high(high(radius).sqrt())
-        near = {i: rest[i] + radius * self.mobility[i].sqrt() * ball(0.0, 1.0) for i in rest}
-        if any(not cells[i].law(s)[1] > 0 or self._touches(i, s) for i, s in near.items()):
-            raise UndecidedError("not convex")
-        force = self._rates(near)[2]
-        if not all(walk.stays(i, force) for i in range(len(cells)) if i not in self.s):
-            raise UndecidedError("a release")
-        return rest
+    def step(self) -> None:
+        """Go on up to the next joint, stop, or change of a cell with friction."""
+        motion = self._begin()
+        level = self.levels(self._now())
+        if level is not None and self._hold_certain(level):
+            motion = self._begin()
+        self.fresh.clear()
+        h = self._length(motion)
+        wide = float(level.rad()) if level is not None else 0.0
+        self.least = _MARGIN * wide / abs(motion.force[1]) if motion.force[1] else h
+        unsure = [] if level is None else list(self._unsure(motion, level, wide))
+        h = min([h, *(max(time, 1e-6 * h) for time in unsure), *self._landing_times(motion)])
+        change = self._change(motion, h, wide)
+        event = self._event(motion, h if change is None else change[1])
+        if change is None or (event is not None and event[1] <= change[1]):
+            near = self._near(motion, event)
+            if event is not None and event[1] > 2.0 * near:
+                self._smooth(motion, event[1] - near)
+            else:
+                self._go(motion, h, event)
+            return
+        self._go_to_change(motion, *change)
 
-    def _pair_ends(self) -> bool:
-        """Whether two cells are proved to go on to a rest: put them there; or one to its stop."""
-        pair = self._pair()
-        if pair is None:
-            return False
-        walk, first = self.walk, pair.first
-        try:
-            zero = pair.rest()
-            if not self._others_hold(pair, high(pair.end if zero is None else zero)):
-                return False
-            if zero is None:
-                # The one that arrives is held; the other one may release more cells then.
-                walk.stands[first] = Stand(HELD, self._stops(first)[first == pair.a])
-                del self.s[first]
-                return False
-            stands = {
-                i: Stand(HELD, s)
-                if walk.cells[i].rubs
-                else Stand(FREE, s, walk.branch_at(walk.cells[i], s, 0))
-                for i, s in ((pair.a, zero), (pair.b, pair.total - zero))
-            }
-        except UndecidedError:
-            return False
-        for i, stand in stands.items():
-            walk.stands[i] = stand
-        return True
+    def _go_to_change(self, motion: FlowMotion, i: int, time: float, short: float) -> None:
+        """Go on up to where a cell may come to rest or let go, or change its state there."""
+        if time > 2.0 * short:
+            self._smooth(motion, time - short)
+        elif i in self.stuck:
+            self._smooth(motion, time + 1e-3 * short)
+        elif i not in self.middle:
+            self._free(i)
+        elif time > 2e-3 * short:
+            self._smooth(motion, time - 1e-3 * short)
+        else:
+            del self.sense[i]
+            self.stuck.add(i)
 
-    def _pair(self) -> "_Pair | None":
-        """Two cells that certainly move, one up and one down; None if it is not so."""
-        if len(self.s) != 2 or any(self._touches(i, s) for i, s in self.s.items()):
-            return None
-        rates = self._rates(self.s)[0]
-        ahead, behind = [i for i in self.s if rates[i] > 0], [i for i in self.s if rates[i] < 0]
-        if len(ahead) != 1 or len(behind) != 1:
-            return None
-        pair = _Pair(self, ahead[0], behind[0])
-        one, two = pair.ends
-        return pair if one < two or one > two else None
+    def _landing_times(self, motion: FlowMotion) -> list[float]:
+        """Times in which the tube is about as long at stops as it has to be."""
+        out = []
+        for i, sense in self.rests.items():
+            speed = self.m[i] * sense * (motion.force[0] - balls.number(self._force_now(i)))
+            if speed > 0.0 and self.gap[i] > 0:
+                gap = max(float(self.gap[i]), 0.1 * self._half(i))
+                out.append(1.5 * gap / speed)
+        return out
 
-    def _others_hold(self, pair: "_Pair", end: Ball) -> bool:
-        """Whether λ stays in the windows of all cells that do not move."""
-        for i in range(len(self.walk.cells)):
-            if i in self.s:
+    def _force_now(self, i: int) -> Ball:
+        return self._force(i, ball(self.middle[i]))
+
+    def _half(self, i: int) -> float:
+        """Half the width of the tube along a travel."""
+        return float(self.radius) * math.sqrt(self.m[i])
+
+    def _near(self, motion: FlowMotion, event: tuple[int, float, int] | None) -> float:
+        """The time before a stop at which the tube meets it."""
+        if event is None or not event[2]:
+            return math.inf
+        i, time, _ = event
+        speed = abs(sum(k * c * time ** (k - 1) for k, c in enumerate(motion.travel[i]) if k))
+        return 2.0 * self._half(i) / speed if speed else math.inf
+
+    def _now(self) -> dict[int, Ball]:
+        here = {i: ball(x) for i, x in self.middle.items()}
+        return self.around(here, high(self.radius + self._drift() * self._inverse_root))
+
+    def _hold_certain(self, level: Ball) -> bool:
+        """Hold cells that friction holds for certain; whether there are any."""
+        found = False
+        for i in list(self.stuck - self.fresh):
+            if len(self.middle) > 1 and i != self.taker and self._surely_rests(i, level):
+                wide = self.radius * ball(self.m[i]).sqrt()
+                at = self.around({i: ball(self.middle[i])}, self.radius)[i]
+                self.walk.stands[i] = Stand(HELD, at)
+                self.radius = high(self.radius + wide * self._inverse_root)
+                self.stuck.remove(i)
+                del self.middle[i]
+                found = True
+        return found
+
+    def _surely_rests(self, i: int, level: Ball) -> bool:
+        cell, at = self.cells[i], self._now()[i]
+        force, rub = cell.law(at)[0], cell.friction
+        a, b = at == cell.low, at == cell.high
+        return bool((b or level < force + rub) and (a or level > force - rub))
+
+    def _unsure(self, motion: FlowMotion, level: Ball, wide: float) -> Iterator[float]:
+        """For each cell that may slide or rest, the time after which it is known."""
+        for i in self.stuck:
+            yield _ratio(wide + self._blur(i), motion.force[1])
+        for i in self.sense:
+            if i in motion.travel and not self._surely_slides(i, level, self._now()):
+                yield _ratio(wide + self._blur(i), 2.0 * motion.travel[i][2] / self.m[i])
+
+    def _blur(self, i: int) -> float:
+        return float(self.cells[i].law(self._now()[i])[0].rad())
+
+    def _surely_slides(self, i: int, level: Ball, tube: dict[int, Ball]) -> bool:
+        return bool(self.sense[i] * (level - self._force(i, tube[i])) > 0)
+
+    def _change(self, motion: FlowMotion, h: float, wide: float) -> tuple[int, float, float] | None:
+        """The next change of a cell with friction: the cell, the time, and its margin."""
+        first: tuple[int, float, float] | None = None
+
+        def look(i: int, row: list[float], mark: float, blur: float) -> None:
+            nonlocal first
+            time = when(row, mark, h if first is None else first[1])
+            if time is not None:
+                rate = abs(sum(k * c * time ** (k - 1) for k, c in enumerate(row) if k))
+                first = i, time, _MARGIN * (wide + blur) / rate if rate else h
+
+        for i, sense in self.sense.items():
+            if i in motion.travel:
+                row = [sense * k * c / self.m[i] for k, c in enumerate(motion.travel[i]) if k]
+                look(i, row, 0.0, self._blur(i))
+        for i, cell in enumerate(self.cells):
+            if not cell.rubs or i in motion.travel or i in self.rests:
                 continue
-            for bound, sign in zip(self.walk.window(i), (1, -1), strict=True):
-                if bound is not None and not balls.positive(
-                    lambda s, b=bound, n=sign: pair.room(s, b, n), pair.begin, end
-                ):
-                    return False
+            at = ball(self.middle[i]) if i in self.middle else self.walk.stands[i].travel
+            force, rub = cell.law(at)[0], balls.number(cell.friction)
+            blur = self._blur(i) if i in self.middle else float(force.rad())
+            for stop, sense in ((cell.high, 1), (cell.low, -1)):
+                if at != stop:
+                    look(i, motion.force, balls.number(force) + sense * rub, blur)
+        return first
+
+    def _cross(self, motion: FlowMotion, h: float, i: int, stop: int) -> None:
+        self.least = math.inf
+        super()._cross(motion, h, i, stop)
+
+    def _grow(self, spans, h: float, defect: Ball, ends, motion: FlowMotion | None) -> bool | None:
+        self.crosses = motion is None
+        if self.crosses:
+            # This defect holds the speed of the middle.
+            self.pace = defect
+        return super()._grow(spans, h, defect, ends, motion)
+
+    def _may_free(self, loose: list[int], h: float) -> bool:
+        return h <= self.least or not any(self.cells[i].rubs for i in loose)
+
+    def _free(self, i: int) -> None:
+        if not self.cells[i].rubs:
+            super()._free(i)
+            return
+        at = self.walk.stands[i].travel
+        self.middle[i] = min(
+            max(balls.number(at), balls.number(self.cells[i].low)), balls.number(self.cells[i].high)
+        )
+        root = 1 / ball(self.m[i]).sqrt() + self._inverse_root
+        self.radius = high(self.radius + high(abs(at - self.middle[i])) * root)
+        self.stuck.add(i)
+        self.fresh.add(i)
+
+    def _tried(self, motion: FlowMotion, h: float) -> bool | None:
+        spans = motion.spans(h)
+        for i in (*self.rests, *self.stuck):
+            spans[i] = ball(self.middle[i])
+        defect = motion.defect(spans, h, self._drift())
+        if defect is None or not self._presses(spans):
+            return None
+        over = self._over(motion, h)
+        if over is None:
+            return None
+        time = hull(ball(0.0), ball(h))
+        square = ball(0.0)
+        for i, c in motion.travel.items():
+            way = abs(derivative([*map(ball, c)], 1, time))
+            square = square + way * way / self.m[i]
+        self.pace = high(high(square).sqrt() + defect)
+        return self._grow(spans, h, high(defect + over), motion.ends(h), motion)
+
+    def _over(self, motion: FlowMotion, h: float) -> Ball | None:
+        """By how much the middle misses the law of friction; None if a cell slides back in it."""
+        time = hull(ball(0.0), ball(h))
+        for i, sense in self.sense.items():
+            if i in motion.travel:
+                row = [k * c for k, c in enumerate(motion.travel[i]) if k]
+                speed = sense * value(row, time)
+                # The taker moves by what the sum of the others misses, too.
+                if not speed >= (0 if i != self.taker else motion.slip):
+                    return None
+        level = value(motion.force, time) + motion.missed * ball(0.0, 1.0)
+        total = ball(0.0)
+        for i in self.stuck:
+            gap = level - self.cells[i].law(ball(self.middle[i]))[0]
+            rub, root = self.cells[i].friction, ball(self.m[i]).sqrt()
+            if not self._stops(i, 1):
+                total = total + max(high(gap - rub), ball(0.0)) * root
+            if not self._stops(i, -1):
+                total = total + max(high(-gap - rub), ball(0.0)) * root
+        return high(total)
+
+    # Rates at which flows in a tube part.
+
+    def _bounds(self, tube: dict[int, Ball], defect: Ball, time: Ball) -> tuple[Ball, Ball]:
+        level = self.levels(tube)
+        if level is None:
+            return ball(math.inf), defect
+        if self._certain(level, tube):
+            return self._parting(tube), defect
+        if self._clear(level, tube):
+            paces = [high(abs(self.m[i] * self.cells[i].law(s)[1])) for i, s in tube.items()]
+            return max(paces, key=float), defect
+        # Two flows part at most at the sum of their speeds.
+        most = high(self.pace + self._fastest(tube))
+        if not self.crosses and time * most > 16 * self.radius:
+            return ball(math.inf), defect
+        return (ball(0.0), most) if defect >= most else (ball(math.inf), high(most * 1.5))
+
+    def _certain(self, level: Ball, tube: dict[int, Ball]) -> bool:
+        """Whether each cell with friction slides in its sense, or rests, anywhere in a tube."""
+        return not self.stuck and all(self._surely_slides(i, level, tube) for i in self.sense)
+
+    def _clear(self, level: Ball, tube: dict[int, Ball]) -> bool:
+        """Whether no flow in a tube moves towards a stop that it may touch."""
+        if self.rests:
+            return False
+        for i, s in tube.items():
+            cell = self.cells[i]
+            push = level - cell.law(s)[0]
+            if not s < cell.high and not push < cell.friction:
+                return False
+            if not s > cell.low and not -push < cell.friction:
+                return False
         return True
 
-    def _rest(self) -> dict[int, Ball]:
-        """Travels at rest of cells on rising branches: one force, and the present stroke."""
-        walk, moving = self.walk, list(self.s)
-        forces = [walk.cells[i].law(s)[0] for i, s in self.s.items()]
-        least = min((low(f) for f in forces), key=float)
-        most = max((high(f) for f in forces), key=float)
+    def levels(self, tube: dict[int, Ball]) -> Ball | None:
+        """λ of all flows in a tube, whichever cells slide; None if it is not found."""
+        forces = {i: self.cells[i].law(s)[0] for i, s in tube.items()}
+        if not all(f.is_finite() for f in forces.values()):
+            return None
+        if not self._movers():
+            return None
+        centre = ball(self._mean()[0])
+        wide = max(*(float(f.rad()) for f in forces.values()), 1e-12 * float(self.walk.tie))
+        ends = [
+            self._outside(centre, sense * wide, lambda x: self._sum_of_rates(x, tube, forces))
+            for sense in (-1, 1)
+        ]
+        return None if ends[0] is None or ends[1] is None else hull(*ends)
 
-        def miss(force: Ball) -> tuple[Ball, Ball]:
-            drive, soft = walk.drive_by_force(moving, force)
-            return self.total - drive, -soft
+    def _outside(self, centre: Ball, step: float, rates) -> Ball | None:
+        """A λ near a place at which all sums of velocities have the sign of a step."""
 
-        force = balls.first_zero(miss, least, most)
-        if force is None:
-            raise UndecidedError("no rest")
-        return {i: walk.cells[i].invert(walk.branch(i), force) for i in moving}
+        def is_out(way: float) -> bool:
+            least, most = rates(balls.middle(centre + way))
+            return bool(least > 0 if step > 0 else most < 0)
 
+        inside, way = 0.0, step
+        for _ in range(40):
+            if is_out(way):
+                break
+            inside, way = way, 4.0 * way
+        else:
+            return None
+        for _ in range(4 if inside else 0):
+            half = 0.5 * (inside + way)
+            inside, way = (inside, half) if is_out(half) else (half, way)
+        return balls.middle(centre + way)
 
-class _Pair:
-    """Two cells of a flow that move along a line: a upwards, b downwards, by equal ways."""
+    def _sum_of_rates(self, level: Ball, tube, forces) -> tuple[Ball, Ball]:
+        """The least and the largest sum of velocities at one λ."""
+        least, most = ball(0.0), ball(0.0)
+        still = ball(0.0)
+        for i, s in tube.items():
+            cell, m = self.cells[i], self.m[i]
+            up, down = level - forces[i] - cell.friction, level - forces[i] + cell.friction
+            a = low(up) if low(up) > 0 else low(down) if low(down) < 0 else still
+            b = high(down) if high(down) < 0 else high(up) if high(up) > 0 else still
+            if not s < cell.high:
+                a = min(a, still)
+            if not s > cell.low:
+                b = max(b, still)
+            least, most = least + m * a, most + m * b
+        return low(least), high(most)
 
-    def __init__(self, flow: EnclosedFlow, a: int, b: int):
-        self.a, self.b = a, b
-        self.one, self.two, self.begin = flow.walk.cells[a], flow.walk.cells[b], low(flow.s[a])
-        self.total = flow.total - flow.walk.resting(set(flow.s))
-        # Travels of a at which either one is at its stop.
-        self.ends = self.one.high, self.total - self.two.low
-        self.first, self.end = (a if self.ends[0] < self.ends[1] else b), min(*self.ends)
-        self.share = flow.mobility[b] / (flow.mobility[a] + flow.mobility[b])
+    def _level(self, tube: dict[int, Ball]) -> Ball:
+        level = self.levels(tube)
+        if level is None:
+            raise UndecidedError(_CAUSE)
+        return level
 
-    def pull(self, s: Ball) -> tuple[Ball, Ball]:
-        """The force that drives both, and its slope."""
-        own, its = self.one.law(s), self.two.law(self.total - s)
-        return its[0] - own[0] - self.one.friction - self.two.friction, -its[1] - own[1]
+    def _narrower(self, motion: FlowMotion, spans, h: float, defect: Ball, known):
+        radius = high(4 * self.radius + 8 * ball(h) * defect)
+        around = self.around(spans, high(radius + self._drift() * self._inverse_root))
+        level = self.levels(around)
+        if level is None or not self._certain(level, around):
+            return known
+        if not all(self.walk.stays(i, level) for i in self._held()):
+            return known
+        return super()._narrower(motion, spans, h, defect, known)
 
-    def rest(self) -> Ball | None:
-        """The first travel of a without a pull."""
-        return balls.first_zero(self.pull, self.begin, low(self.end))
+    # The landing.
 
-    def room(self, s: Ball, bound: Ball, sign: int) -> tuple[Ball, Ball]:
-        """How far λ is from a bound, and the slope."""
-        share, own, its = self.share, self.one.law(s), self.two.law(self.total - s)
-        force = share * (its[0] - self.two.friction) + (1 - share) * (own[0] + self.one.friction)
-        return sign * (force - bound), sign * ((1 - share) * own[1] - share * its[1])
+    def put_last(self) -> bool:
+        """As for a tube without friction; a last cell with friction may rest too."""
+        (i,) = self.middle
+        if not self.cells[i].rubs:
+            return super().put_last()
+        walk = self.walk
+        walk.stands[i] = Stand(HELD, self._rest_of(i))
+        if walk.windows_meet():
+            return True
+        own_down, own_up = walk.window(i)
+        loose = []
+        for k in self._held():
+            down, up = walk.window(k)
+            fits = (down is None or own_up is None or down < own_up) and (
+                up is None or own_down is None or up > own_down
+            )
+            if not fits:
+                loose.append(k)
+        if not loose:
+            raise UndecidedError("which cells are held by friction after a snap")
+        for k in loose:
+            self._free(k)
+        return False
+
+    def _keeps_senses(self, tube: dict[int, Ball]) -> bool:
+        sliding = [i for i in self.sense if i in self.middle]
+        if not sliding:
+            return True
+        now = self._now()
+        level = self.levels(now)
+        if level is None or not self._certain(level, now):
+            return False
+        # Two cells go along a line, and never come back on it.
+        return len(self.middle) == 2 or self._in_cone(tube, now, level)
+
+    def _in_cone(self, tube: dict[int, Ball], now: dict[int, Ball], level: Ball) -> bool:
+        """Whether all velocities stay in a cone around those of the slowest motion."""
+        order = list(self.middle)
+        root = np.sqrt([self.m[i] for i in order])
+        slopes = [self.cells[i].law(tube[i])[1] for i in order]
+        w = slowest([balls.number(x) for x in slopes], root)
+        rates = [ball(self.m[i]).sqrt() * (level - self._force(i, now[i])) for i in order]
+        cone = Cone(slopes, root, w)
+        width = max(cone.width, cone.apart(rates))
+        pairs = zip(order, w.tolist(), strict=True)
+        return bool(width < 1) and all(width < abs(x) / 2 for i, x in pairs if i in self.sense)

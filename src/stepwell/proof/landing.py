@@ -7,10 +7,9 @@ from functools import reduce
 
 from stepwell.proof import balls
 from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull, low
-from stepwell.proof.flow import land
+from stepwell.proof.flow import follow
 from stepwell.proof.leaving import leave
-from stepwell.proof.tube import follow
-from stepwell.proof.walk import FOLD, FREE, HELD, TURN, Enclosed, EnclosedWalk, Stand, _root
+from stepwell.proof.walk import FOLD, FREE, HELD, SLIDES, TURN, Enclosed, EnclosedWalk, Stand, _root
 
 LINE, RISING, RACE, FLOW = "line", "rising", "race", "flow"
 # Part of a way in which a kink counts as one at its start.
@@ -74,7 +73,7 @@ def _land(walk: EnclosedWalk, direction: int, leader: int, others: list[int]) ->
     walk.stands = stands
     _without_range(walk)
     follow(walk, *leave(walk, direction, leader))
-    _settle(walk)
+    _settle(walk, direction)
     return FLOW
 
 
@@ -164,9 +163,11 @@ class _Line:
         walk, d = self.walk, self.d
         if not walk.rigid and not walk.dead:
             walk.force = self.force - d * self.stiffness * way
-        _arrive(walk, self.j, self.begin + d * way, d if stops == self.j else 0)
+        # Where none is at a stop, both slide up to the landing.
+        sense = d if stops < 0 else 0
+        _arrive(walk, self.j, self.begin + d * way, d if stops == self.j else 0, sense)
         if self.other is not None:
-            _arrive(walk, self.p, self.behind - d * way, -d if stops == self.p else 0)
+            _arrive(walk, self.p, self.behind - d * way, -d if stops == self.p else 0, -sense)
 
 
 def _along_line(walk: EnclosedWalk, d: int, j: int, p: int) -> str:
@@ -188,14 +189,14 @@ def _along_line(walk: EnclosedWalk, d: int, j: int, p: int) -> str:
     line.arrive(way, stops if zero is None else -1)
     last = p if stops == j else j
     try:
-        _settle(walk)
+        _settle(walk, d)
     except UndecidedError:
         if zero is not None or not walk.rigid or last < 0:
             raise
         _without_range(walk)
         # The force of the one that is left releases other cells: the snap goes on.
-        land(walk, {last: walk.stands[last].travel})
-        _settle(walk)
+        follow(walk, {last: walk.stands[last].travel})
+        _settle(walk, d)
         return FLOW
     return LINE
 
@@ -248,8 +249,8 @@ def _flow(line: _Line, begin: Ball) -> str:
     else:
         raise UndecidedError("a third cell is released at the beginning of the snap")
     ahead, back = line.begin + line.d * way, line.behind - line.d * way
-    land(walk, {line.j: ahead, line.p: back})
-    _settle(walk)
+    follow(walk, {line.j: ahead, line.p: back})
+    _settle(walk, line.d)
     return FLOW
 
 
@@ -290,7 +291,7 @@ def _race(walk: EnclosedWalk, d: int, j: int, p: int, room: Ball) -> str:
         _stays_ahead(walk, d, (p, k), room)
     _arrive(walk, j, walk.stands[j].travel + d * room, d)
     _arrive(walk, p, _back(walk, p, d, room), 0)
-    _settle(walk)
+    _settle(walk, d)
     return RACE
 
 
@@ -371,7 +372,7 @@ def _behind_rising(walk: EnclosedWalk, d: int, j: int, others: list[int]) -> str
         _arrive(walk, j, s0 + d * zero, 0)
     for i in others:
         walk._put(i, walk.force)
-    _settle(walk)
+    _settle(walk, d)
     return RISING
 
 
@@ -436,27 +437,38 @@ def _single(walk: EnclosedWalk, d: int, j: int, others: list[int], places) -> No
         raise UndecidedError("a second equilibrium follows the landing")
 
 
-def _arrive(walk: EnclosedWalk, i: int, travel: Ball, stop: int) -> None:
-    """Put a cell where it lands: at a stop, or on a branch."""
+def _arrive(walk: EnclosedWalk, i: int, travel: Ball, stop: int, sense: int = 0) -> None:
+    """Put a cell where it lands: at a stop, or on a branch, up to which it slides in a sense."""
     cell = walk.cells[i]
     if stop:
         if cell.leads[stop > 0]:
             raise UndecidedError("a curve that folds back")
         walk.stands[i] = Stand(HELD, cell.high if stop > 0 else cell.low)
+    elif cell.rubs and sense:
+        walk.stands[i] = Stand(SLIDES, travel, walk.branch_at(cell, travel, 0), sense)
     elif cell.rubs:
         walk.stands[i] = Stand(HELD, travel)
     else:
         walk.stands[i] = Stand(FREE, travel, walk.branch_at(cell, travel, 0))
 
 
-def _settle(walk: EnclosedWalk) -> None:
-    """λ after a snap, and proof that all held cells stay."""
-    free = [i for i, stand in enumerate(walk.stands) if stand.mode == FREE]
+def _settle(walk: EnclosedWalk, d: int) -> None:
+    """λ after a snap by a drive in a sense, and proof that all held cells stay."""
+    free = [i for i, stand in enumerate(walk.stands) if stand.mode != HELD]
     if walk.rigid:
-        walk.force = walk.cells[free[0]].law(walk.stands[free[0]].travel)[0] if free else None
+        walk.force = (
+            walk.cells[free[0]].law(walk.stands[free[0]].travel)[0] + walk.offset(free[0])
+            if free
+            else None
+        )
     held = [i for i, stand in enumerate(walk.stands) if stand.mode == HELD]
     stays = (
         walk.windows_meet() if walk.force is None else all(walk.stays(i, walk.force) for i in held)
     )
     if not stays:
         raise UndecidedError("whether a further snap follows at once")
+    for i in free:
+        # It has slid up to the landing against λ. As the drive goes on, λ goes with it, unless a
+        # falling cell leads: then one whose force falls has stopped, and another one slides on.
+        if walk.stands[i].sense == -d and walk.branch(i).sign <= 0:
+            walk.hold(i)

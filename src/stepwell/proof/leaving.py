@@ -6,6 +6,7 @@ part of J w across w be at most c. Then |q|/p falls where it is above 2c/(a - b)
 this cone.
 """
 
+import math
 from functools import reduce
 
 import numpy as np
@@ -54,7 +55,7 @@ def _at(walk: EnclosedWalk, moving: list[int], lead: tuple[int, int], way: float
     sides = np.where(w > 0, 1, -1).tolist()
     rows = zip(moving, spans, sides, strict=True)
     laws = [walk.cells[i].law(walk.stands[i].travel + span, side) for i, span, side in rows]
-    cone = _Cone([law[1] for law in laws], root, w)
+    cone = Cone([law[1] for law in laws], root, w)
     # Every travel leaves to the side of its component of w.
     if not cone.width < ball(0.25) or not all(cone.width < abs(float(x)) / 2 for x in w):
         raise UndecidedError(_CAUSE)
@@ -117,7 +118,7 @@ def _matrix(kappas: list[float], root: Floats) -> Floats:
     return -p @ np.diag(root**2 * kappas) @ p - far * np.outer(n, n)
 
 
-class _Cone:
+class Cone:
     """The cone around w in which the flow is, for all slopes in balls.
 
     Attributes:
@@ -138,6 +139,21 @@ class _Cone:
         if not gap > 2 * across:
             raise UndecidedError(_CAUSE)
         self.width = high(2 * across / gap)
+        self._along, self._normal = along, normal
+
+    def apart(self, rates: list[Ball]) -> Ball:
+        """An upper bound of |q|/p of a vector; infinite where p may be 0."""
+        inside = _without(rates, self._normal)
+        p = balls.low(abs(_dot(inside, self._along)))
+        if not p > 0:
+            return ball(math.inf)
+        return high(_length(_without(inside, self._along)) / p)
+
+
+def slowest(kappas: list[float], root: Floats) -> Floats:
+    """The unit vector of the largest rate of a flow with given slopes."""
+    values, vectors = np.linalg.eigh(_matrix(kappas, root))
+    return vectors[:, int(np.argmax(values))]
 
 
 def _dot(a: list[Ball], b: list[Ball]) -> Ball:

@@ -26,17 +26,24 @@ class FlowMotion:
     Attributes:
         travel: the coefficients of each.
         force: those of λ.
+        missed: a bound of what they miss of λ, of the last step that `defect` saw.
+        slip: a bound of the sum of all velocities in it.
     """
 
     def __init__(
-        self, cells: Sequence[EnclosedCell], mobility: Sequence[float], at: dict[int, float]
+        self,
+        cells: Sequence[EnclosedCell],
+        mobility: Sequence[float],
+        at: dict[int, float],
+        shifts: Mapping[int, Ball],
     ):
-        self.cells, self.m = cells, mobility
+        self.cells, self.m, self.shifts = cells, mobility, shifts
         mass = sum(mobility[i] for i in at)
         laws = {i: arb_series(self._taylor(i, ball(s)), DEGREE + 1) for i, s in at.items()}
         self._laws = laws
         self.travel: dict[int, list[float]] = {i: [0.0] for i in at}
         self.force: list[float] = []
+        self.missed = self.slip = ball(0.0, math.inf)
         for k in range(DEGREE):
             now = {i: float(_composed(laws[i], self.travel[i], k + 1)[k].mid()) for i in at}
             level = sum(mobility[i] * f for i, f in now.items()) / mass
@@ -51,7 +58,7 @@ class FlowMotion:
         found = self.cells[i].taylor(s, DEGREE)
         if found is None:
             raise UndecidedError("a joint of a law in a step of the flow")
-        return found
+        return [found[0] + self.shifts[i], *found[1:]]
 
     def spans(self, h: float) -> dict[int, Ball]:
         """The travels during a time."""
@@ -78,6 +85,10 @@ class FlowMotion:
             sum((self.m[i] * f[k] for i, f in series.items()), ball(0.0)) / mass
             for k in range(DEGREE + 1)
         ]
+        off, power = ball(0.0), ball(1.0)
+        for level, known in zip(levels, [*self.force, 0.0], strict=True):
+            off, power = off + high(abs(level - known)) * power, power * h
+        self.missed = off
         for i, f in series.items():
             c, off, power = [*self.travel[i], 0.0], ball(0.0), ball(1.0)
             for k in range(DEGREE + 1):
@@ -111,8 +122,8 @@ class FlowMotion:
             total = high(abs(sum((ball(c[k]) for c in self.travel.values()), ball(0.0))))
             off, rate = off + total * power * h, rate + k * total * power
             power = power * h
-        i = next(iter(self.travel))
-        slope = self.cells[i].law(spans[i])[1]
+        i, self.slip = next(iter(self.travel)), high(rate)
+        slope = self.cells[i].law(spans[i] + off * ball(0.0, 1.0))[1]
         return high((rate + self.m[i] * abs(slope) * off) / ball(self.m[i]).sqrt())
 
     def across(self, tube: Mapping[int, Ball], h: float, now: Ball, most: tuple[Ball, Ball]):

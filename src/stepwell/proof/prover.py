@@ -9,12 +9,15 @@ from stepwell.base import InputError, check
 from stepwell.mechanism import ends_of
 from stepwell.proof import balls
 from stepwell.proof.balls import UndecidedError
+from stepwell.proof.laws import EnclosedCell
 from stepwell.proof.path_proof import PathProof, ProofGap, ProvedEvent, Theorem
 from stepwell.proof.walk import Enclosed, EnclosedWalk
 from stepwell.statics import Configuration, DrivenChain, Event, EventKind, Path, Segment
 
 # Errors of the engine above this fraction of the travel or force contradict it.
 _CLOSE = 1e-9
+# Travels at which a slope of a force is looked at.
+_SAMPLES = 64
 
 
 class _Stroke(NamedTuple):
@@ -67,6 +70,7 @@ class _Prover:
         self.strokes = list(strokes_of(path, claims, self.problem))
         self.after, self.begins = _states_of(path, len(self.strokes))
         self.size = max(cell.size for cell in self.walk.cells)
+        self.stiffest = max(map(_stiffest, self.walk.cells))
 
     def prove(self, progress: Callable[[int, int], None] | None) -> PathProof:
         """Go through all strokes, and begin again after each gap."""
@@ -140,17 +144,20 @@ class _Prover:
     def _compared(self, k: int, event: Event, found: Enclosed) -> ProvedEvent | None:
         """The event with its errors; None where it is another one."""
         scale, walk = self.problem.scale, self.walk
-        limit, count = _CLOSE * self.size, len(walk.cells)
+        count = len(walk.cells)
+        # The engine states the error of a landing that it integrates; friction keeps it.
+        known = sum(one.error for one in self.claims[: k + 1])
+        limit, near = max(_CLOSE * self.size, known), _CLOSE * scale + known * self.stiffest
         if not _same_kind(event, found, limit):
             return None
-        drives = (0 if walk.dead else limit) + _CLOSE * scale * self.problem.beta
+        drives = (0 if walk.dead else limit) + near * self.problem.beta
         forces = zip(found.force, (event.force_before, event.force_after), strict=True)
         released = [(found.released, event.released)] if found.released is not None else []
         drive, stroke, travel, force, heat = (
             _errors([(found.drive, event.drive)], drives * count),
             _errors([(found.stroke, event.stroke)], limit * count),
             _errors(_travels(event, found), limit),
-            _errors([one for one in forces if one[0] is not None], _CLOSE * scale),
+            _errors([one for one in forces if one[0] is not None], near),
             _errors(released, limit * scale),
         )
         every = drive, stroke, travel, force, heat
@@ -160,6 +167,13 @@ class _Prover:
         return ProvedEvent(
             k, event, theorem, drive or 0.0, stroke or 0.0, travel or 0.0, force, heat
         )
+
+
+def _stiffest(cell: EnclosedCell) -> float:
+    """About the largest slope of a cell's force."""
+    ends = balls.number(cell.low), balls.number(cell.high)
+    steps = (ends[0] + (ends[1] - ends[0]) * k / _SAMPLES for k in range(_SAMPLES + 1))
+    return 2.0 * max(abs(balls.number(cell.law(balls.ball(s))[1])) for s in steps)
 
 
 def _same_kind(event: Event, found: Enclosed, limit: float) -> bool:

@@ -11,51 +11,26 @@ import math
 from stepwell.proof import balls
 from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull, low
 from stepwell.proof.motion import DEGREE, FlowMotion, kernel, parting_rate, when
-from stepwell.proof.walk import FREE, HELD, EnclosedWalk, Stand
+from stepwell.proof.walk import FREE, HELD, SLIDES, EnclosedWalk, Stand
 
 # Part of the travel by which a step may miss a last term.
 _MISS = 1e-11
 # Longest step in time scales 1/(m |κ|), largest number of steps.
-_LONGEST, _MOST_STEPS = 0.8, 4000
+_LONGEST, MOST_STEPS = 0.8, 4000
 # Part of the travel around a stop or a joint of a law that is crossed in one small step.
-_CROSSED = 1e-11
+_CROSSED = 1e-13
 # Widest tube, as a fraction of the travel.
-_WIDE = 0.1
+WIDE = 0.1
 _UNIT, _ANY = ball(0.0, 1.0), ball(0.0, math.inf)
-
-
-def follow(walk: EnclosedWalk, places: dict[int, Ball], radius: Ball | None = None) -> None:
-    """Follow the flow of a snap from enclosed travels, and put the walk at its landing.
-
-    Args:
-        walk: the chain; cells that are not in `places` are held.
-        places: travels of the others.
-        radius: of a ball around the places that holds the flow, in the metric of mobilities.
-
-    Raises:
-        UndecidedError: its landing is not proved.
-    """
-    if any(walk.cells[i].rubs for i in places):
-        raise UndecidedError("friction in the flow of a snap")
-    tube = Tube(walk, places)
-    if radius is not None:
-        tube.radius = high(tube.radius + radius)
-    for step in range(_MOST_STEPS):
-        if tube.is_alone() and tube.put_last():
-            return
-        if step % 8 == 7 and tube.lands():
-            return
-        tube.step()
-        if tube.width() > _WIDE:
-            break
-    raise UndecidedError("the flow of a snap is not enclosed narrowly enough")
 
 
 class Tube:
     """Middles of travels, and a radius: the flow is within it in the metric of mobilities.
 
     Cells that are not in `middle` are held for certain. Those in `rests` stand at a stop in the
-    middle of the tube; `gap` bounds how far the flow may still be from that stop.
+    middle of the tube; `gap` bounds how far the flow may still be from that stop. Those in `stuck`
+    are at rest by friction in the middle of the tube; `sense` has the senses in which others slide
+    against friction. The cell `taker` takes up what the sum of the middles misses of the stroke.
     """
 
     def __init__(self, walk: EnclosedWalk, places: dict[int, Ball]):
@@ -64,6 +39,9 @@ class Tube:
         self.middle = {i: balls.number(s) for i, s in places.items()}
         self.rests: dict[int, int] = {}
         self.gap: dict[int, Ball] = {}
+        self.stuck: set[int] = set()
+        self.sense: dict[int, int] = {}
+        self.taker = next(iter(places))
         self.total, square = ball(0.0), ball(0.0)
         for i, stand in enumerate(walk.stands):
             self.total = self.total + places.get(i, stand.travel)
@@ -85,19 +63,47 @@ class Tube:
     # The middle of the tube: Taylor polynomials with float coefficients.
 
     def _movers(self) -> list[int]:
-        return [i for i in self.middle if i not in self.rests]
+        """Cells that move in the middle of the tube, the taker first."""
+        moving = [i for i in self.middle if i not in self.rests and i not in self.stuck]
+        return sorted(moving, key=lambda i: i != self.taker)
+
+    def shift(self, i: int) -> Ball:
+        """What λ carries in addition to the force of a cell that slides."""
+        return self.sense.get(i, 0) * self.cells[i].friction
+
+    def _force(self, i: int, s: Ball) -> Ball:
+        return self.cells[i].law(s)[0] + self.shift(i)
+
+    def _take(self, apart: int = -1) -> None:
+        """Let a cell that moves take up what the sum of the middles misses, if there is one."""
+        movers = [i for i in self._movers() if i != apart]
+        if self.taker in movers and self.taker not in self.sense:
+            return
+        plain = [i for i in movers if i not in self.sense]
+        if movers and (plain or self.taker not in movers):
+            before, self.taker = self._inverse_root, (plain or movers)[0]
+            self.radius = high(self.radius + self._drift() * (before + self._inverse_root))
 
     # One step.
 
     def step(self) -> None:
         """Go on by a time in which the middle meets no joint and no stop, or across one."""
+        motion = self._begin()
+        h = self._length(motion)
+        self._go(motion, h, self._event(motion, h))
+
+    def _begin(self) -> FlowMotion:
+        """Which cells move, and how."""
         self._release()
+        self._take()
         movers = self._movers()
         if not movers:
             raise UndecidedError("all cells of a flow are at stops")
-        motion = FlowMotion(self.cells, self.m, {i: self.middle[i] for i in movers})
-        h = self._length(motion)
-        event = self._event(motion, h)
+        shifts = {i: self.shift(i) for i in movers}
+        return FlowMotion(self.cells, self.m, {i: self.middle[i] for i in movers}, shifts)
+
+    def _go(self, motion: FlowMotion, h: float, event: tuple[int, float, int] | None) -> None:
+        """Go on by a time, or up to an event and across it."""
         if event is None:
             self._smooth(motion, h)
             return
@@ -140,7 +146,7 @@ class Tube:
                 if time is not None:
                     first = i, time, stop
         for i in self.rests:
-            own = balls.number(self.cells[i].law(ball(self.middle[i]))[0])
+            own = balls.number(self._force(i, ball(self.middle[i])))
             time = when(motion.force, own, h if first is None else first[1])
             if time is not None:
                 first = i, time, 0
@@ -157,7 +163,7 @@ class Tube:
     def _tried(self, motion: FlowMotion, h: float) -> bool | None:
         """As for `_grow`."""
         spans = motion.spans(h)
-        for i in self.rests:
+        for i in (*self.rests, *self.stuck):
             spans[i] = ball(self.middle[i])
         defect = motion.defect(spans, h, self._drift())
         if defect is None or not self._presses(spans):
@@ -174,21 +180,18 @@ class Tube:
     @property
     def _inverse_root(self) -> Ball:
         """1/√m of the cell that takes up what the sum of the middles misses."""
-        return 1 / ball(self.m[self._taker()]).sqrt()
-
-    def _taker(self) -> int:
-        return next(iter(self._movers()), next(iter(self.middle)))
+        return 1 / ball(self.m[self.taker]).sqrt()
 
     def _presses(self, spans: dict[int, Ball]) -> bool:
         """Whether λ of the middle presses all resting cells against their stops."""
         movers = self._movers()
         if not self.rests:
             return True
-        forces = {i: self.cells[i].law(spans[i])[0] for i in movers}
+        forces = {i: self._force(i, spans[i]) for i in movers}
         mass = sum((ball(self.m[i]) for i in movers), ball(0.0))
         level = sum((self.m[i] * f for i, f in forces.items()), ball(0.0)) / mass
         return all(
-            sense * (level - self.cells[i].law(ball(self.middle[i]))[0]) > 0
+            sense * (level - self._force(i, ball(self.middle[i]))) > 0
             for i, sense in self.rests.items()
         )
 
@@ -200,8 +203,9 @@ class Tube:
             if cell.leads[stop > 0]:
                 raise UndecidedError("a curve that folds back")
             ends[i] = cell.high if stop > 0 else cell.low
+            self._take(i)
         spans = {k: hull(ball(motion.travel[k][0]), x) for k, x in ends.items()}
-        for k in self.rests:
+        for k in (*self.rests, *self.stuck):
             spans[k] = ball(self.middle[k])
         square = ball(0.0)
         for k in spans:
@@ -210,7 +214,7 @@ class Tube:
         # The cell that takes up the rest of the stroke moves at most as fast as all others.
         speed = high(square).sqrt() * (1 + len(spans)) + self._fastest(spans)
         ways = sum((high(abs(s - self.middle[k])) for k, s in spans.items()), self._drift())
-        spans[self._taker()] = spans[self._taker()] + high(ways) * _UNIT
+        spans[self.taker] = spans[self.taker] + high(ways) * _UNIT
         grown = self._grow(spans, h, high(speed), ends, None)
         if grown is None:
             raise UndecidedError("a step of the flow is not enclosed")
@@ -238,9 +242,9 @@ class Tube:
             tube, grown = self._narrower(motion, spans, h, defect, (tube, grown))
         level = self._level(tube)
         loose = [i for i in self._held() if not self.walk.stays(i, level)]
-        if any(self.cells[i].rubs for i in loose):
-            return None
         if loose:
+            if not self._may_free(loose, h):
+                return None
             for i in loose:
                 self._free(i)
             return False
@@ -261,13 +265,25 @@ class Tube:
         for factor in (1.25, 2.0, 4.0):
             radius = high(self.radius * factor + 4 * time * defect)
             tube = self.around(spans, high(radius + self._drift() * self._inverse_root))
-            rate = self._parting(tube)
+            rate, least = self._bounds(tube, defect, time)
             if not rate.is_finite():
+                defect = least
                 continue
             grown = high((time * rate).exp() * self.radius + kernel(rate, time) * defect)
             if grown <= radius:
                 return tube, grown, rate
         return None
+
+    def _bounds(self, tube: dict[int, Ball], defect: Ball, time: Ball) -> tuple[Ball, Ball]:
+        """The rate at which two flows in the tube part, and the defect that counts with it.
+
+        An infinite rate where they are not known, or where they hold for a larger tube.
+        """
+        return self._parting(tube), defect
+
+    def _may_free(self, loose: list[int], h: float) -> bool:
+        """Whether cells that may be released in a step are let go, or the step is shortened."""
+        return bool(loose)
 
     def _narrower(self, motion: FlowMotion, spans, h: float, defect: Ball, known):
         """The tube and its radius after a step, of differences across the way if they are less."""
@@ -286,6 +302,8 @@ class Tube:
         if not movers:
             return
         i, cell = movers[0], self.cells[movers[0]]
+        if i != self.taker:
+            return
         rest = self.total - self.walk.resting(set(self.middle))
         for k, s in self.middle.items():
             if k != i:
@@ -312,7 +330,7 @@ class Tube:
 
     def _level(self, tube: dict[int, Ball]) -> Ball:
         """λ of all flows in the tube: a mean of the forces of those that move."""
-        forces = {i: self.cells[i].law(s)[0] for i, s in tube.items()}
+        forces = {i: self._force(i, s) for i, s in tube.items()}
         sure = [i for i, s in tube.items() if s > self.cells[i].low and s < self.cells[i].high]
         if not sure:
             out = None
@@ -334,8 +352,6 @@ class Tube:
         return [i for i in range(len(self.cells)) if i not in self.middle]
 
     def _free(self, i: int) -> None:
-        if self.cells[i].rubs:
-            raise UndecidedError("friction in the flow of a snap")
         stand = self.walk.stands[i]
         self.middle[i] = balls.number(stand.travel)
         sense = 1 if self.walk.at_end(i, 1) else -1 if self.walk.at_end(i, -1) else 0
@@ -361,7 +377,7 @@ class Tube:
     def _pin(self, level: Ball, tube: dict[int, Ball], time: Ball) -> None:
         """Hold cells that are proved to have come to their stops."""
         for i, sense in list(self.rests.items()):
-            m, force = ball(self.m[i]), self.cells[i].law(tube[i])[0]
+            m, force = ball(self.m[i]), self._force(i, tube[i])
             speed = low(m * sense * (level - force))
             whole = high(self.radius * m.sqrt() + self._drift())
             self.gap[i] = min(high(self.gap[i] - time * speed), whole) if speed > 0 else whole
@@ -369,6 +385,7 @@ class Tube:
                 cell = self.cells[i]
                 self.walk.stands[i] = Stand(HELD, cell.high if sense > 0 else cell.low)
                 del self.middle[i], self.rests[i], self.gap[i]
+                self.sense.pop(i, None)
 
     # The landing.
 
@@ -393,14 +410,15 @@ class Tube:
 
     def lands(self) -> bool:
         """Whether the tube is in a ball around a rest on which the energy is convex."""
-        if self.rests:
+        if self.rests or self.stuck:
             return False
         try:
             here = {i: ball(x) for i, x in self.middle.items()}
             if not self._parting(here) < 0:
                 return False
             centre = self._polished(here)
-            away = high(self.radius + self._norm({i: centre[i] - here[i] for i in here}))
+            gone = self._norm({i: centre[i] - here[i] for i in here})
+            away = high(self.radius + self._drift() * self._inverse_root + gone)
             tube = self.around(centre, away)
             rate, residual = self._parting(tube), self._residual(centre)
             if not rate < 0:
@@ -412,16 +430,23 @@ class Tube:
             level = self._level(tube)
             if not all(self.walk.stays(i, level) for i in self._held()):
                 return False
+            if not self._keeps_senses(tube):
+                return False
             rest = self.around(centre, near)
             self._put(rest)
         except UndecidedError:
             return False
         return True
 
+    def _keeps_senses(self, tube: dict[int, Ball]) -> bool:
+        """Whether cells with friction go on in their senses up to the rest, within a tube."""
+        return bool(tube)
+
     def _put(self, rest: dict[int, Ball]) -> None:
-        stands = {
-            i: Stand(FREE, s, self.walk.branch_at(self.cells[i], s, 0)) for i, s in rest.items()
-        }
+        stands = {}
+        for i, s in rest.items():
+            mode, sense = (SLIDES, self.sense[i]) if i in self.sense else (FREE, 0)
+            stands[i] = Stand(mode, s, self.walk.branch_at(self.cells[i], s, 0), sense)
         for i, stand in stands.items():
             self.walk.stands[i] = stand
 
@@ -439,7 +464,7 @@ class Tube:
 
     def _residual(self, at: dict[int, Ball]) -> Ball:
         """The speed of the flow at a place between all stops."""
-        forces = {i: self.cells[i].law(s)[0] for i, s in at.items()}
+        forces = {i: self._force(i, s) for i, s in at.items()}
         mass = sum((ball(self.m[i]) for i in at), ball(0.0))
         level = sum((self.m[i] * f for i, f in forces.items()), ball(0.0)) / mass
         return self._norm({i: self.m[i] * (level - f) for i, f in forces.items()})
@@ -447,7 +472,7 @@ class Tube:
     def _polished(self, at: dict[int, Ball]) -> dict[int, Ball]:
         """A place near a rest, with the exact stroke: Newton's method on middles."""
         for _ in range(12):
-            laws = {i: self.cells[i].law(s) for i, s in at.items()}
+            laws = {i: (self._force(i, s), self.cells[i].law(s)[1]) for i, s in at.items()}
             flat = [i for i, law in laws.items() if law[1].is_zero()]
             if flat:
                 at = self._with_flat(at, laws, flat[0])
