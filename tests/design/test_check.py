@@ -133,7 +133,7 @@ def test_the_measurement_named_is_the_best_of_all_by_counting_each():
         counted = yields(chain, tolerances, samples=4000, target=result.target)
         each = {
             name: with_tightened_tolerance(
-                counted, name, _left_of(tolerances, part.tolerance), 4000
+                counted, name, _left_of(tolerances.most, part.tolerance), 4000
             )
             for name, part in parts_of(counted).items()
         }

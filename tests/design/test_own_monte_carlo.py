@@ -31,7 +31,7 @@ def force(theta, dx, dy, k, rest):
 
 def made_at_random(made: Design, n: int, rng: np.random.Generator) -> np.ndarray:
     """(n, N, 4) d_x, d_y, k, ℓ0 of mechanisms within the tolerances of a design."""
-    t, cells = made.yield_.tolerances, made.chain.levers
+    t, cells = made.yield_.tolerances.most, made.chain.levers
     bands = np.array([(*c.bands[0].d, c.bands[0].stiffness, c.bands[0].rest_length) for c in cells])
     samples = np.tile(bands, (n, 1, 1))
     for _ in range(2):  # p and q, each anywhere in its disc

@@ -83,9 +83,10 @@ class Ask:
 
     def tolerances(self) -> Tolerances:
         """Tolerances with the keys anchor_mm and stiffness_percent, both with usual defaults."""
-        anchor = self.number("anchor_mm", 0.0, 1000.0, to_unit(DEFAULT_TOLERANCES.anchor, "mm"))
-        usual = to_unit(DEFAULT_TOLERANCES.stiffness, "percent")
-        stiffness = self.number("stiffness_percent", 0.0, 24.9, usual)
+        usual = DEFAULT_TOLERANCES.most
+        anchor = self.number("anchor_mm", 0.0, 1000.0, to_unit(usual.anchor, "mm"))
+        percent = to_unit(usual.stiffness, "percent")
+        stiffness = self.number("stiffness_percent", 0.0, 24.9, percent)
         return Tolerances(anchor=from_unit(anchor, "mm"), stiffness=from_unit(stiffness, "percent"))
 
     def has(self, key: str) -> bool:

@@ -155,6 +155,7 @@ def design(
     levers = list(itertools.chain.from_iterable(choices))
     _check_anchors(p, q, free)
     _check_sizes(bands, levers, limit)
+    bands = areas.pooled(bands)
     _check_regions(within)
     if check.whole("most_bands", most_bands, 1) > MOST_BANDS:
         raise InputError(f"most_bands = {most_bands}: must be at most {MOST_BANDS}.")

@@ -1,8 +1,8 @@
 """Regions for the anchors of a band, and the available bands."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -242,6 +242,16 @@ def allowed_text(regions: Sequence[Region], holes: HoleGrid | None, free: str = 
         through = f" {holes.shifted}," * bool(holes.shifted)
         drilled = f"in holes {to_unit(holes.pitch, 'mm'):.4g} mm apart{through}"
     return f"{_FREE[free]} {drilled} at {' or '.join(dict.fromkeys(places))}"
+
+
+def pooled(bands: Iterable[BandType]) -> list[BandType]:
+    """The different types of band, each with the bands of all its packs together."""
+    packs: dict[BandType, int | None] = {}
+    for band in bands:
+        kind = replace(band, pack=None)
+        held = packs.get(kind, 0)
+        packs[kind] = None if held is None or band.pack is None else held + band.pack
+    return [replace(kind, pack=pack) for kind, pack in packs.items()]
 
 
 def packs_text(bands: Sequence[BandType]) -> str:

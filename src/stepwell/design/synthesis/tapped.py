@@ -12,7 +12,7 @@ from stepwell.base import ByValue, Floats, InputError, Progress, notify, to_unit
 from stepwell.design.requirements import Requirements
 from stepwell.design.synthesis.designed import Design, Impossible
 from stepwell.design.synthesis.inverse import design, lever_choices, of_each_cell
-from stepwell.design.synthesis.region import PAPER_BAND, BandType
+from stepwell.design.synthesis.region import PAPER_BAND, BandType, pooled
 from stepwell.mechanism import Chain
 from stepwell.sequences import Program
 
@@ -153,11 +153,7 @@ class _Side:
     @classmethod
     def of(cls, states: Sequence[str], part: slice, how: dict[str, Any]) -> "_Side":
         """The cells of a part of a walk, with what is given for them."""
-        packs: dict[BandType, int | None] = {}
-        for band in how.get("bands", (PAPER_BAND,)):
-            kind = replace(band, pack=None)
-            held = packs.get(kind, 0)
-            packs[kind] = None if held is None or band.pack is None else held + band.pack
+        bands = pooled(how.get("bands", (PAPER_BAND,)))
         own = dict(how)
         if "tolerances" in how:
             how["tolerances"].each(len(states[0]))  # refuses another number of cells
@@ -169,7 +165,8 @@ class _Side:
             own["within"] = how["within"][part] if len(how["within"]) > 1 else how["within"]
         steps = _steps([state[part] for state in states])
         cells = len(states[0][part])
-        return cls(steps, cells, own, tuple(packs), tuple(packs.values()))
+        kinds = tuple(replace(band, pack=None) for band in bands)
+        return cls(steps, cells, own, kinds, tuple(band.pack for band in bands))
 
     def room(self, left: _Room) -> _Room:
         """Of the bands that are left, no more than all cells can take."""
