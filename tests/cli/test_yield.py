@@ -149,7 +149,7 @@ def test_a_design_with_a_program_is_judged_by_what_the_program_does(stepwell, tm
         (("--target", "000>111"), "000>111"),
         (("--program",), "forward.toml: has no table [program]"),
         (("--program", "--sensitivity"), "--sensitivity: cannot be combined with --program."),
-        (("--lever-tolerance", 20), "must be smaller than the shortest lever"),
+        (("--lever-tolerance", 20), "must be smaller than the lever of"),
     ],
 )
 def test_wrong_input_ends_in_code_2_with_what_is_allowed(stepwell, arguments, message):

@@ -205,7 +205,7 @@ def test_wrong_tolerances_of_cells_are_refused():
         Tolerances(anchor=(0.0,) * 2, lever=(0.0,) * 3)
     with refuses(sw.mechanism.SlipError, "anchor", "Did you mean"):
         chain.yields(Tolerances(anchor=(0.0, 1.0)))
-    with refuses(sw.InputError, "lever", "shortest lever"):
+    with refuses(sw.InputError, "lever", "the lever of"):
         chain.yields(Tolerances(lever=(0.0, 0.02)))
 
 

@@ -396,7 +396,7 @@ def test_a_sequence_that_is_no_full_cycle_is_refused_with_an_example(wanted, adv
         ({"samples": 2.5}, "samples = 2.5"),
         ({"seed": -1}, "seed = -1"),
         ({"tolerances": 0.05}, "must be Tolerances, for example"),
-        ({"tolerances": Tolerances(lever=0.02)}, "must be smaller than the shortest lever"),
+        ({"tolerances": Tolerances(lever=0.02)}, "must be smaller than the lever of"),
         ({"sensitivity": True, "target": "00>11>00"}, "changes one cell per step"),
     ],
 )

@@ -278,10 +278,11 @@ def _check_arguments(chain: Chain, tolerances: draws.Tolerances, samples: int, s
     base.check.whole("samples", samples, 1)
     base.check.whole("seed", seed, 0)
     base.require("samples", samples, "samples =")
-    for cell, own in zip(chain.cells, tolerances.each(len(chain)), strict=True):
+    each = tolerances.each(len(chain))
+    for name, cell, own in zip(chain.names, chain.cells, each, strict=True):
         if isinstance(cell, Cell) and own.lever >= cell.lever:
             raise base.InputError(
-                f"lever = {own.lever} m: must be smaller than the shortest lever, "
+                f"lever = {own.lever} m: must be smaller than the lever of {name}, "
                 f"{cell.lever:.6g} m."
             )
     draws.validate(tolerances, chain)
