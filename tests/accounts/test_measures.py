@@ -210,9 +210,9 @@ def test_tolerances_are_those_that_the_cells_have():
     }
     plain = ["anchor", "stiffness", "rest_length", "lever", "friction"]
     assert names == {
-        "levers": [*plain, "mobility"],
-        "mixed": [*plain, "travel", "mobility"],
-        "volumes": ["stiffness_percent", "friction_kPa", "volume_percent", "mobility"],
+        "levers": [*plain, "mobility", "by_cell"],
+        "mixed": [*plain, "travel", "mobility", "by_cell"],
+        "volumes": ["stiffness_percent", "friction_kPa", "volume_percent", "mobility", "by_cell"],
     }
 
 
