@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from contextlib import suppress
+from fnmatch import fnmatch
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -401,3 +402,10 @@ def test_changelog_and_citation_speak_of_this_version():
     assert newest is not None
     assert cited is not None
     assert newest[1] == cited[1] == stepwell.__version__
+
+
+def test_pytest_opens_every_folder_that_has_tests(pytestconfig):
+    left_out = pytestconfig.getini("norecursedirs")
+    names = {file.parent.name for file in (ROOT / "tests").rglob("test_*.py")}
+    assert len(names) > 20
+    assert [name for name in names if any(fnmatch(name, one) for one in left_out)] == []

@@ -17,10 +17,15 @@ LEVERS = [
 ]
 
 
+# Bands stretched to more than 5 times their rest length, and a stroke of more than 140 mm.
+BEYOND = {"lock-with-alarm": {"stretch"}, "stiffness-gripper": {"travel"}}
+
+
 @pytest.mark.parametrize("name", LEVERS)
-def test_every_preset_of_lever_cells_can_be_built_in_acrylic(name):
+def test_every_preset_of_lever_cells_but_two_can_be_built_in_acrylic(name):
     made = sw.build(sw.load(f"preset:{name}"), samples=50)
-    assert made.can_be_built, made.findings
+    assert {one.check for one in made.findings} == BEYOND.get(name, set()), made.findings
+    assert made.can_be_built == (name not in BEYOND)
 
 
 @pytest.mark.parametrize("material", ["plywood-3mm", "pla-3mm"])

@@ -308,7 +308,7 @@ def test_chains_without_a_closed_form_go_to_the_engine_whole():
     rng = np.random.default_rng(11)
     for _ in range(examples(4)):
         chain = any_chain(rng, 2)
-        if DrawJudge.of(chain, np.zeros(5), np.zeros((2, 2), np.int64)) is not None:
+        if DrawJudge.of(chain, np.zeros((2, 5)), np.zeros((2, 2), np.int64)) is not None:
             continue
         result = yields(chain, replace(ALL, lever=0.0002), samples=12)
         assert result.by_engine == 12 and result.critical is None

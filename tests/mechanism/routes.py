@@ -240,7 +240,8 @@ def _():
 @route("gaps of many that are made", FORCE)
 def _():
     draws = np.random.default_rng(0).random((3, 16))
-    judge = DrawJudge.of(PAIR, np.array([3e-4, 0.0, 0.0, 1e-4, 0.0]), np.array([[0, 1], [0, 1]]))
+    spread = np.array(2 * [[3e-4, 0.0, 0.0, 1e-4, 0.0]])
+    judge = DrawJudge.of(PAIR, spread, np.array([[0, 1], [0, 1]]))
     assert judge is not None
     return judge(draws).gap
 
