@@ -209,6 +209,7 @@ class Impossible(Shown, StepwellError, ValueError):
 
     Attributes:
         target: as text.
+        why: the reason alone.
         proved: True for a proof, which covers all allowed nominal designs: none reaches the target
             without a tie. False if some were not tried; the text states which.
         region: feasible pairs (F0, F1) [N] of a cell: closed curves around them, or all of them
@@ -234,7 +235,7 @@ class Impossible(Shown, StepwellError, ValueError):
         measure: Measure = Measure.TRAVEL,
         evidence: Evidence | None = None,
     ):
-        self.target, self.proved, self.measure = target, proved, measure
+        self.target, self.why, self.proved, self.measure = target, why, proved, measure
         self.evidence = evidence
         self.region = tuple(region)
         self.largest_gap, self.gap_needed = largest_gap, gap_needed

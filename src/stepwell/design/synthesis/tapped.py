@@ -128,8 +128,7 @@ def design_tapped(
             found.append(made)
     notify(progress, len(taps), len(taps))
     if not found:
-        texts = (str(why).rstrip(".") for why in failed)
-        reasons = "; ".join(f"tap after cell {k}: {text}" for k, text in enumerate(texts, 1))
+        reasons = "; ".join(f"tap after cell {k}: {one.why}" for k, one in enumerate(failed, 1))
         sure = len(failed) == len(taps) and all(why.proved for why in failed)
         raise Impossible(">".join(states), f"no place of a tap allows it; {reasons}", proved=sure)
     return max(found, key=lambda one: one.fraction)
@@ -234,7 +233,7 @@ def _best_pair(inner: _Side, outer: _Side) -> _Pair | Impossible:
         if isinstance(first, Impossible) or isinstance(second, Impossible):
             failed = first if isinstance(first, Impossible) else second
             assert isinstance(failed, Impossible)
-            why, proved = str(failed).rstrip("."), proved and failed.proved
+            why, proved = failed.why, proved and failed.proved
             continue
         if best is None or _fraction((first, second)) > _fraction(best):
             best = first, second
