@@ -58,19 +58,15 @@ def percent(most: float) -> Callable[[str | float], float]:
     return parse
 
 
-def number(least: float = 0.0) -> Callable[[str | float], float]:
-    """A parser of an option: a finite number with a lower bound."""
-
-    def parse(text: str | float) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
-        if not least <= value < math.inf:
-            raise typer.BadParameter(f"{text!r}: must be a number of at least {short(least)}.")
-        return value
-
-    return parse
+def number(text: str | float) -> float:
+    """A parser of an option: a finite number of at least 0."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 <= value < math.inf:
+        raise typer.BadParameter(f"{text!r}: must be a number of at least 0.")
+    return value
 
 
 def by_cell(parse: Callable[[str | float], float]) -> Callable[[str | float], Any]:

@@ -25,7 +25,7 @@ Friction = Annotated[
         metavar="FORCE,...",
         help="Friction tolerance: uniform additional friction of every cell, at most FORCE [N; kPa "
         "or mN m for elements with these units].",
-        parser=by_cell(number()),
+        parser=by_cell(number),
     ),
 ]
 TravelTolerance = Annotated[

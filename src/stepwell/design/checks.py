@@ -231,9 +231,10 @@ def _tolerances_of(chain: Chain, tolerances: Tolerances) -> Callable[[int, str],
 
     def of(cell: int, part: str) -> float:
         name = {"anchor": "anchor", "travel_scale": "travel"}.get(part, "stiffness")
-        usual = "anchor" if name == "anchor" else "stiffness"
-        one = each[cell] if getattr(most, name) else DEFAULT_TOLERANCES.most
-        return getattr(one, name if one is each[cell] else usual)
+        if getattr(most, name):
+            return getattr(each[cell], name)
+        usual = DEFAULT_TOLERANCES.most
+        return usual.anchor if name == "anchor" else usual.stiffness
 
     return of
 

@@ -302,13 +302,7 @@ class RubbedTube(Tube):
         self.stuck.add(i)
         self.fresh.add(i)
 
-    def _tried(self, motion: FlowMotion, h: float) -> bool | None:
-        spans = motion.spans(h)
-        for i in (*self.rests, *self.stuck):
-            spans[i] = ball(self.middle[i])
-        defect = motion.defect(spans, h, self._drift())
-        if defect is None or not self._presses(spans):
-            return None
+    def _missed(self, motion: FlowMotion, h: float, defect: Ball) -> Ball | None:
         over = self._over(motion, h)
         if over is None:
             return None
@@ -318,7 +312,7 @@ class RubbedTube(Tube):
             way = abs(derivative([*map(ball, c)], 1, time))
             square = square + way * way / self.m[i]
         self.pace = high(high(square).sqrt() + defect)
-        return self._grow(spans, h, high(defect + over), motion.ends(h), motion)
+        return high(defect + over)
 
     def _over(self, motion: FlowMotion, h: float) -> Ball | None:
         """By how much the middle misses the law of friction; None if a cell slides back in it."""

@@ -168,7 +168,12 @@ class Tube:
         defect = motion.defect(spans, h, self._drift())
         if defect is None or not self._presses(spans):
             return None
-        return self._grow(spans, h, defect, motion.ends(h), motion)
+        missed = self._missed(motion, h, defect)
+        return None if missed is None else self._grow(spans, h, missed, motion.ends(h), motion)
+
+    def _missed(self, motion: FlowMotion, h: float, defect: Ball) -> Ball | None:
+        """By how much the middle misses the law of the flow; None for a step that is too long."""
+        return defect
 
     def _drift(self) -> Ball:
         """By how much the sum of the middles misses the stroke."""

@@ -229,7 +229,7 @@ class Search:
 
     def refine(self, now: Placement, pitch: float) -> Placement:
         """Refine with finer and finer lattices around each place, down to a micrometre."""
-        left = _MOST_ROUNDS
+        left, sites = _MOST_ROUNDS, self.rule.sites(self.regions)
         for turn, sure in enumerate(_SURER if self.rule.worst else (_SURE,)):
             step = pitch * _SHORTER**turn
             while step >= _FINEST_STEP and left > 0:
@@ -238,8 +238,7 @@ class Search:
                 def offer(i: int, now: Placement, step: float = step) -> Candidates:
                     radius = max(now.smallest, 0.0) if self.rule.worst else 0.0
                     around = now.cells.q[i] + step * _LATTICE
-                    region, kinds = self.rule.sites(self.regions)[i]
-                    return self.rule.everything(region, around, radius, kinds)
+                    return self.rule.everything(sites[i].region, around, radius, sites[i].kinds)
 
                 now, used = self.settle(now, offer, left, sure)
                 left -= used
