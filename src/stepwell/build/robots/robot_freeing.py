@@ -1,7 +1,7 @@
 """Ways out of overlaps of a robot's parts: another place, a smaller swing, shifted anchors."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
 from itertools import combinations
 
 from stepwell.build.build_file import mm
@@ -14,8 +14,15 @@ from stepwell.build.sweeps import compare
 _STEP, _MOST_STEPS = 5e-3, 6
 
 
-def overlap_finding(layout: RobotLayout, one: RobotOverlap) -> ExceededLimit:
-    """The finding of an overlap, with the change of the design or the build file that frees it."""
+def overlap_findings(
+    layout: RobotLayout, overlaps: Iterable[RobotOverlap]
+) -> tuple[ExceededLimit, ...]:
+    """The findings of overlaps, each with the change of the design or build file that frees it."""
+    shifts = _Shifts(layout)
+    return tuple(_finding(layout, one, shifts) for one in overlaps)
+
+
+def _finding(layout: RobotLayout, one: RobotOverlap, shifts: "_Shifts") -> ExceededLimit:
     parts = [name.rpartition(" ")[2] if name[:4] == "pin " else name for name in one.parts]
     where = [
         f"{name[0]} {_cell_name(layout, name)} from {math.degrees(low):.3g} to "
@@ -39,7 +46,7 @@ def overlap_finding(layout: RobotLayout, one: RobotOverlap) -> ExceededLimit:
         0.0,
         "m",
         f"{one.parts[0]} and {one.parts[1]} overlap by {mm(one.overlap)} mm{at}{states}.",
-        _way_out(layout, parts, one),
+        _way_out(layout, parts, one, shifts),
     )
 
 
@@ -49,7 +56,7 @@ def _cell_name(layout: RobotLayout, name: tuple[str, int | str]) -> str:
     return layout.robot.leg(name[0]).chain.names[int(name[1])]
 
 
-def _way_out(layout: RobotLayout, parts: list[str], one: RobotOverlap) -> str:
+def _way_out(layout: RobotLayout, parts: list[str], one: RobotOverlap, shifts: "_Shifts") -> str:
     antennas = {f"{antenna.label}-antenna" for antenna in layout.plan.antennas} & {*parts}
     far = mm(rounded_up(one.overlap + 1e-3, 1e-3))
     if _any_with(parts, "cord"):
@@ -63,7 +70,7 @@ def _way_out(layout: RobotLayout, parts: list[str], one: RobotOverlap) -> str:
     if antennas:
         return _way_out_of_antenna(layout, parts, one, far)
     if _any_with(parts, "band", "hook") or any(part.endswith("-top") for part in parts):
-        return _shifted_anchors(layout, one)
+        return shifts.freeing(frozenset(_owner(layout, name) for name in one.parts))
     if {"actuator", "battery", "board"} & {*parts}:
         return f"Use a smaller one, or legs {far} mm or more further from the midline (leg.at_mm)."
     return (
@@ -93,50 +100,65 @@ def _way_out_of_antenna(
     return f"Move the pivot of this antenna {far} mm or more ahead (antenna.pivot_mm)."
 
 
-def _shifted_anchors(layout: RobotLayout, one: RobotOverlap) -> str:
-    """The shortest shift of both anchors of a band, along x of its cell, that frees two parts.
+class _Shifts:
+    """Shifts of both anchors of a band along x of its cell: they leave q - p, and so the motion."""
 
-    The shift leaves q - p, so the motion stays the same.
-    """
-    owners = [_owner(layout, name) for name in one.parts]
-    ways: list[tuple[float, str, str, float]] = []
-    for band in layout.bands:
-        if not {*band.bodies, _band_name(layout, band)} & {*owners}:
-            continue
-        leg = layout.robot.leg(band.leg)
-        number = band.cell % 2
-        (px, py), (qx, qy) = (getattr(leg.chain.levers[number].bands[0], end) for end in "pq")
-        for way in (-1.0, 1.0):
-            for steps in range(1, _MOST_STEPS + 1):
-                shift = way * steps * _STEP
-                moved = layout.robot.with_anchors(
-                    band.leg, number, p=(px + shift, py), q=(qx + shift, qy)
-                )
-                if _apart(robot_layout(moved, layout.build_file), owners):
+    def __init__(self, layout: RobotLayout):
+        self.layout = layout
+        self._robots: dict[tuple[str, int, float], SweptRobot] = {}
+        self._known: dict[frozenset[str], str] = {}
+
+    def freeing(self, owners: frozenset[str]) -> str:
+        """The shortest shift that frees two bodies, as an advice."""
+        if owners not in self._known:
+            self._known[owners] = self._shortest(owners)
+        return self._known[owners]
+
+    def _shortest(self, owners: frozenset[str]) -> str:
+        layout = self.layout
+        ways: list[tuple[float, str, str, float]] = []
+        for band in layout.bands:
+            if not {*band.bodies, _band_name(layout, band)} & owners:
+                continue
+            leg = layout.robot.leg(band.leg)
+            number = band.cell % 2
+            (px, py), (qx, qy) = (getattr(leg.chain.levers[number].bands[0], end) for end in "pq")
+            for way in (-1.0, 1.0):
+                shifts = (way * steps * _STEP for steps in range(1, _MOST_STEPS + 1))
+                shift = next((x for x in shifts if self._frees(band, x, owners)), None)
+                if shift is not None:
                     name = f"{band.leg} {leg.chain.names[number]}"
                     anchors = (
                         f"p = ({mm(px + shift)}, {mm(py)}) and q = ({mm(qx + shift)}, {mm(qy)}) mm"
                     )
                     ways.append((abs(shift), name, anchors, shift))
-                    break
-    if not ways:
-        return "Use anchors of this band that are closer together, off the other part."
-    _, name, anchors, _ = min(ways)
-    return (
-        f"Use {anchors} for the bands of {name}: both are shifted, and the motion stays the same."
-    )
+        if not ways:
+            return "Use anchors of this band that are closer together, off the other part."
+        _, name, anchors, _ = min(ways)
+        return (
+            f"Use {anchors} for the bands of {name}: both are shifted, and the motion stays the "
+            f"same."
+        )
 
+    def _frees(self, band: RobotBand, shift: float, owners: frozenset[str]) -> bool:
+        """Whether two bodies never meet once the anchors of a band are shifted."""
+        swept = self._shifted(band, shift)
+        return all(
+            result.hit is None and not result.undecided
+            for pair in combinations(swept.some(owners), 2)
+            for result in compare(swept, *pair)
+        )
 
-def _apart(layout: RobotLayout, owners: Sequence[str]) -> bool:
-    """Whether two bodies of a robot never meet."""
-    swept = SweptRobot(layout)
-    bodies = [body for body in swept.bodies() if body.name in owners]
-    pairs = combinations(bodies, 2)
-    return all(
-        result.hit is None and not result.undecided
-        for pair in pairs
-        for result in compare(swept, *pair)
-    )
+    def _shifted(self, band: RobotBand, shift: float) -> SweptRobot:
+        key, layout = (band.leg, band.cell % 2, shift), self.layout
+        if key not in self._robots:
+            lever = layout.robot.leg(band.leg).chain.levers[key[1]]
+            (px, py), (qx, qy) = (getattr(lever.bands[0], end) for end in "pq")
+            moved = layout.robot.with_anchors(
+                band.leg, key[1], p=(px + shift, py), q=(qx + shift, qy)
+            )
+            self._robots[key] = SweptRobot(robot_layout(moved, layout.build_file))
+        return self._robots[key]
 
 
 def _owner(layout: RobotLayout, name: str) -> str:

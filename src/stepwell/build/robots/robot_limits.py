@@ -16,7 +16,7 @@ from stepwell.build.limits import ExceededLimit, rounded_up, setting
 from stepwell.build.robots.antennas import ROD
 from stepwell.build.robots.legs import PINS
 from stepwell.build.robots.plan import AntennaPlan
-from stepwell.build.robots.robot_freeing import overlap_finding
+from stepwell.build.robots.robot_freeing import overlap_findings
 from stepwell.build.robots.robot_layout import RobotLayout, robot_layout, turned
 from stepwell.build.sweeps import MotionSweep
 from stepwell.robot import Robot
@@ -47,7 +47,7 @@ def robot_findings(
     return (
         *_rail(layout),
         *_hubs(layout),
-        *(overlap_finding(layout, one) for one in collisions),
+        *overlap_findings(layout, collisions),
         *_post(layout),
         *robot_webs(layout),
         *limits.kerf_findings(layout),

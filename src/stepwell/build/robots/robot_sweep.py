@@ -1,7 +1,7 @@
 """Bodies of a robot for a sweep: in plan, layer by layer, and each V in its vertical plane."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -100,21 +100,28 @@ class SweptRobot:
         """All rigid bodies, bands and cords in this plane."""
         return list(self._upright() if self.leg else self._flat())
 
+    def some(self, names: Collection[str]) -> list[RobotBody]:
+        """The bodies of these names in plan."""
+        return [body for body in self._flat(names) if body.name in names]
+
     @cached_property
     def _ranges(self) -> dict[Parameter, tuple[float, float]]:
         return self.layout.motions.ranges()
 
-    def _flat(self) -> Iterator[RobotBody]:
+    def _flat(self, wanted: Collection[str] | None = None) -> Iterator[RobotBody]:
+        """All bodies, or at least those of the wanted names: pieces of parts take longest."""
         layout = self.layout
         names = [*body_names(layout.robot), "rod"]
         for name in names:
             kind = name.rpartition(".")[2]
             if kind.startswith("link") or kind == "foot":
                 continue
-            pieces = list(flat_pieces(layout, name))
-            yield self._body(name, kind, pieces)
+            if wanted is None or name in wanted:
+                pieces = list(flat_pieces(layout, name))
+                yield self._body(name, kind, pieces)
         for leg in layout.plan.legs:
-            yield _room_of_v(layout, leg)
+            if wanted is None or _name_of_v(leg) in wanted:
+                yield _room_of_v(layout, leg)
         for band in layout.bands:
             ends = tuple(zip(band.bodies, (band.p, band.q), strict=True))
             line = BodyLine((ends[0], ends[1]), (0.0, 1.0), band.low, band.high, band.width)
@@ -409,6 +416,10 @@ def _of_upright(part: Part, place: PartFrame) -> Iterator[Piece]:
         yield Piece(part.name, _rectangle(box), (), place.y + low, place.y + high)
 
 
+def _name_of_v(leg: LegPlan) -> str:
+    return f"{leg.leg.name}.V"
+
+
 def _room_of_v(layout: RobotLayout, leg: LegPlan) -> RobotBody:
     """All places of a V as one box: nothing but its own leg, the body and the carriage meets it."""
     plan = layout.plan
@@ -417,7 +428,7 @@ def _room_of_v(layout: RobotLayout, leg: LegPlan) -> RobotBody:
     x0, x1 = leg.rear - plan.stroke - foot, leg.front + half
     reach = 3.0 * plan.thick + 3e-3
     y0, y1 = sorted((leg.side * (leg.row - reach), leg.side * (leg.row + reach)))
-    name = f"{leg.leg.name}.V"
+    name = _name_of_v(leg)
     piece = Piece(name, _rectangle((x0, y0, x1, y1)), (), plan.heights.floor, half)
     # These are compared in the vertical plane.
     own = (f"{leg.leg.name}.slider", "carriage", "body")
