@@ -20,16 +20,24 @@ from stepwell.proof.walk import HELD, EnclosedWalk, Stand
 
 # A cell comes to rest, or lets go, for certain within a time of this many widths of the tube.
 _MARGIN = 8.0
+# Into how many parts a range of λ is divided.
+_PARTS = 16
 _CAUSE = "which cells friction holds in the flow of a snap"
 
 
-def follow(walk: EnclosedWalk, places: dict[int, Ball], radius: Ball | None = None) -> None:
+def follow(
+    walk: EnclosedWalk,
+    places: dict[int, Ball],
+    radius: Ball | None = None,
+    box: dict[int, Ball] | None = None,
+) -> None:
     """Follow the flow of a snap from enclosed travels, and put the walk at its landing.
 
     Args:
         walk: the chain; cells that are not in `places` are held.
         places: travels of the others.
         radius: of a ball around the places that holds the flow, in the metric of mobilities.
+        box: travels within which each cell of `places` with friction slides on in its sense.
 
     Raises:
         UndecidedError: its landing is not proved.
@@ -37,6 +45,8 @@ def follow(walk: EnclosedWalk, places: dict[int, Ball], radius: Ball | None = No
     tube = (RubbedTube if any(cell.rubs for cell in walk.cells) else Tube)(walk, places)
     if radius is not None:
         tube.radius = high(tube.radius + radius)
+    if box is not None and isinstance(tube, RubbedTube):
+        tube.begin(box)
     for step in range(MOST_STEPS):
         if (tube.is_alone() and tube.put_last()) or (step % 8 == 7 and tube.lands()):
             _away_from_stops(walk)
@@ -71,6 +81,26 @@ class RubbedTube(Tube):
         self.least = math.inf
         # A bound of the speed of the middle in a step, and whether it crosses a joint or a stop.
         self.pace, self.crosses = ball(math.inf), False
+        # Travels within which all senses are known, and whether the middle has those senses.
+        self.box: dict[int, Ball] | None = None
+        self.obeys = True
+
+    def begin(self, box: dict[int, Ball]) -> None:
+        """Begin in a box within which each cell with friction slides on in its sense."""
+        self.box = box
+        self.sense = {i: self.walk.stands[i].sense for i in self.stuck}
+        self.stuck = set()
+
+    def _in_box(self, tube: dict[int, Ball]) -> bool:
+        """Whether all senses are known in a tube since the flow has not left the box."""
+        return self.box is not None and all(
+            i in self.box and self.box[i].contains(s) for i, s in tube.items()
+        )
+
+    def _pin(self, level: Ball, tube: dict[int, Ball], time: Ball) -> None:
+        super()._pin(level, tube, time)
+        if not self._in_box(tube):
+            self.box = None
 
     # Which cells slide in the middle of the tube: hints.
 
@@ -94,7 +124,7 @@ class RubbedTube(Tube):
         for _ in range(8 * len(self.cells)):
             if not self._movers() and not self._first_two():
                 return
-            if not self._changed(*self._mean()):
+            if self.box is not None or not self._changed(*self._mean()):
                 return
         raise UndecidedError(_CAUSE)
 
@@ -151,6 +181,9 @@ class RubbedTube(Tube):
 
     def step(self) -> None:
         """Go on up to the next joint, stop, or change of a cell with friction."""
+        if self.box is not None:
+            super().step()
+            return
         motion = self._begin()
         level = self.levels(self._now())
         if level is not None and self._hold_certain(level):
@@ -290,6 +323,7 @@ class RubbedTube(Tube):
         return h <= self.least or not any(self.cells[i].rubs for i in loose)
 
     def _free(self, i: int) -> None:
+        self.box = None
         if not self.cells[i].rubs:
             super()._free(i)
             return
@@ -317,13 +351,16 @@ class RubbedTube(Tube):
     def _over(self, motion: FlowMotion, h: float) -> Ball | None:
         """By how much the middle misses the law of friction; None if a cell slides back in it."""
         time = hull(ball(0.0), ball(h))
+        self.obeys = True
         for i, sense in self.sense.items():
             if i in motion.travel:
                 row = [k * c for k, c in enumerate(motion.travel[i]) if k]
                 speed = sense * value(row, time)
                 # The taker moves by what the sum of the others misses, too.
                 if not speed >= (0 if i != self.taker else motion.slip):
-                    return None
+                    if self.box is None:
+                        return None
+                    self.obeys = False
         level = value(motion.force, time) + motion.missed * ball(0.0, 1.0)
         total = ball(0.0)
         for i in self.stuck:
@@ -340,6 +377,10 @@ class RubbedTube(Tube):
     def _bounds(self, tube: dict[int, Ball], defect: Ball, time: Ball) -> tuple[Ball, Ball]:
         level = self.levels(tube)
         if level is None:
+            return ball(math.inf), defect
+        if self._in_box(tube):
+            return self._parting(tube), defect
+        if not self.obeys and not self.crosses:
             return ball(math.inf), defect
         if self._certain(level, tube):
             return self._parting(tube), defect
@@ -420,16 +461,38 @@ class RubbedTube(Tube):
         return low(least), high(most)
 
     def _level(self, tube: dict[int, Ball]) -> Ball:
+        """One λ of each flow in a tube, if there is one that holds all cells that were held."""
         level = self.levels(tube)
         if level is None:
             raise UndecidedError(_CAUSE)
+        held = self._held()
+        if all(self.walk.stays(i, level) for i in held):
+            return level
+        # Where friction holds all cells there are many; the least, or the largest, will do.
+        ends = self._nearer_ends(tube, level)
+        for one in (hull(low(level), ends[1]), hull(ends[0], high(level))):
+            if all(self.walk.stays(i, one) for i in held):
+                return one
         return level
+
+    def _nearer_ends(self, tube: dict[int, Ball], level: Ball) -> tuple[Ball, Ball]:
+        """A bound below which the largest λ of no flow is, and one above which no least one is."""
+        forces = {i: self.cells[i].law(s)[0] for i, s in tube.items()}
+        below, above = low(level), high(level)
+        for part in (k / _PARTS for k in range(1, _PARTS)):
+            at = balls.middle(low(level) + part * (high(level) - low(level)))
+            least, most = self._sum_of_rates(at, tube, forces)
+            below = at if most <= 0 else below
+            above = min(above, at) if least >= 0 else above
+        return below, above
 
     def _narrower(self, motion: FlowMotion, spans, h: float, defect: Ball, known):
         radius = high(4 * self.radius + 8 * ball(h) * defect)
         around = self.around(spans, high(radius + self._drift() * self._inverse_root))
         level = self.levels(around)
-        if level is None or not self._certain(level, around):
+        if level is None or not (
+            self._in_box(around) or (self.obeys and self._certain(level, around))
+        ):
             return known
         if not all(self.walk.stays(i, level) for i in self._held()):
             return known
