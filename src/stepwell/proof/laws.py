@@ -147,6 +147,10 @@ class EnclosedBand:
         length, g, g1, g2 = self.reach(sin, cos)
         e = length - self._rest
         one, two = self.curve.rows_at(e)
+        if one < two:
+            length = self._near_middle(sin, length, g)
+            e = length - self._rest
+            one, two = self.curve.rows_at(e)
         if two < 0:
             return _ZERO, _ZERO, _ZERO, False
         if lean and one < two:
@@ -161,6 +165,12 @@ class EnclosedBand:
         bend = first * (t2 * square + 3 * h * (g1 - square)) + ratio * g2
         return ratio * g, h * first * g + ratio * g1, bend, one < two
 
+    def _near_middle(self, sin: Ball, length: Ball, g: Ball) -> Ball:
+        """The lengths by the mean value form, where sin and cos as balls of their own are wider."""
+        at = balls.middle(sin)
+        mean = self.reach(at, (1 - at * at).sqrt()).length + self._r * g / length * (sin - at)
+        return length.intersection(mean) if mean.is_finite() else length
+
     def taylor(self, sin: Any, cos: Any, s: tuple[Ball, Ball]) -> Any:
         """F as a power series, by those of sin and cos; None at a joint of the law.
 
@@ -170,8 +180,11 @@ class EnclosedBand:
             sin, cos: power series.
             s: balls of sin and cos.
         """
-        reach = self.reach(*s).length
+        reach, g, _, _ = self.reach(*s)
         one, two = self.curve.rows_at(reach - self._rest)
+        if one < two:
+            reach = self._near_middle(s[0], reach, g)
+            one, two = self.curve.rows_at(reach - self._rest)
         if one < two or not (reach > 0 and s[1] > 0):
             return None
         dx, dy = self._dx, self._dy
