@@ -1,9 +1,11 @@
 """How a snap of several moving cells begins: the direction in which the flow leaves its rest.
 
-Let w be a unit vector in the metric of mobilities, δ = p w + q with q ⟂ w, and J the symmetric
-matrix of the flow with slopes κ anywhere in a box. Let w J w ≥ a, J ≤ b on all q ⟂ w, and let the
-part of J w across w be at most c. Then |q|/p falls where it is above 2c/(a - b): so the flow is in
-this cone. Its velocities are in it too, and keep their signs: then friction only shifts forces.
+Where no law has a joint at the rest, and no cell that moves rubs, the flow is enclosed along a
+curve that leaves the rest. Elsewhere it is enclosed in a cone. Let w be a unit vector in the metric
+of mobilities, δ = p w + q with q ⟂ w, and J the symmetric matrix of the flow with slopes κ anywhere
+in a box. Let w J w ≥ a, J ≤ b on all q ⟂ w, and let the part of J w across w be at most c. Then
+|q|/p falls where it is above 2c/(a - b): so the flow is in this cone. Its velocities are in it too,
+and keep their signs: then friction only shifts forces.
 """
 
 import math
@@ -11,11 +13,12 @@ from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
+from flint import arb_poly  # pyright: ignore[reportMissingImports]
 
 from stepwell.base import Floats
 from stepwell.proof import balls
 from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull
-from stepwell.proof.motion import largest_across
+from stepwell.proof.motion import largest_across, length_of
 from stepwell.proof.walk import FOLD, EnclosedWalk
 
 # Distances from the rest, as fractions of the least travel, at which the flow is looked for: from a
@@ -23,6 +26,11 @@ from stepwell.proof.walk import FOLD, EnclosedWalk
 _WAYS, _FROM_FOLD = (1e-6, 1e-4, 1e-8), (3e-3, 1e-3, 1e-4, 1e-5)
 # Up to this many times as far, senses of sliding are looked for.
 _FARTHER = 1e3, 100.0, 30.0, 10.0, 3.0, 1.0
+# Degree of the curve, ends of it that are tried, and how near the flow has to be there.
+_DEGREE, _ENOUGH = 12, 1e-11
+_ALONG = (0.2, 0.1, 5e-2, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6)
+# Largest distance of the flow to the curve, as a fraction of the way.
+_NEAR = 1e-3
 _UNIT = ball(0.0, 1.0)
 _CAUSE = "in which sense a snap begins"
 # Cells that move, and those whose friction holds them.
@@ -57,6 +65,11 @@ def leave(walk: EnclosedWalk, direction: int, leader: int) -> Beginning:
     Raises:
         UndecidedError: the direction is not proved.
     """
+    if not any(walk.cells[i].rubs for i in walk.active()):
+        try:
+            return _on_curve(walk, walk.active(), (leader, direction))
+        except UndecidedError:
+            pass
     moving, behind = _sliding_on(walk, (leader, direction))
     size = min(walk.cells[i].size for i in moving)
     for way in _FROM_FOLD if walk.due == FOLD else _WAYS:
@@ -87,6 +100,26 @@ def _sliding_on(walk: EnclosedWalk, lead: tuple[int, int]) -> _Cells:
 
 def _roots(walk: EnclosedWalk, moving: list[int]) -> Floats:
     return np.sqrt([walk.mobility[i] for i in moving])
+
+
+def _on_curve(walk: EnclosedWalk, moving: list[int], lead: tuple[int, int]) -> Beginning:
+    """`leave` on a curve, at the end that is the farthest one with the flow near enough."""
+    root = _roots(walk, moving)
+    w = None if walk.due == FOLD else _direction(walk, moving, root, lead)
+    curve, best = _Curve(walk, moving, lead, w), None
+    size = min(walk.cells[i].size for i in moving)
+    for way in _ALONG:
+        try:
+            end = curve.end(way * size)
+        except UndecidedError:
+            continue
+        if best is None or end.part < best.part:
+            best = end
+        if best.part < _ENOUGH:
+            break
+    if best is None:
+        raise UndecidedError(_CAUSE)
+    return Beginning(best.places, best.radius, None)
 
 
 def _at(walk: EnclosedWalk, cells: _Cells, lead: tuple[int, int], way: float) -> Beginning:
@@ -276,3 +309,184 @@ def _without(a: list[Ball], unit: list[Ball]) -> list[Ball]:
     """A vector without its part along a unit vector."""
     part = _dot(a, unit)
     return [x - part * y for x, y in zip(a, unit, strict=True)]
+
+
+# Along a curve.
+
+
+class _End(NamedTuple):
+    """A place on the curve, and the distance of the flow to it, as a fraction of the way too."""
+
+    places: dict[int, Ball]
+    radius: Ball
+    part: Ball
+
+
+class _Curve:
+    """The curve p w + φ(p) behind a rest, with φ a polynomial across w; coordinates are δ_i/√m_i.
+
+    Let D be its defect across w. Let J ≤ b on all vectors across w, and let the part of J w across
+    w be at most c, for all slopes in a box. Then the flow is within D(p)/β of the curve, with
+    β = -b - c |φ'|, as long as p rises (theory page, "Proofs").
+
+    Args:
+        walk: cells without friction at rest, where the snap begins.
+        moving: the cells that move.
+        lead: one of them, and the direction in which it moves.
+        w: the direction of the largest rate; None at a fold.
+    """
+
+    def __init__(self, walk: EnclosedWalk, moving: list[int], lead, w: Floats | None):
+        self.walk, self.moving, self.fold = walk, moving, w is None
+        self.cells = [walk.cells[i] for i in moving]
+        self.rest = [walk.stands[i].travel for i in moving]
+        self.m = [ball(walk.mobility[i]) for i in moving]
+        self.root = [m.sqrt() for m in self.m]
+        self.normal = _scaled(self.root)
+        self.w = self._null_vector(lead) if w is None else self._unit(w)
+        self.thin = [self._taylor(i, s) for i, s in enumerate(self.rest)]
+        self.phi = [self._across([ball(x) for x in row]) for row in self._series()]
+
+    def _taylor(self, i: int, s: Ball) -> list[Ball]:
+        found = self.cells[i].taylor(s, _DEGREE + 1)
+        if found is None or not all(x.is_finite() for x in found):
+            raise UndecidedError("a joint of a law at the beginning of a snap")
+        return found
+
+    def _null_vector(self, lead: tuple[int, int]) -> list[Ball]:
+        """w at a fold: there Σ 1/κ = 0, and travels by 1/κ leave all forces equal."""
+        j, direction = self.moving.index(lead[0]), lead[1]
+        ways = [1 / cell.law(s)[1] for cell, s in zip(self.cells, self.rest, strict=True)]
+        ways[j] = -sum((x for i, x in enumerate(ways) if i != j), ball(0.0))
+        if not all(x > 0 or x < 0 for x in ways):
+            raise UndecidedError(_CAUSE)
+        sign = direction if ways[j] > 0 else -direction
+        return _scaled([sign * x / r for x, r in zip(ways, self.root, strict=True)])
+
+    def _unit(self, w: Floats) -> list[Ball]:
+        return _scaled(_without([ball(float(x)) for x in w], self.normal))
+
+    def _across(self, x: list[Ball]) -> list[Ball]:
+        """The part of a vector across w, with a sum of travels of zero."""
+        return _without(_without(x, self.normal), self.w)
+
+    def _series(self) -> list[list[float]]:
+        """The coefficients of φ from the second one on, nearly: those that leave no defect."""
+        root, w, n = (np.array([*map(balls.number, x)]) for x in (self.root, self.w, self.normal))
+        laws = [[balls.number(x) for x in law] for law in self.thin]
+        slopes = root**2 * [law[1] for law in laws]
+        rate = -float(np.sum(w * slopes * w))
+        q = np.eye(len(w)) - np.outer(n, n) - np.outer(w, w)
+        jacobian = -q @ np.diag(slopes) @ q - (np.eye(len(w)) - q) * float(np.max(abs(slopes)))
+        phi = np.zeros((_DEGREE + 1, len(w)))
+        phi[1] = w
+        growth = np.zeros(_DEGREE + 1)
+        growth[1] = rate
+        for k in range(2, _DEGREE + 1):
+            rows = [_composed(law, phi[: k + 1, i] * root[i])[k] for i, law in enumerate(laws)]
+            forces = -root * rows
+            growth[k] = float(w @ forces)
+            known = sum((j * phi[j] * growth[k - j + 1] for j in range(2, k)), np.zeros(len(w)))
+            try:
+                phi[k] = np.linalg.solve(jacobian - k * rate * q, known - q @ forces)
+            except np.linalg.LinAlgError:
+                raise UndecidedError(_CAUSE) from None
+        return phi[2:].tolist()
+
+    def end(self, way: float) -> _End:
+        """The end of the curve at a way p."""
+        p = ball(way)
+        within, near = hull(ball(0.0), p), high(p * _NEAR)
+        rows = [[ball(0.0), x, *bend] for x, *bend in zip(self.w, *self.phi, strict=True)]
+        ways = [arb_poly([r * c for c in row]) for r, row in zip(self.root, rows, strict=True)]
+        box = [
+            s + along(within) + near * r * _UNIT
+            for s, along, r in zip(self.rest, ways, self.root, strict=True)
+        ]
+        fall, across = self._fall(rows, box, p)
+        defect, growth = self._defect(rows, ways, box)
+        first = 2 if self.fold else 1
+        radius = high(_size_of(defect, p) / fall)
+        less = [abs(g) * p ** (k - first) for k, g in enumerate(growth) if k > first]
+        if not (growth[first] > sum(less, across * radius / p**first) and radius < near):
+            raise UndecidedError(_CAUSE)
+        self._stays_between(rows, box, p, radius / p)
+        self._holds(box)
+        places = {i: s + along(p) for i, s, along in zip(self.moving, self.rest, ways, strict=True)}
+        return _End(places, radius, high(radius / p))
+
+    def _fall(self, rows: list[list[Ball]], box: list[Ball], p: Ball) -> tuple[Ball, Ball]:
+        """β, proved to be positive, and c, for all slopes in a box."""
+        slopes = [m * c.law(s)[1] for m, c, s in zip(self.m, self.cells, box, strict=True)]
+        if not all(x.is_finite() for x in slopes):
+            raise UndecidedError(_CAUSE)
+        turned = [-k * x for k, x in zip(slopes, self.w, strict=True)]
+        across = length_of(self._across(turned))
+        # |φ'| up to p.
+        turn = p * _size_of([[k * c for k, c in enumerate(row)][2:] for row in rows], p)
+        fall = -largest_across(slopes, (self.normal, self.w), ball(0.0)) - across * turn
+        if not fall > 0:
+            raise UndecidedError(_CAUSE)
+        return fall, across
+
+    def _defect(self, rows, ways, box) -> tuple[list[list[Ball]], list[Ball]]:
+        """The coefficients of D for each cell, and those of p' on the curve.
+
+        Nothing moves at the rest, and at a fold the first slopes are those of a flow without rate.
+        """
+        forces = []
+        for i, (thin, way) in enumerate(zip(self.thin, ways, strict=True)):
+            total = arb_poly([self._taylor(i, box[i])[-1]])
+            for c in reversed(thin[1:-1]):
+                total = total * way + c
+            forces.append(total * way * -self.root[i])
+        none = arb_poly([])
+        mean = sum((f * n for f, n in zip(forces, self.normal, strict=True)), none)
+        growth = sum((f * w for f, w in zip(forces, self.w, strict=True)), none)
+        out = []
+        for f, n, row in zip(forces, self.normal, rows, strict=True):
+            out.append(_coefficients(f - mean * n - growth * arb_poly(row).derivative()))
+        growth = _coefficients(growth)
+        if self.fold:
+            growth[1] = ball(0.0)
+            for one in out:
+                one[1] = ball(0.0)
+        return out, growth
+
+    def _stays_between(self, rows, box, p: Ball, part: Ball) -> None:
+        """Prove that no cell touches a stop on the way; one that starts there leaves it."""
+        for cell, s, row, at in zip(self.cells, self.rest, rows, box, strict=True):
+            if at > cell.low and at < cell.high:
+                continue
+            if not (s >= cell.low and s <= cell.high):
+                raise UndecidedError(_CAUSE)
+            bends = sum((abs(c) * p ** (k - 1) for k, c in enumerate(row) if k > 1), part)
+            inside = (at < cell.high and row[1] > bends) or (at > cell.low and -row[1] > bends)
+            if not inside:
+                raise UndecidedError(_CAUSE)
+
+    def _holds(self, box: list[Ball]) -> None:
+        level = reduce(hull, [cell.law(s)[0] for cell, s in zip(self.cells, box, strict=True)])
+        walk = self.walk
+        if not all(walk.stays(i, level) for i in range(len(walk.cells)) if i not in self.moving):
+            raise UndecidedError("a third cell is released at the beginning of the snap")
+
+
+def _composed(law: list[float], way: Floats) -> Floats:
+    """A power series of another one without a constant term, as long as that one."""
+    total = np.zeros(len(way))
+    for c in reversed(law):
+        total = np.convolve(total, way)[: len(way)]
+        total[0] += c
+    return total
+
+
+def _coefficients(poly) -> list[Ball]:
+    out = [poly[k] for k in range(len(poly))]
+    return out + [ball(0.0)] * (2 - len(out))
+
+
+def _size_of(rows: list[list[Ball]], p: Ball) -> Ball:
+    """A bound of the length of a vector of polynomials, up to p."""
+    sizes = [sum((abs(c) * p**k for k, c in enumerate(row)), ball(0.0)) for row in rows]
+    return length_of([high(x) for x in sizes])
