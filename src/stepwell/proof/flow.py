@@ -16,7 +16,7 @@ from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull, low
 from stepwell.proof.leaving import Cone, slowest
 from stepwell.proof.motion import FlowMotion, derivative, value, when
 from stepwell.proof.tube import MOST_STEPS, WIDE, Tube
-from stepwell.proof.walk import HELD, EnclosedWalk, Stand
+from stepwell.proof.walk import HELD, EnclosedWalk, Stand, windows_meet
 
 # A cell comes to rest, or lets go, for certain within a time of this many widths of the tube.
 _MARGIN = 8.0
@@ -48,7 +48,8 @@ def follow(
     if box is not None and isinstance(tube, RubbedTube):
         tube.begin(box)
     for step in range(MOST_STEPS):
-        if (tube.is_alone() and tube.put_last()) or (step % 8 == 7 and tube.lands()):
+        alone = tube.is_alone() and tube.put_last()
+        if alone or tube.all_rest() or (step % 8 == 7 and tube.lands()):
             _away_from_stops(walk)
             return
         tube.step()
@@ -411,7 +412,10 @@ class RubbedTube(Tube):
         return True
 
     def levels(self, tube: dict[int, Ball]) -> Ball | None:
-        """λ of all flows in a tube, whichever cells slide; None if it is not found."""
+        """A ball that has a λ of each flow in a tube, whichever cells slide; None if not found.
+
+        While all cells rest, many λ belong to one flow, and one of them counts.
+        """
         forces = {i: self.cells[i].law(s)[0] for i, s in tube.items()}
         if not all(f.is_finite() for f in forces.values()):
             return None
@@ -426,11 +430,11 @@ class RubbedTube(Tube):
         return None if ends[0] is None or ends[1] is None else hull(*ends)
 
     def _outside(self, centre: Ball, step: float, rates) -> Ball | None:
-        """A λ near a place at which all sums of velocities have the sign of a step."""
+        """A λ near a place at which no sum of velocities has the other sign than a step."""
 
         def is_out(way: float) -> bool:
             least, most = rates(balls.middle(centre + way))
-            return bool(least > 0 if step > 0 else most < 0)
+            return bool(least >= 0 if step > 0 else most <= 0)
 
         inside, way = 0.0, step
         for _ in range(40):
@@ -523,6 +527,19 @@ class RubbedTube(Tube):
         for k in loose:
             self._free(k)
         return False
+
+    def all_rest(self) -> bool:
+        """Whether all places in the tube are rests: then the flow has landed where it is."""
+        if self.rests or len(self._movers()) > 1:
+            return False
+        held, now, walk = self._held(), self._now(), self.walk
+        windows = [walk.window(i) for i in held]
+        windows += [walk.window_at(i, s) for i, s in now.items()]
+        if not windows_meet(windows):
+            return False
+        for i, s in now.items():
+            walk.stands[i] = Stand(HELD, s)
+        return True
 
     def _keeps_senses(self, tube: dict[int, Ball]) -> bool:
         sliding = [i for i in self.sense if i in self.middle]

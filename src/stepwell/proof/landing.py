@@ -100,6 +100,10 @@ class _Line:
         self.cell, self.other = walk.cells[j], walk.cells[p] if p >= 0 else None
         self.begin, self.behind = walk.stands[j].travel, walk.stands[p].travel
         self.force = walk.force
+        # A kink is at the start of a cell that stands at a turn of its force, or at a fold.
+        fold = walk.due == FOLD
+        self.turned = fold or walk.at_turn(j), fold or (p >= 0 and walk.at_turn(p))
+        self.blur = max(_blur(walk, j), _blur(walk, p) if p >= 0 else ball(0.0))
         self.stiffness = ball(0.0) if walk.rigid or walk.dead else 1 / walk.beta
         self.rub = self.cell.friction + (self.other.friction if self.other else 0)
         self.share = _share(walk.mobility[p] if p >= 0 else 0.0, walk.mobility[j], walk.ratio)
@@ -107,11 +111,11 @@ class _Line:
     def pull(self, x: Ball, lean: int = 0) -> tuple[Ball, Ball, Ball]:
         """The force that drives the snap, and its first two slopes."""
         d, stiffness, rub = self.d, self.stiffness, self.rub
-        own = self.cell.law(self.begin + d * x, lean)
+        own = self.cell.law(self.begin + d * x, lean if self.turned[0] else 0)
         if self.other is None:
             rest = d * (self.force - own[0]) - stiffness * x - rub
             return rest, -stiffness - own[1], -d * own[2]
-        its = self.other.law(self.behind - d * x, -lean)
+        its = self.other.law(self.behind - d * x, -lean if self.turned[1] else 0)
         return d * (its[0] - own[0]) - rub, -(its[1] + own[1]), d * (its[2] - own[2])
 
     def level(self, x: Ball) -> tuple[Ball, Ball]:
@@ -176,7 +180,7 @@ def _along_line(walk: EnclosedWalk, d: int, j: int, p: int) -> str:
     ends, stops = line.end()
     limit = low(ends)
     flat = walk.due == FOLD or (walk.dead and walk.trigger[0] == j)
-    begin = _leave(lambda x, lean: line.pull(x, d * lean)[1:], limit, flat)
+    begin = _leave(lambda x, lean: line.pull(x, d * lean)[1:], limit, flat, line.blur)
     zero = balls.first_zero(lambda x: line.pull(x)[:2], begin, limit)
     way = ends if zero is None else zero
     if not walk.dead:
@@ -211,18 +215,28 @@ def _with_others(line: _Line, begin: Ball, room: Ball | None) -> str:
     return _flow(line, begin)
 
 
-def _leave(slopes: Callable[[Ball, int], tuple[Ball, Ball]], limit: Ball, flat: bool) -> Ball:
+def _blur(walk: EnclosedWalk, i: int) -> Ball:
+    """How well it is known where the kink is at which a cell stands."""
+    return walk.stands[i].travel.rad() if walk.at_turn(i) else ball(0.0)
+
+
+def _leave(
+    slopes: Callable[[Ball, int], tuple[Ball, Ball]], limit: Ball, flat: bool, blur: Ball
+) -> Ball:
     """A way up to which the pull has grown from 0, by its slope, or its second one from a fold.
 
     Args:
         slopes: the first and the second slope at a way; with 1, those behind a kink in it.
         limit: the longest way.
         flat: whether the slope is 0 at the start.
+        blur: how well the place of a kink at the start is known.
     """
     way = limit
     for _ in range(60):
         way = balls.middle(way / 4)
-        start = balls.middle(way * _AT_START)
+        start = balls.middle(way * _AT_START + 4 * blur)
+        if not start < way:
+            break
         try:
             first, second = slopes(hull(ball(0.0), start), 1)
             # A kink may be at the start alone: further on the slope is positive with all its kinks.
@@ -347,7 +361,7 @@ def _behind_rising(walk: EnclosedWalk, d: int, j: int, others: list[int]) -> str
         return -gain, -d * bend
 
     limit, stops, valleys = _way_ahead(walk, d, j)
-    begin = _leave(slopes, limit, walk.due == FOLD)
+    begin = _leave(slopes, limit, walk.due == FOLD, _blur(walk, j))
     zero = balls.first_zero(miss, begin, limit)
     if zero is None and not stops:
         raise UndecidedError("no landing before the force of the start")

@@ -252,8 +252,8 @@ def parting_rate(d: list[Ball], m: list[float]) -> Ball:
     least, second = sorted(float(x) for x in d)[:2]
     a, b = -second, -least
     pace = max(abs(float(x)) for x in d)
-    if not pace:
-        # Forces that are constant, of slack bands say.
+    if pace == 0.0 and all(x >= 0 for x in d):
+        # All forces are constant: slack bands, say.
         return ball(0.0)
     while b - a > 1e-3 * pace:
         middle = 0.5 * (a + b)

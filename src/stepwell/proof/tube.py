@@ -410,6 +410,10 @@ class Tube:
         self.walk.stands[i] = Stand(FREE, travel, self.walk.branch_at(self.cells[i], travel, 0))
         return True
 
+    def all_rest(self) -> bool:
+        """Whether all places in the tube are rests: never without friction."""
+        return False
+
     def _rest_of(self, i: int) -> Ball:
         return self.total - self.walk.resting({i})
 

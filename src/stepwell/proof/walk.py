@@ -1,6 +1,6 @@
 """The path of a chain followed in balls: every event enclosed, every stretch between two proved."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -121,10 +121,14 @@ class EnclosedWalk:
 
     def window(self, i: int) -> tuple[Ball | None, Ball | None]:
         """The forces λ between which a held cell stays; None where there is no bound."""
-        cell, stand = self.cells[i], self.stands[i]
-        force = cell.law(stand.travel)[0]
-        down = None if self.at_end(i, -1) else force - cell.friction
-        up = None if self.at_end(i, 1) else force + cell.friction
+        return self.window_at(i, self.stands[i].travel)
+
+    def window_at(self, i: int, travel: Ball) -> tuple[Ball | None, Ball | None]:
+        """The forces λ between which a cell stays that rests at a travel."""
+        cell = self.cells[i]
+        force = cell.law(travel)[0]
+        down = None if travel == cell.low else force - cell.friction
+        up = None if travel == cell.high else force + cell.friction
         return down, up
 
     def stays(self, i: int, force: Ball) -> bool:
@@ -134,15 +138,17 @@ class EnclosedWalk:
 
     def windows_meet(self) -> bool:
         """Whether some λ is proved to hold all cells where they are."""
-        windows = [self.window(i) for i in range(len(self.cells))]
-        lows = [a for a, _ in windows if a is not None]
-        highs = [b for _, b in windows if b is not None]
-        return all(a < b for a in lows for b in highs)
+        return windows_meet([self.window(i) for i in range(len(self.cells))])
 
     def at_end(self, i: int, heading: int) -> bool:
         """Whether a cell is at the end of its travel."""
         end = self.cells[i].high if heading > 0 else self.cells[i].low
         return bool(self.stands[i].travel == end)
+
+    def at_turn(self, i: int) -> bool:
+        """Whether a cell stands at a turn of its force, or may do so."""
+        at = self.stands[i].travel
+        return any(at.overlaps(branch.left) for branch in self.cells[i].branches[1:])
 
     def stroke(self) -> Ball:
         """u = Σ s_i."""
@@ -480,6 +486,13 @@ class EnclosedWalk:
         return Enclosed(
             "switch", why, direction, self.drive(), self.stroke(), force, moves, None, ""
         )
+
+
+def windows_meet(windows: Sequence[tuple[Ball | None, Ball | None]]) -> bool:
+    """Whether some λ is proved to be in all windows."""
+    lows = [a for a, _ in windows if a is not None]
+    highs = [b for _, b in windows if b is not None]
+    return all(a < b for a in lows for b in highs)
 
 
 def _root(f: balls.Smooth, begin: Ball, end: Ball) -> Ball:
