@@ -18,8 +18,9 @@ from statics.test_races import races
 from stepwell.accounts import account
 from stepwell.design import Run
 from stepwell.proof import PathProof, ProvedEvent, ProvedRun, Theorem, prove
-from stepwell.proof.balls import ball
-from stepwell.proof.tube import Tube
+from stepwell.proof.balls import ball, hull
+from stepwell.proof.motion import parting_rate
+from stepwell.proof.tube import Tube, _marks
 from stepwell.proof.walk import EnclosedWalk
 from stepwell.statics import Configuration, problem_of
 
@@ -182,8 +183,9 @@ def flows_of(seed: int) -> tuple[PathProof, list[ProvedEvent]]:
     return proof, [one for one in proof.events if one.theorem is Theorem.FLOW]
 
 
-# Three falling cells, a beginning with two rising cells, one that comes back, and a fold.
-@pytest.mark.parametrize("seed", cases([23, 51, 52, 54], [23, 52]))
+# Three falling cells, a beginning with two rising cells, one that comes back, and a fold; a fold of
+# three cells, and others with a slow flow behind it.
+@pytest.mark.parametrize("seed", cases([23, 51, 52, 54, 250, 28, 40, 61], [23, 52, 250]))
 def test_landings_of_flows_of_several_cells_are_enclosed(seed):
     proof, flows = flows_of(seed)
     assert proof.proved and flows and proof.worst_error < 1e-12
@@ -191,6 +193,30 @@ def test_landings_of_flows_of_several_cells_are_enclosed(seed):
         claims = list(proof.path.events)
         claims[flows[0].number] = _moved(flows[0].event, 1e-9)
         assert not prove(proof.path, claims=claims).proved
+
+
+def test_a_branch_next_to_a_kink_of_a_cell_that_follows_is_proved():
+    chain = chains.any_chain(np.random.default_rng([43, 60]), 2, friction=False)
+    assert chain.cycle().path.prove().proved
+
+
+def test_flows_of_slack_bands_do_not_part():
+    assert parting_rate([ball(0.0)] * 3, [1.0, 2.0, 1.0]) == 0
+
+
+def test_a_box_next_to_the_joint_of_a_band_has_the_slope_of_its_side():
+    found = 0
+    for seed in range(40):
+        chain = chains.any_chain(np.random.default_rng([44, seed]), 2, friction=False)
+        walk = EnclosedWalk(chain, problem_of(chain))
+        for cell in walk.cells:
+            for joint in _marks(walk, cell.cell):
+                for side in (-1, 1):
+                    box = hull(ball(joint + side * 1e-9), ball(joint + side * 3e-9))
+                    slope, thin = cell.law(box)[1], cell.law(ball(joint + side * 2e-9))[1]
+                    assert slope.contains(thin) and slope.rad() < 1e-3 * abs(thin) + 1e-3
+                    found += 1
+    assert found >= 20
 
 
 def _moved(event: sw.statics.Event, by: float) -> sw.statics.Event:

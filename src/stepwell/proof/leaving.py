@@ -348,10 +348,10 @@ class _Curve:
         self.phi = [self._across([ball(x) for x in row]) for row in self._series()]
 
     def _taylor(self, i: int, s: Ball) -> list[Ball]:
-        found = self.cells[i].taylor(s, _DEGREE + 1)
-        if found is None or not all(x.is_finite() for x in found):
+        terms = self.cells[i].taylor(s, _DEGREE + 1)
+        if terms is None or not all(x.is_finite() for x in terms):
             raise UndecidedError("a joint of a law at the beginning of a snap")
-        return found
+        return terms
 
     def _null_vector(self, lead: tuple[int, int]) -> list[Ball]:
         """w at a fold: there Σ 1/κ = 0, and travels by 1/κ leave all forces equal."""
