@@ -118,7 +118,7 @@ def test_a_snap_of_three_cells_with_friction_is_followed():
 
 
 # Cells that rest or slide as a flow begins, come to rest in it, let go, or reverse at a stop.
-@pytest.mark.parametrize("number", cases([110, 125, 146, 173, 260, 281], [125, 146, 281]))
+@pytest.mark.parametrize("number", cases([92, 110, 125, 146, 173, 260, 281, 299], [125, 146, 281]))
 def test_landings_with_friction_are_proved_where_brute_force_lands(number):
     rng = np.random.default_rng([41, number])
     chain = chains.any_chain(rng, int(rng.integers(2, 7)))

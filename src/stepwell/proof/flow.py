@@ -85,6 +85,8 @@ class RubbedTube(Tube):
         # Travels within which all senses are known, and whether the middle has those senses.
         self.box: dict[int, Ball] | None = None
         self.obeys = True
+        # The least speeds of the cells of the middle that slide, in a step.
+        self.speeds: dict[int, Ball] = {}
 
     def begin(self, box: dict[int, Ball]) -> None:
         """Begin in a box within which each cell with friction slides on in its sense."""
@@ -170,13 +172,18 @@ class RubbedTube(Tube):
             gap = level - self._at(i)
             sense = 1 if gap > 0.0 else -1
             over = sense * gap - self._rub(i)
-            # One that has just come to rest may be over by the width of a step.
-            grows = sense * rate > 0.0 or over > 1e-9 * self._rub(i)
+            # One that has just come to rest may be over by the width of a step, or of the tube.
+            grows = sense * rate > 0.0 or over > 1e-9 * self._rub(i) + self._haze()
             if over > 0.0 and grows and not self._stops(i, sense):
                 self.stuck.remove(i)
                 self.sense[i] = sense
                 return True
         return False
+
+    def _haze(self) -> float:
+        """About by how much forces vary in the tube."""
+        slopes = ((i, self.cells[i].law(ball(s))[1]) for i, s in self.middle.items())
+        return max(abs(balls.number(k)) * self._half(i) for i, k in slopes)
 
     # Steps up to the next change of a cell with friction.
 
@@ -353,12 +360,14 @@ class RubbedTube(Tube):
         """By how much the middle misses the law of friction; None if a cell slides back in it."""
         time = hull(ball(0.0), ball(h))
         self.obeys = True
+        self.speeds.clear()
         for i, sense in self.sense.items():
             if i in motion.travel:
                 row = [k * c for k, c in enumerate(motion.travel[i]) if k]
                 speed = sense * value(row, time)
                 # The taker moves by what the sum of the others misses, too.
-                if not speed >= (0 if i != self.taker else motion.slip):
+                self.speeds[i] = low(speed - (0 if i != self.taker else motion.slip))
+                if not self.speeds[i] >= 0:
                     if self.box is None:
                         return None
                     self.obeys = False
@@ -383,7 +392,7 @@ class RubbedTube(Tube):
             return self._parting(tube), defect
         if not self.obeys and not self.crosses:
             return ball(math.inf), defect
-        if self._certain(level, tube):
+        if self._certain(level, tube) or self._is_fast(tube, defect, time):
             return self._parting(tube), defect
         if self._clear(level, tube):
             paces = [high(abs(self.m[i] * self.cells[i].law(s)[1])) for i, s in tube.items()]
@@ -397,6 +406,15 @@ class RubbedTube(Tube):
     def _certain(self, level: Ball, tube: dict[int, Ball]) -> bool:
         """Whether each cell with friction slides in its sense, or rests, anywhere in a tube."""
         return not self.stuck and all(self._surely_slides(i, level, tube) for i in self.sense)
+
+    def _is_fast(self, tube: dict[int, Ball], defect: Ball, time: Ball) -> bool:
+        """Whether the middle slides so fast that no velocity in a tube has another sense."""
+        if self.crosses or self.stuck or self.rests or self._touches(tube):
+            return False
+        far = 4 * self.radius + 8 * time * defect + self._drift() * self._inverse_root
+        pace = max((high(abs(self.m[i] * self.cells[i].law(s)[1])) for i, s in tube.items()))
+        off = high(pace * far + defect)
+        return all(self.speeds[i] > off * ball(self.m[i]).sqrt() for i in self.sense)
 
     def _clear(self, level: Ball, tube: dict[int, Ball]) -> bool:
         """Whether no flow in a tube moves towards a stop that it may touch."""
@@ -495,7 +513,9 @@ class RubbedTube(Tube):
         around = self.around(spans, high(radius + self._drift() * self._inverse_root))
         level = self.levels(around)
         if level is None or not (
-            self._in_box(around) or (self.obeys and self._certain(level, around))
+            self._in_box(around)
+            or (self.obeys and self._certain(level, around))
+            or self._is_fast(around, defect, ball(h))
         ):
             return known
         if not all(self.walk.stays(i, level) for i in self._held()):
