@@ -177,6 +177,15 @@ def test_a_kink_behind_the_start_of_a_snap_is_seen():
     assert proof.proved and any(event.theorem for event in proof.events)
 
 
+def test_a_snap_from_a_kink_whose_leader_is_next_to_its_stop_is_proved():
+    # The leader has 1.4 µm to go: behind the kink all boxes have to be clear of its ball.
+    rng = np.random.default_rng([41, 182])
+    proof = chains.any_chain(rng, int(rng.integers(2, 7))).cycle().path.prove()
+    assert proof.proved
+    wrong = chains.corrupted(rng, list(proof.path.events))
+    assert not prove(proof.path, claims=wrong).proved
+
+
 def flows_of(seed: int) -> tuple[PathProof, list[ProvedEvent]]:
     rng = np.random.default_rng([41, seed])
     proof = chains.any_chain(rng, int(rng.integers(2, 7)), friction=False).cycle().path.prove()
