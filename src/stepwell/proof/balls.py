@@ -15,6 +15,8 @@ from flint import arb, ctx  # noqa: E402  # pyright: ignore[reportMissingImports
 
 # Bits of the midpoints; rounding is then 1e-14 of that of doubles.
 ctx.prec = 100
+# Terms of power series: without it, python-flint leaves out those from the tenth on.
+ctx.cap = 32
 # Boxes narrower than this fraction of the first one are not divided.
 _NARROW = 1e-22
 # Widest ball around a kink or a jump, in these: turns of a force are known to 1e-13 of the travel.

@@ -23,6 +23,7 @@ _MARGIN = 8.0
 # Into how many parts a range of λ is divided.
 _PARTS = 16
 _CAUSE = "which cells friction holds in the flow of a snap"
+_UNIT = ball(0.0, 1.0)
 
 
 def follow(
@@ -87,6 +88,10 @@ class RubbedTube(Tube):
         self.obeys = True
         # The least speeds of the cells of the middle that slide, in a step.
         self.speeds: dict[int, Ball] = {}
+        # λ of the middle in a step, if the middle obeys friction in it exactly.
+        self.known: Ball | None = None
+        # Cells that have just come to rest.
+        self.halted: set[int] = set()
 
     def begin(self, box: dict[int, Ball]) -> None:
         """Begin in a box within which each cell with friction slides on in its sense."""
@@ -173,7 +178,8 @@ class RubbedTube(Tube):
             sense = 1 if gap > 0.0 else -1
             over = sense * gap - self._rub(i)
             # One that has just come to rest may be over by the width of a step, or of the tube.
-            grows = sense * rate > 0.0 or over > 1e-9 * self._rub(i) + self._haze()
+            least = math.inf if i in self.halted else 1e-9 * self._rub(i) + self._haze()
+            grows = sense * rate > 0.0 or over > least
             if over > 0.0 and grows and not self._stops(i, sense):
                 self.stuck.remove(i)
                 self.sense[i] = sense
@@ -226,6 +232,7 @@ class RubbedTube(Tube):
         else:
             del self.sense[i]
             self.stuck.add(i)
+            self.halted.add(i)
 
     def _landing_times(self, motion: FlowMotion) -> list[float]:
         """Times in which the tube is about as long at stops as it has to be."""
@@ -324,8 +331,11 @@ class RubbedTube(Tube):
         self.crosses = motion is None
         if self.crosses:
             # This defect holds the speed of the middle.
-            self.pace = defect
-        return super()._grow(spans, h, defect, ends, motion)
+            self.pace, self.known = defect, None
+        grown = super()._grow(spans, h, defect, ends, motion)
+        if grown:
+            self.halted.clear()
+        return grown
 
     def _may_free(self, loose: list[int], h: float) -> bool:
         return h <= self.least or not any(self.cells[i].rubs for i in loose)
@@ -345,16 +355,24 @@ class RubbedTube(Tube):
         self.fresh.add(i)
 
     def _missed(self, motion: FlowMotion, h: float, defect: Ball) -> Ball | None:
-        over = self._over(motion, h)
-        if over is None:
+        missed, over = super()._missed(motion, h, defect), self._over(motion, h)
+        if missed is None or over is None:
             return None
         time = hull(ball(0.0), ball(h))
         square = ball(0.0)
         for i, c in motion.travel.items():
             way = abs(derivative([*map(ball, c)], 1, time))
             square = square + way * way / self.m[i]
-        self.pace = high(high(square).sqrt() + defect)
-        return high(defect + over)
+        self.pace = high(high(square).sqrt() + missed)
+        exact = self.obeys and over.is_zero() and missed is defect
+        self.known = self._own_level(motion, h, defect) if exact else None
+        return high(missed + over)
+
+    def _own_level(self, motion: FlowMotion, h: float, defect: Ball) -> Ball:
+        """λ of the middle in a step in which it obeys friction."""
+        slope = self.cells[self.taker].law(motion.spans(h)[self.taker] + motion.off * _UNIT)[1]
+        most = max(1 / ball(self.m[i]).sqrt() for i in self.middle)
+        return motion.level(h) + high(abs(slope) * motion.off + defect * most) * _UNIT
 
     def _over(self, motion: FlowMotion, h: float) -> Ball | None:
         """By how much the middle misses the law of friction; None if a cell slides back in it."""
@@ -371,7 +389,7 @@ class RubbedTube(Tube):
                     if self.box is None:
                         return None
                     self.obeys = False
-        level = value(motion.force, time) + motion.missed * ball(0.0, 1.0)
+        level = motion.level(h)
         total = ball(0.0)
         for i in self.stuck:
             gap = level - self.cells[i].law(ball(self.middle[i]))[0]
@@ -392,11 +410,11 @@ class RubbedTube(Tube):
             return self._parting(tube), defect
         if not self.obeys and not self.crosses:
             return ball(math.inf), defect
-        if self._certain(level, tube) or self._is_fast(tube, defect, time):
+        clear = self._clear(level, tube)
+        if self._certain(level, tube) or (clear and self._is_fast(tube, defect, self.reach)):
             return self._parting(tube), defect
-        if self._clear(level, tube):
-            paces = [high(abs(self.m[i] * self.cells[i].law(s)[1])) for i, s in tube.items()]
-            return max(paces, key=float), defect
+        if clear:
+            return self._fastest_pace(tube), defect
         # Two flows part at most at the sum of their speeds.
         most = high(self.pace + self._fastest(tube))
         if not self.crosses and time * most > 16 * self.radius:
@@ -407,14 +425,21 @@ class RubbedTube(Tube):
         """Whether each cell with friction slides in its sense, or rests, anywhere in a tube."""
         return not self.stuck and all(self._surely_slides(i, level, tube) for i in self.sense)
 
-    def _is_fast(self, tube: dict[int, Ball], defect: Ball, time: Ball) -> bool:
-        """Whether the middle slides so fast that no velocity in a tube has another sense."""
-        if self.crosses or self.stuck or self.rests or self._touches(tube):
+    def _is_fast(self, tube: dict[int, Ball], defect: Ball, reach: Ball) -> bool:
+        """Whether the middle slides so fast that no velocity in a clear tube has another sense.
+
+        Velocities differ from those of the middle by at most the pace times the radius of the tube.
+        """
+        if self.crosses or self.stuck:
             return False
-        far = 4 * self.radius + 8 * time * defect + self._drift() * self._inverse_root
-        pace = max((high(abs(self.m[i] * self.cells[i].law(s)[1])) for i, s in tube.items()))
-        off = high(pace * far + defect)
-        return all(self.speeds[i] > off * ball(self.m[i]).sqrt() for i in self.sense)
+        off = high(self._fastest_pace(tube) * reach + defect)
+        return off.is_finite() and all(
+            i in self.speeds and self.speeds[i] > off * ball(self.m[i]).sqrt() for i in self.sense
+        )
+
+    def _fastest_pace(self, tube: dict[int, Ball]) -> Ball:
+        paces = [high(abs(self.m[i] * self.cells[i].narrow(s)[1])) for i, s in tube.items()]
+        return max(paces, key=float)
 
     def _clear(self, level: Ball, tube: dict[int, Ball]) -> bool:
         """Whether no flow in a tube moves towards a stop that it may touch."""
@@ -434,7 +459,7 @@ class RubbedTube(Tube):
 
         While all cells rest, many λ belong to one flow, and one of them counts.
         """
-        forces = {i: self.cells[i].law(s)[0] for i, s in tube.items()}
+        forces = {i: self.cells[i].narrow(s)[0] for i, s in tube.items()}
         if not all(f.is_finite() for f in forces.values()):
             return None
         if not self._movers():
@@ -487,7 +512,7 @@ class RubbedTube(Tube):
         level = self.levels(tube)
         if level is None:
             raise UndecidedError(_CAUSE)
-        held = self._held()
+        level, held = self._near_middle(level, tube), self._held()
         if all(self.walk.stays(i, level) for i in held):
             return level
         # Where friction holds all cells there are many; the least, or the largest, will do.
@@ -497,9 +522,21 @@ class RubbedTube(Tube):
                 return one
         return level
 
+    def _near_middle(self, level: Ball, tube: dict[int, Ball]) -> Ball:
+        """λ of all flows in a tube, by that of the middle too.
+
+        Forces of a flow and of the middle differ by κ times the radius, and λ by no more.
+        """
+        if self.known is None or not self._clear(level, tube):
+            return level
+        slopes = {i: high(abs(self.cells[i].narrow(s)[1])) for i, s in tube.items()}
+        off = max((k * ball(self.m[i]).sqrt() for i, k in slopes.items()), key=float) * self.reach
+        near = self.known + high(off) * _UNIT
+        return level.intersection(near) if near.is_finite() and near.overlaps(level) else level
+
     def _nearer_ends(self, tube: dict[int, Ball], level: Ball) -> tuple[Ball, Ball]:
         """A bound below which the largest λ of no flow is, and one above which no least one is."""
-        forces = {i: self.cells[i].law(s)[0] for i, s in tube.items()}
+        forces = {i: self.cells[i].narrow(s)[0] for i, s in tube.items()}
         below, above = low(level), high(level)
         for part in (k / _PARTS for k in range(1, _PARTS)):
             at = balls.middle(low(level) + part * (high(level) - low(level)))
@@ -515,12 +552,15 @@ class RubbedTube(Tube):
         if level is None or not (
             self._in_box(around)
             or (self.obeys and self._certain(level, around))
-            or self._is_fast(around, defect, ball(h))
+            or (self._clear(level, around) and self._is_fast(around, defect, radius))
         ):
             return known
         if not all(self.walk.stays(i, level) for i in self._held()):
             return known
-        return super()._narrower(motion, spans, h, defect, known)
+        found = super()._narrower(motion, spans, h, defect, known)
+        if found is not known:
+            self.reach = radius
+        return found
 
     # The landing.
 

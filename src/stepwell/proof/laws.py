@@ -252,6 +252,18 @@ class EnclosedCell:
         force, slope, bend, _ = self._law(s, lean)
         return force, slope, bend
 
+    def narrow(self, s: Ball) -> tuple[Ball, Ball]:
+        """F and κ in a ball, by their mean value forms too (Moore 1966)."""
+        force, slope, bend = self.law(s)
+        at = balls.middle(s)
+        away = s - at
+        if not (away.rad() > 0 and slope.is_finite()):
+            return force, slope
+        there = self.law(at)
+        if bend.is_finite():
+            slope = slope.intersection(there[1] + bend * away)
+        return force.intersection(there[0] + slope * away), slope
+
     def taylor(self, s: Ball, degree: int) -> list[Ball] | None:
         """Taylor coefficients of F by travel, over a ball of it; None where it holds a joint."""
         at = arb_series([s, 1], degree + 1)

@@ -28,6 +28,7 @@ class FlowMotion:
         force: those of λ.
         missed: a bound of what they miss of λ, of the last step that `defect` saw.
         slip: a bound of the sum of all velocities in it.
+        off: a bound of what the sum of all travels misses of the stroke in it.
     """
 
     def __init__(
@@ -43,7 +44,7 @@ class FlowMotion:
         self._laws = laws
         self.travel: dict[int, list[float]] = {i: [0.0] for i in at}
         self.force: list[float] = []
-        self.missed = self.slip = ball(0.0, math.inf)
+        self.missed = self.slip = self.off = ball(0.0, math.inf)
         for k in range(DEGREE):
             now = {i: float(_composed(laws[i], self.travel[i], k + 1)[k].mid()) for i in at}
             level = sum(mobility[i] * f for i, f in now.items()) / mass
@@ -68,6 +69,10 @@ class FlowMotion:
     def ends(self, h: float) -> dict[int, Ball]:
         """The travels after a time."""
         return {i: value(c, ball(h)) for i, c in self.travel.items()}
+
+    def level(self, h: float) -> Ball:
+        """λ during a time, of the last step that `defect` saw."""
+        return value(self.force, hull(ball(0.0), ball(h))) + self.missed * ball(0.0, 1.0)
 
     def defect(self, spans: Mapping[int, Ball], h: float, drift: Ball) -> Ball | None:
         """A bound of the distance of the velocities to those of the flow; None at a joint.
@@ -122,7 +127,7 @@ class FlowMotion:
             total = high(abs(sum((ball(c[k]) for c in self.travel.values()), ball(0.0))))
             off, rate = off + total * power * h, rate + k * total * power
             power = power * h
-        i, self.slip = next(iter(self.travel)), high(rate)
+        i, self.slip, self.off = next(iter(self.travel)), high(rate), high(off)
         slope = self.cells[i].law(spans[i] + off * ball(0.0, 1.0))[1]
         return high((rate + self.m[i] * abs(slope) * off) / ball(self.m[i]).sqrt())
 
@@ -142,7 +147,7 @@ class FlowMotion:
         way, bend = self._derivative(1, time), self._derivative(2, time)
         square: Any = sum((x * x for x in way), ball(0.0))
         speed = low(low(square).sqrt())
-        slopes = [self.m[i] * self.cells[i].law(tube[i])[1] for i in self.travel]
+        slopes = [self.m[i] * self.cells[i].narrow(tube[i])[1] for i in self.travel]
         pace = high(reduce(hull, [abs(x) for x in slopes]))
         if not (speed > 0 and pace.is_finite()):
             return None

@@ -48,6 +48,8 @@ class Tube:
         for i, s in places.items():
             square = square + (s - self.middle[i]) * (s - self.middle[i]) / self.m[i]
         self.radius = high(high(square).sqrt() + self._drift() * self._inverse_root)
+        # The radius of the tube that is tried.
+        self.reach = self.radius
         self.marks = {i: _marks(walk, i) for i in range(len(self.cells))}
 
     def width(self) -> float:
@@ -72,7 +74,7 @@ class Tube:
         return self.sense.get(i, 0) * self.cells[i].friction
 
     def _force(self, i: int, s: Ball) -> Ball:
-        return self.cells[i].law(s)[0] + self.shift(i)
+        return self.cells[i].narrow(s)[0] + self.shift(i)
 
     def _take(self, apart: int = -1) -> None:
         """Let a cell that moves take up what the sum of the middles misses, if there is one."""
@@ -108,13 +110,24 @@ class Tube:
             self._smooth(motion, h)
             return
         i, time, stop = event
-        # A release has the time scale of the fastest cell.
+        if i in self.rests:
+            self._smooth(motion, min(time + self._behind(motion, i), h))
+            return
         speeds = {k: abs(c[1]) / self.cells[k].size for k, c in motion.travel.items()}
-        short = min(_CROSSED / max(speeds.get(i, max(speeds.values())), 1e-300), h)
+        short = min(_CROSSED / max(speeds[i], 1e-300), h)
         if time > 2.0 * short:
             self._smooth(motion, time - short)
         else:
             self._cross(motion, min(time + short, h), i, stop)
+
+    def _behind(self, motion: FlowMotion, i: int) -> float:
+        """A time after the release of a resting cell in which the middle misses little of it."""
+        rate = abs(motion.force[1]) * math.sqrt(self.m[i])
+        return math.sqrt(0.1 * max(float(self.radius), self._tiny(i)) / rate) if rate else 0.0
+
+    def _tiny(self, i: int) -> float:
+        """A part of the travel of a cell that does not count, in the metric of mobilities."""
+        return _CROSSED * self.cells[i].size / math.sqrt(self.m[i])
 
     def _length(self, motion: FlowMotion) -> float:
         """A time in which the last term of the polynomials stays small."""
@@ -166,14 +179,23 @@ class Tube:
         for i in (*self.rests, *self.stuck):
             spans[i] = ball(self.middle[i])
         defect = motion.defect(spans, h, self._drift())
-        if defect is None or not self._presses(spans):
-            return None
-        missed = self._missed(motion, h, defect)
+        missed = None if defect is None else self._missed(motion, h, defect)
         return None if missed is None else self._grow(spans, h, missed, motion.ends(h), motion)
 
     def _missed(self, motion: FlowMotion, h: float, defect: Ball) -> Ball | None:
         """By how much the middle misses the law of the flow; None for a step that is too long."""
-        return defect
+        if not self.rests:
+            return defect
+        level = motion.level(h)
+        over, tiny = ball(0.0), ball(0.0)
+        for i, sense in self.rests.items():
+            pull = high(sense * (self._force(i, ball(self.middle[i])) - level))
+            # Where λ does not press it against its stop any more, the middle does not follow.
+            over = over + max(pull, ball(0.0)) * ball(self.m[i]).sqrt()
+            tiny = max(tiny, ball(self._tiny(i)))
+        if h * over > max(self.radius, tiny):
+            return None
+        return high(defect + over)
 
     def _drift(self) -> Ball:
         """By how much the sum of the middles misses the stroke."""
@@ -186,19 +208,6 @@ class Tube:
     def _inverse_root(self) -> Ball:
         """1/√m of the cell that takes up what the sum of the middles misses."""
         return 1 / ball(self.m[self.taker]).sqrt()
-
-    def _presses(self, spans: dict[int, Ball]) -> bool:
-        """Whether λ of the middle presses all resting cells against their stops."""
-        movers = self._movers()
-        if not self.rests:
-            return True
-        forces = {i: self._force(i, spans[i]) for i in movers}
-        mass = sum((ball(self.m[i]) for i in movers), ball(0.0))
-        level = sum((self.m[i] * f for i, f in forces.items()), ball(0.0)) / mass
-        return all(
-            sense * (level - self._force(i, ball(self.middle[i]))) > 0
-            for i, sense in self.rests.items()
-        )
 
     def _cross(self, motion: FlowMotion, h: float, i: int, stop: int) -> None:
         """A small step over a joint or to a stop, in which the middle moves on in a line."""
@@ -268,7 +277,7 @@ class Tube:
     def _enclosed(self, spans, time: Ball, defect: Ball):
         """A tube that holds the flow during a step, its radius after it, and the rate in it."""
         for factor in (1.25, 2.0, 4.0):
-            radius = high(self.radius * factor + 4 * time * defect)
+            self.reach = radius = high(self.radius * factor + 4 * time * defect)
             tube = self.around(spans, high(radius + self._drift() * self._inverse_root))
             rate, least = self._bounds(tube, defect, time)
             if not rate.is_finite():
@@ -330,7 +339,7 @@ class Tube:
     def _parting(self, tube: dict[int, Ball]) -> Ball:
         """A bound of the rate at which two flows in the tube part."""
         m = [self.m[i] for i in tube]
-        d = [low(self.m[i] * self.cells[i].law(s)[1]) for i, s in tube.items()]
+        d = [low(self.m[i] * self.cells[i].narrow(s)[1]) for i, s in tube.items()]
         return parting_rate(d, m)
 
     def _level(self, tube: dict[int, Ball]) -> Ball:
