@@ -11,10 +11,10 @@ import pytest
 import chains
 import stepwell as sw
 from accounts.schemas import violations
-from races import Race
+from races import NoRest, Race
 from sizes import cases
 from statics.test_against_oracle import as_oracle
-from statics.test_races import races
+from statics.test_races import races, rubbing
 from stepwell.accounts import account
 from stepwell.design import Run
 from stepwell.proof import PathProof, ProvedEvent, ProvedRun, Theorem, prove
@@ -67,6 +67,24 @@ def test_designs_next_to_a_tie_are_not_decided(gap):
     assert {one.cause for one in proof.gaps} == {"the order of cells 1 and 2"}
 
 
+def rubbing_pair(gap: float) -> sw.Chain:
+    """Two cells whose forces with friction differ by a fraction when they leave their stops."""
+    less, more = sorted(sw.preset("paper-forward").cells, key=lambda cell: cell.force_0)
+    friction = 0.01 + more.force_0 - less.force_0 + gap * more.force_0
+    return sw.Chain([replace(more, friction=0.01), replace(less, friction=friction)])
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-14, -1e-11, 5e-10])
+def test_designs_with_friction_next_to_a_tie_are_not_decided(gap):
+    proof = rubbing_pair(gap).cycle().path.prove()
+    assert not proof.proved and not any(one.contradicted for one in proof.gaps)
+    assert {one.cause for one in proof.gaps} == {"the order of cells 1 and 2"}
+
+
+def test_a_design_with_friction_at_a_distance_from_a_tie_is_decided():
+    assert all(rubbing_pair(gap).cycle().path.prove().proved for gap in (-1e-7, 1e-7))
+
+
 # The first cell is held by friction between its stops while the other two snap.
 HELD_MIDWAY = """
 [[chain.cell]]
@@ -117,8 +135,11 @@ def test_a_snap_of_three_cells_with_friction_is_followed():
     assert proof.proved and len(flows[0].event.cells) == 3 and chain.cells[2].friction > 0
 
 
-# Cells that rest or slide as a flow begins, come to rest in it, let go, or reverse at a stop.
-@pytest.mark.parametrize("number", cases([92, 110, 125, 146, 173, 260, 281, 299], [125, 146, 281]))
+# Cells that rest or slide as a flow begins, come to rest in it, let go, or reverse at a stop; two
+# that rest as soon as the third one is at its stop (35), and one λ of many (263).
+@pytest.mark.parametrize(
+    "number", cases([35, 92, 110, 125, 146, 173, 260, 263, 281, 299], [125, 146, 281])
+)
 def test_landings_with_friction_are_proved_where_brute_force_lands(number):
     rng = np.random.default_rng([41, number])
     chain = chains.any_chain(rng, int(rng.integers(2, 7)))
@@ -133,6 +154,33 @@ def test_landings_with_friction_are_proved_where_brute_force_lands(number):
             assert np.all(np.abs(there - landing) <= known)
     wrong = chains.corrupted(rng, list(proof.path.events))
     assert not prove(proof.path, claims=wrong).proved
+
+
+# In 2025 the windows of all cells meet where two of them stop.
+@pytest.mark.parametrize("seed", cases([*range(1000, 1040), 2025], [1002, 2025]))
+def test_random_flows_with_friction_end_where_brute_force_does(seed):
+    chain = rubbing(seed, 3)
+    proof = chain.cycle().path.prove()
+    assert not any(gap.contradicted for gap in proof.gaps) and (seed != 2025 or proof.proved)
+    race = Race([as_oracle(cell) for cell in chain.cells])
+    flows = {one.event.drive: one for one in proof.events if one.theorem is Theorem.FLOW}
+    for before, segment, landing in races(chain):
+        if one := flows.get(segment.drive[0]):
+            try:
+                there = race.land(before, segment.direction, segment.drive[0])
+            except NoRest:
+                continue
+            known = 1e-7 * race.span + one.travel_error
+            assert np.all(np.abs(there - landing) <= known)
+
+
+# All forces of a flow are constant; a snap begins at a kink whose place is a ball.
+@pytest.mark.parametrize("number", [182, 269])
+def test_slack_bands_in_a_snap_are_proved(number):
+    rng = np.random.default_rng([41, number])
+    path = chains.any_chain(rng, int(rng.integers(2, 7))).cycle().path
+    assert path.prove().proved
+    assert not prove(path, claims=chains.corrupted(rng, list(path.events))).proved
 
 
 def test_wrong_answers_are_caught():
@@ -254,3 +302,13 @@ def test_wide_spans_of_random_cells_have_a_polynomial_or_none_and_never_an_error
         places = np.linspace(0.0, cell.size, 7).tolist()
         found += [cell.taylor(ball(s, w), 3) is None for s in places for w in widths.tolist()]
     assert any(found) and not all(found)
+
+
+def test_power_series_of_a_force_have_all_terms_that_are_asked_for():
+    cell = EnclosedWalk(sw.preset("three-wave"), problem_of(sw.preset("three-wave"))).cells[0]
+    at, way, degree = 0.4 * cell.size, 0.02 * cell.size, 14
+    terms = cell.taylor(ball(at), degree)
+    assert terms is not None and all(not term.is_zero() for term in terms)
+    total = sum((term * ball(way) ** k for k, term in enumerate(terms)), ball(0.0))
+    miss = abs(total - cell.law(ball(at) + ball(way))[0])
+    assert float(miss.upper()) < 4.0 * abs(float(terms[-1].mid())) * way**degree + 1e-25

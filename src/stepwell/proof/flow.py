@@ -557,10 +557,9 @@ class RubbedTube(Tube):
             return known
         if not all(self.walk.stays(i, level) for i in self._held()):
             return known
-        found = super()._narrower(motion, spans, h, defect, known)
-        if found is not known:
-            self.reach = radius
-        return found
+        narrower = super()._narrower(motion, spans, h, defect, known)
+        self.reach = self.reach if narrower is known else radius
+        return narrower
 
     # The landing.
 
