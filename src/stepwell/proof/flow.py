@@ -333,6 +333,8 @@ class RubbedTube(Tube):
             # This defect holds the speed of the middle.
             self.pace, self.known = defect, None
         grown = super()._grow(spans, h, defect, ends, motion)
+        # It holds in the tube of this step alone.
+        self.known = None
         if grown:
             self.halted.clear()
         return grown
