@@ -18,8 +18,8 @@ from statics.test_races import races, rubbing
 from stepwell.accounts import account
 from stepwell.design import Run
 from stepwell.proof import PathProof, ProvedEvent, ProvedRun, Theorem, prove
-from stepwell.proof.balls import ball, hull
-from stepwell.proof.motion import parting_rate
+from stepwell.proof.balls import ball, hull, number
+from stepwell.proof.motion import FlowMotion, parting_rate
 from stepwell.proof.tube import Tube, _marks
 from stepwell.proof.walk import EnclosedWalk
 from stepwell.statics import Configuration, problem_of
@@ -255,6 +255,26 @@ def test_landings_of_flows_of_several_cells_are_enclosed(seed):
 def test_a_branch_next_to_a_kink_of_a_cell_that_follows_is_proved():
     chain = chains.any_chain(np.random.default_rng([43, 60]), 2, friction=False)
     assert chain.cycle().path.prove().proved
+
+
+def test_a_released_cell_that_another_one_pushes_back_rests_at_its_stop_again():
+    # Two cells are pulled from their stops at once; the force of the second one presses the first.
+    rng = np.random.default_rng([4242, 28])
+    chain = chains.any_chain(rng, int(rng.integers(2, 7)), friction=False)
+    assert chain.cycle().path.prove().proved
+
+
+def test_a_polynomial_that_leaves_its_stops_is_no_middle_of_a_tube():
+    chain = sw.preset("three-wave")
+    cells, at = EnclosedWalk(chain, problem_of(chain)).cells, {}
+    for i, cell in enumerate(cells[:2]):
+        at[i] = number(cell.low) + 0.1 * i * cell.size
+    motion = FlowMotion(cells, [1.0] * 3, at, dict.fromkeys(at, ball(0.0)))
+    out = motion.travel[0][1] < 0.0
+    for h in (1e-6, 1e-4):
+        assert motion.stays_within(motion.spans(h), h) is not out
+    motion.travel[0] = [-c for c in motion.travel[0]]
+    assert motion.stays_within(motion.spans(1e-6), 1e-6) is out
 
 
 def test_flows_of_slack_bands_do_not_part():

@@ -154,10 +154,6 @@ class RubbedTube(Tube):
                 self.sense[i] = sense
         return True
 
-    def _stops(self, i: int, sense: int) -> bool:
-        cell = self.cells[i]
-        return self.middle[i] == balls.number(cell.high if sense > 0 else cell.low)
-
     def _changed(self, level: float, rate: float) -> bool:
         """Change the state of one cell that contradicts λ; whether there is one."""
         for i, sense in list(self.rests.items()):
@@ -184,7 +180,7 @@ class RubbedTube(Tube):
                 self.stuck.remove(i)
                 self.sense[i] = sense
                 return True
-        return False
+        return self._rest_again(level)
 
     def _haze(self) -> float:
         """About by how much forces vary in the tube."""

@@ -74,6 +74,26 @@ class FlowMotion:
         """λ during a time, of the last step that `defect` saw."""
         return value(self.force, hull(ball(0.0), ball(h))) + self.missed * ball(0.0, 1.0)
 
+    def line(self, h: float) -> dict[int, Ball]:
+        """The travels after a time at the speed of the beginning, at most up to the stops."""
+        out = {}
+        for i, c in self.travel.items():
+            x, a, b = ball(c[0]) + ball(h) * ball(c[1]), self.cells[i].low, self.cells[i].high
+            out[i] = x if x >= a and x <= b else a if abs(x - a) < abs(x - b) else b
+        return out
+
+    def stays_within(self, spans: Mapping[int, Ball], h: float) -> bool:
+        """Whether all travels are proved to stay within the stops, at which they may start."""
+        for i, c in self.travel.items():
+            a, b, span = self.cells[i].low, self.cells[i].high, spans[i]
+            if span >= a and span <= b:
+                continue
+            speed, end = derivative([*map(ball, c)], 1, hull(ball(0.0), ball(h))), value(c, ball(h))
+            one_way = speed > 0 or speed < 0
+            if not (one_way and a <= c[0] and b >= c[0] and end >= a and end <= b):
+                return False
+        return True
+
     def defect(self, spans: Mapping[int, Ball], h: float, drift: Ball) -> Ball | None:
         """A bound of the distance of the velocities to those of the flow; None at a joint.
 

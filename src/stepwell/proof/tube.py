@@ -179,7 +179,9 @@ class Tube:
         for i in (*self.rests, *self.stuck):
             spans[i] = ball(self.middle[i])
         defect = motion.defect(spans, h, self._drift())
-        missed = None if defect is None else self._missed(motion, h, defect)
+        if defect is None or not motion.stays_within(spans, h):
+            return None
+        missed = self._missed(motion, h, defect)
         return None if missed is None else self._grow(spans, h, missed, motion.ends(h), motion)
 
     def _missed(self, motion: FlowMotion, h: float, defect: Ball) -> Ball | None:
@@ -211,7 +213,7 @@ class Tube:
 
     def _cross(self, motion: FlowMotion, h: float, i: int, stop: int) -> None:
         """A small step over a joint or to a stop, in which the middle moves on in a line."""
-        ends = {k: ball(c[0]) + ball(h) * ball(c[1]) for k, c in motion.travel.items()}
+        ends = motion.line(h)
         if stop:
             cell = self.cells[i]
             if cell.leads[stop > 0]:
@@ -374,8 +376,8 @@ class Tube:
         self.rests[i], self.gap[i] = sense, ball(0.0)
 
     def _release(self) -> None:
-        """Let resting cells move that λ of the middle pulls from their stops."""
-        while True:
+        """Let resting cells move that λ of the middle pulls from their stops, and rest others."""
+        for _ in range(8 * len(self.cells)):
             movers = self._movers()
             mass = sum(self.m[i] for i in movers)
             force = {
@@ -383,10 +385,30 @@ class Tube:
             }
             level = sum(self.m[i] * force[i] for i in movers) / mass if movers else 0.0
             off = [i for i, sense in self.rests.items() if not sense * (level - force[i]) > 0.0]
-            if not off:
+            if off:
+                del self.rests[off[0]]
+                del self.gap[off[0]]
+            elif not self._rest_again(level):
                 return
-            del self.rests[off[0]]
-            del self.gap[off[0]]
+        raise UndecidedError("which cells rest at their stops in the flow of a snap")
+
+    def _rest_again(self, level: float) -> bool:
+        """Rest one cell at a stop against which λ of the middle pushes it; whether there is one.
+
+        Of two cells that λ pulls from their stops, the second one may push the first one back.
+        """
+        for i in self._movers():
+            sense = 1 if self._stops(i, 1) else -1 if self._stops(i, -1) else 0
+            own = balls.number(self._force(i, ball(self.middle[i])))
+            if i not in self.sense and sense * (level - own) > 0.0:
+                self.rests[i] = sense
+                self.gap[i] = high(self.radius * ball(self.m[i]).sqrt() + self._drift())
+                return True
+        return False
+
+    def _stops(self, i: int, sense: int) -> bool:
+        cell = self.cells[i]
+        return self.middle[i] == balls.number(cell.high if sense > 0 else cell.low)
 
     def _pin(self, level: Ball, tube: dict[int, Ball], time: Ball) -> None:
         """Hold cells that are proved to have come to their stops."""
