@@ -15,9 +15,10 @@ from races import Race
 from sizes import cases
 from statics.test_against_oracle import as_oracle
 from stepwell.proof import landing, leaving
-from stepwell.proof.balls import UndecidedError, number
+from stepwell.proof.balls import UndecidedError, ball, hull, number
 from stepwell.proof.leaving import _Curve, leave
 from stepwell.proof.walk import FOLD, EnclosedWalk
+from stepwell.statics import problem_of
 
 # Random chains with snaps of three moving cells: from folds, and from other rests.
 SEEDS = cases([28, 40, 61, 250, 259], [40, 250])
@@ -139,3 +140,21 @@ def test_a_curve_that_is_off_has_a_radius_that_holds_the_right_one():
             found += apart > 1e3 * number(known.radius)
         one.curve.phi = right
     assert found >= 8
+
+
+@pytest.mark.parametrize("degree", [7, 13])
+def test_a_power_series_with_its_last_term_over_a_span_holds_the_force(degree):
+    chain = chains.any_chain(np.random.default_rng([5, 29]), 3, friction=False)
+    kept = 0
+    for cell in EnclosedWalk(chain, problem_of(chain)).cells:
+        for part in (0.2, 0.5, 0.8):
+            at, x = ball(part * cell.size), ball(0.02 * cell.size)
+            thin, wide = cell.taylor(at, degree), cell.taylor(hull(at, at + x), degree)
+            if thin is None or wide is None:
+                continue
+            force = sum((c * x**k for k, c in enumerate(thin[:-1])), wide[-1] * x**degree)
+            # Two enclosures of one number overlap, and no term is left out.
+            assert cell.law(at + x)[0].overlaps(force)
+            assert not any(c.is_zero() for c in (*thin, *wide))
+            kept += 1
+    assert kept >= 3
