@@ -4,16 +4,20 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 import chains
 import stepwell as sw
 from oracle import OracleCell
+from races import Race
 from sizes import cases
 from statics.test_against_oracle import as_oracle
-from stepwell.proof import balls
+from statics.test_races import races
+from stepwell.proof import Theorem, balls
 from stepwell.proof.balls import UndecidedError, ball
-from stepwell.proof.leaving import Beginning, leave
+from stepwell.proof.leaving import Beginning, SplitRadius, leave
 from stepwell.proof.walk import FREE, SLIDES, EnclosedWalk, Stand
 from stepwell.statics import problem_of
 
@@ -125,3 +129,47 @@ def test_the_flow_with_friction_begins_where_it_is_enclosed():
                 assert all(start.sense[i] * v[i] >= 0.0 for i in moving)
                 sliding += 1
     assert behind >= 3 and sliding >= 50
+
+
+def test_two_parts_of_a_radius_hold_all_differences_of_linear_flows():
+    tried = 0
+    for seed in range(200):
+        rng = np.random.default_rng([seed, 8])
+        root, slopes = np.sqrt(rng.uniform(0.5, 2.0, 3)), rng.uniform(20.0, 60.0, 3)
+        slopes[0] = -rng.uniform(15.0, 25.0)
+        n = root / np.linalg.norm(root)
+        off = np.eye(3) - np.outer(n, n)
+        matrix = -off @ np.diag(root**2 * slopes) @ off
+        w = np.linalg.eigh(matrix)[1][:, -1] + 0.05 * off @ rng.normal(size=3)
+        w = off @ w / np.linalg.norm(off @ w)
+        delta = off @ rng.normal(size=3) * 1e-6
+        along = abs(float(delta @ w))
+        across = float(np.linalg.norm(delta - w * (w @ delta)))
+        parts = SplitRadius([0, 1, 2], root, w, (ball(along * 1.001), ball(across * 1.001)))
+        h = float(rng.uniform(1e-4, 2e-2))
+        try:
+            later = parts.later([ball(k) for k in slopes.tolist()], h, (ball(1e-5), ball(0.0)))
+        except UndecidedError:
+            continue
+        after = expm(matrix * h) @ delta
+        assert abs(float(after @ w)) <= float(later.along)
+        assert np.linalg.norm(after - w * (w @ after)) <= float(later.across)
+        tried += 1
+    assert tried > 50
+
+
+@pytest.mark.parametrize("number", cases([38], []))
+def test_a_fold_of_which_a_cell_slides_is_followed(number):
+    rng = np.random.default_rng([41, number])
+    chain = chains.any_chain(rng, int(rng.integers(2, 7)))
+    proof = chain.cycle().path.prove()
+    assert {gap.cause for gap in proof.gaps} == {"cell 5 has a constant force"}
+    race = Race([as_oracle(cell) for cell in chain.cells])
+    flows = {one.event.drive: one for one in proof.events if one.theorem is Theorem.FLOW}
+    compared = 0
+    for before, segment, landing in races(chain):
+        if one := flows.get(segment.drive[0]):
+            there = race.land(before, segment.direction, segment.drive[0])
+            assert np.all(np.abs(there - landing) <= 1e-7 * race.span + one.travel_error)
+            compared += 1
+    assert compared

@@ -13,7 +13,7 @@ import numpy as np
 
 from stepwell.proof import balls
 from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull, low
-from stepwell.proof.leaving import Cone, slowest
+from stepwell.proof.leaving import Cone, SplitRadius, slowest
 from stepwell.proof.motion import FlowMotion, derivative, value, when
 from stepwell.proof.tube import MOST_STEPS, WIDE, Tube
 from stepwell.proof.walk import HELD, EnclosedWalk, Stand, windows_meet
@@ -31,6 +31,7 @@ def follow(
     places: dict[int, Ball],
     radius: Ball | None = None,
     box: dict[int, Ball] | None = None,
+    parts: SplitRadius | None = None,
 ) -> None:
     """Follow the flow of a snap from enclosed travels, and put the walk at its landing.
 
@@ -39,15 +40,16 @@ def follow(
         places: travels of the others.
         radius: of a ball around the places that holds the flow, in the metric of mobilities.
         box: travels within which each cell of `places` with friction slides on in its sense.
+        parts: the radius in parts.
 
     Raises:
         UndecidedError: its landing is not proved.
     """
     tube = (RubbedTube if any(cell.rubs for cell in walk.cells) else Tube)(walk, places)
+    if isinstance(tube, RubbedTube):
+        tube.begin(box, parts)
     if radius is not None:
         tube.radius = high(tube.radius + radius)
-    if box is not None and isinstance(tube, RubbedTube):
-        tube.begin(box)
     for step in range(MOST_STEPS):
         alone = tube.is_alone() and tube.put_last()
         if alone or tube.all_rest() or (step % 8 == 7 and tube.lands()):
@@ -86,6 +88,9 @@ class RubbedTube(Tube):
         # Travels within which all senses are known, and whether the middle has those senses.
         self.box: dict[int, Ball] | None = None
         self.obeys = True
+        # The radius in parts, if they are known, and those after a step.
+        self.parts: SplitRadius | None = None
+        self.later: SplitRadius | None = None
         # The least speeds of the cells of the middle that slide, in a step.
         self.speeds: dict[int, Ball] = {}
         # λ of the middle in a step, if the middle obeys friction in it exactly.
@@ -93,8 +98,11 @@ class RubbedTube(Tube):
         # Cells that have just come to rest.
         self.halted: set[int] = set()
 
-    def begin(self, box: dict[int, Ball]) -> None:
+    def begin(self, box: dict[int, Ball] | None, parts: SplitRadius | None) -> None:
         """Begin in a box within which each cell with friction slides on in its sense."""
+        self.parts = parts and parts.wider(self.radius)
+        if box is None:
+            return
         self.box = box
         self.sense = {i: self.walk.stands[i].sense for i in self.stuck}
         self.stuck = set()
@@ -106,6 +114,8 @@ class RubbedTube(Tube):
         )
 
     def _pin(self, level: Ball, tube: dict[int, Ball], time: Ball) -> None:
+        # What rounding has added counts in both.
+        self.parts = self.later and self.later.wider(high(self.radius - self.later.radius()))
         super()._pin(level, tube, time)
         if not self._in_box(tube):
             self.box = None
@@ -324,7 +334,7 @@ class RubbedTube(Tube):
         super()._cross(motion, h, i, stop)
 
     def _grow(self, spans, h: float, defect: Ball, ends, motion: FlowMotion | None) -> bool | None:
-        self.crosses = motion is None
+        self.crosses, self.later = motion is None, None
         if self.crosses:
             # This defect holds the speed of the middle.
             self.pace, self.known = defect, None
@@ -556,8 +566,25 @@ class RubbedTube(Tube):
         if not all(self.walk.stays(i, level) for i in self._held()):
             return known
         narrower = super()._narrower(motion, spans, h, defect, known)
-        self.reach = self.reach if narrower is known else radius
+        later = self._later(known[0], h, (radius, defect))
+        if later is not None and later.radius() < narrower[1]:
+            self.later = later
+            return known[0], later.radius()
+        if narrower is not known:
+            self.reach = radius
         return narrower
+
+    def _later(
+        self, tube: dict[int, Ball], h: float, most: tuple[Ball, Ball]
+    ) -> SplitRadius | None:
+        """The parts of the radius after a step; None if they are not known."""
+        if self.parts is None or self.parts.cells != list(self.middle):
+            return None
+        try:
+            slopes = [self.cells[i].law(tube[i])[1] for i in self.middle]
+            return self.parts.later(slopes, h, most)
+        except UndecidedError:
+            return None
 
     # The landing.
 

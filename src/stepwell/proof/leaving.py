@@ -50,6 +50,7 @@ class Beginning(NamedTuple):
     places: dict[int, Ball]
     radius: Ball
     box: dict[int, Ball] | None
+    parts: "SplitRadius | None"
 
 
 def leave(walk: EnclosedWalk, direction: int, leader: int) -> Beginning:
@@ -139,10 +140,90 @@ def _at(walk: EnclosedWalk, cells: _Cells, lead: tuple[int, int], way: float) ->
         raise UndecidedError("a third cell is released at the beginning of the snap")
     if behind:
         _stay_behind(walk, cells, cone, level)
-    places, box = _places(walk, moving, w * root * way), None
+    ways, radius, off = _nearer(walk, moving, w, cone, way)
+    places, box = _places(walk, moving, ways), None
     if any(walk.cells[i].rubs for i in moving):
         box = _box(walk, moving, w, way)
-    return Beginning(places, high((cone.width + cone.off) * way), box)
+    return Beginning(places, radius, box, SplitRadius(moving, root, w, (off, radius)))
+
+
+class SplitRadius:
+    """A radius in two parts: along w, and across it, where a flow falls back.
+
+    For two flows that part by p w + q, |p|' ≤ a |p| + c |q| and |q|' ≤ b |q| + c |p|.
+    """
+
+    def __init__(self, cells: list[int], root: Floats, w: Floats, parts: tuple[Ball, Ball]):
+        self.cells, self._root, self._w = cells, root, w
+        self.along, self.across = parts
+
+    def later(self, kappas: list[Ball], h: float, most: tuple[Ball, Ball]) -> "SplitRadius":
+        """The parts after a time.
+
+        Args:
+            kappas: all slopes in the tube.
+            h: the time [s].
+            most: the radius of the tube, and the defect.
+        """
+        cone, (radius, defect) = Cone(kappas, self._root, self._w), most
+        if not cone.fall < 0:
+            raise UndecidedError(_CAUSE)
+        gone = cone.across * radius + defect
+        least, most_along = self.across + h * gone, high(self.along + h * gone)
+        grown = (max(high(cone.growth), ball(0.0)) * h).exp()
+        along = high(grown * (self.along + h * (cone.across * least + defect)))
+        fallen = (cone.fall * h).exp()
+        across = fallen * self.across + h * (cone.across * grown * most_along + defect)
+        return SplitRadius(self.cells, self._root, self._w, (along, high(across)))
+
+    def wider(self, by: Ball) -> "SplitRadius":
+        """Both parts larger by a way."""
+        parts = high(self.along + by), high(self.across + by)
+        return SplitRadius(self.cells, self._root, self._w, parts)
+
+    def radius(self) -> Ball:
+        """Of both parts together."""
+        return _length([self.along, self.across])
+
+
+def _nearer(
+    walk: EnclosedWalk, moving: list[int], w: Floats, cone: "Cone", way: float
+) -> tuple[Floats, Ball, Ball]:
+    """Ways to a place at a distance along w, how far the flow is from it, and how far along w.
+
+    At the place the velocity is about along w. That of the flow is in the cone: so they differ by
+    little, and where the flow falls back across w, the places do too.
+    """
+    root, at = _roots(walk, moving), w * way
+    known = at * root, high((cone.width + cone.off) * way), high((cone.off + 1e-15) * way)
+    if len(moving) < 3 or not cone.fall < 0:
+        return known
+    across = np.linalg.svd(np.vstack([root / np.linalg.norm(root), w]))[2][2:].T
+    begin = [walk.stands[i].travel for i in moving]
+    for _ in range(4):
+        ways = [s + ball(x) for s, x in zip(begin, (at * root).tolist(), strict=True)]
+        rates = np.array([balls.number(x) for x in _pulls(walk, moving, ways)]) * root
+        slopes = [balls.number(walk.cells[i].law(s)[1]) for i, s in zip(moving, ways, strict=True)]
+        matrix = across.T @ np.diag(root**2 * slopes) @ across
+        if not (np.all(np.isfinite(matrix)) and np.linalg.det(matrix)):
+            return known
+        at = at + across @ np.linalg.solve(matrix, across.T @ rates)
+    place = cone.at(at, way)
+    unit = [ball(r) for r in root.tolist()]
+    ways = [s + r * x for s, r, x in zip(begin, unit, place, strict=True)]
+    pulls = zip(unit, _pulls(walk, moving, ways), strict=True)
+    radius = cone.distance(place, [r * x for r, x in pulls], way)
+    off = _length([x - ball(y) for x, y in zip(place, at.tolist(), strict=True)])
+    # A double of a way is off by half its last digit.
+    off = high(off + 1e-15 * way)
+    radius = high(radius + off)
+    return (at * root, radius, off) if radius < known[1] else known
+
+
+def _pulls(walk: EnclosedWalk, moving: list[int], travels: list[Ball]) -> list[Ball]:
+    """The forces of the start less those of cells."""
+    pairs = zip(moving, travels, strict=True)
+    return [walk.force - walk.offset(i) - walk.cells[i].law(s)[0] for i, s in pairs]
 
 
 def _cone_up_to(walk: EnclosedWalk, moving: list[int], w: Floats, way: float):
@@ -244,6 +325,7 @@ class Cone:
 
     Attributes:
         growth: w J w.
+        across, fall: upper bounds of the part of J w across w, and of J across w.
         width: an upper bound of |q|/p.
         off: the distance of w to the unit vector that is used.
     """
@@ -260,11 +342,12 @@ class Cone:
         self.off = _length([x - y for x, y in zip(given, along, strict=True)])
         turned = _without([-x * y for x, y in zip(d, along, strict=True)], normal)
         self.growth = _dot(turned, along)
-        across = _length(_without(turned, along))
-        gap = self.growth - largest_across(d, (normal, along), ball(0.0))
-        if not gap > 2 * across:
+        self.across = _length(_without(turned, along))
+        self.fall = largest_across(d, (normal, along), ball(0.0))
+        gap = self.growth - self.fall
+        if not gap > 2 * self.across:
             raise UndecidedError(_CAUSE)
-        self.width = high(2 * across / gap)
+        self.width = high(2 * self.across / gap)
         self._along, self._normal, self._unit, self._d = along, normal, unit, d
         # The rate of λ along p, to a positive factor.
         rows = zip(d, unit, along, strict=True)
@@ -276,6 +359,26 @@ class Cone:
         d = [*self._d, *(r * r * k for r, k in zip(more, kappas, strict=True))]
         normal, along = _scaled([*self._unit, *more]), [*self._along, *(ball(0.0) for _ in more)]
         return bool(largest_across(d, (normal, along), ball(0.0)) < 0)
+
+    def at(self, near: Floats, p: float) -> list[Ball]:
+        """The place next to a given one whose distance along w is exact, and whose sum is 0."""
+        q = _without(_without([ball(x) for x in near.tolist()], self._normal), self._along)
+        return [ball(p) * x + y for x, y in zip(self._along, q, strict=True)]
+
+    def distance(self, place: list[Ball], rates: list[Ball], p: float) -> Ball:
+        """How far the flow is from a place at the same distance along w; infinite if not known.
+
+        Args:
+            place: from `at`.
+            rates: the velocity there, to a part along the normal.
+            p: the distance along w.
+        """
+        if not _length(_without(place, self._along)) <= self.width * p:
+            return ball(math.inf)
+        inside = _without(rates, self._normal)
+        along, across = _dot(inside, self._along), _length(_without(inside, self._along))
+        rest = -self.fall - self.width * self.across
+        return high((self.width * abs(along) + across) / rest) if rest > 0 else ball(math.inf)
 
     def apart(self, rates: list[Ball]) -> Ball:
         """An upper bound of |q|/p of a vector; infinite where p may be 0."""
