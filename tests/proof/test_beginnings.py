@@ -4,18 +4,15 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 import chains
 import stepwell as sw
 from oracle import OracleCell
-from races import Race
 from sizes import cases
 from statics.test_against_oracle import as_oracle
-from statics.test_races import races
-from stepwell.proof import Theorem, balls
+from stepwell.proof import balls
 from stepwell.proof.balls import UndecidedError, ball
 from stepwell.proof.leaving import Beginning, SplitRadius, leave
 from stepwell.proof.walk import FREE, SLIDES, EnclosedWalk, Stand
@@ -156,20 +153,3 @@ def test_two_parts_of_a_radius_hold_all_differences_of_linear_flows():
         assert np.linalg.norm(after - w * (w @ after)) <= float(later.across)
         tried += 1
     assert tried > 50
-
-
-@pytest.mark.parametrize("number", cases([38], []))
-def test_a_fold_of_which_a_cell_slides_is_followed(number):
-    rng = np.random.default_rng([41, number])
-    chain = chains.any_chain(rng, int(rng.integers(2, 7)))
-    proof = chain.cycle().path.prove()
-    assert {gap.cause for gap in proof.gaps} == {"cell 5 has a constant force"}
-    race = Race([as_oracle(cell) for cell in chain.cells])
-    flows = {one.event.drive: one for one in proof.events if one.theorem is Theorem.FLOW}
-    compared = 0
-    for before, segment, landing in races(chain):
-        if one := flows.get(segment.drive[0]):
-            there = race.land(before, segment.direction, segment.drive[0])
-            assert np.all(np.abs(there - landing) <= 1e-7 * race.span + one.travel_error)
-            compared += 1
-    assert compared

@@ -138,13 +138,16 @@ def test_a_snap_of_three_cells_with_friction_is_followed():
 # Cells that rest or slide as a flow begins, come to rest in it, let go, or reverse at a stop; two
 # that rest as soon as the third one is at its stop (35), and one λ of many (263).
 @pytest.mark.parametrize(
-    "number", cases([35, 92, 110, 125, 146, 173, 260, 263, 281, 299], [125, 146, 281])
+    "number", cases([35, 38, 92, 110, 125, 146, 173, 260, 263, 281, 299], [125, 146, 281])
 )
 def test_landings_with_friction_are_proved_where_brute_force_lands(number):
     rng = np.random.default_rng([41, number])
     chain = chains.any_chain(rng, int(rng.integers(2, 7)))
     proof = chain.cycle().path.prove()
-    assert proof.proved and any(cell.friction > 0.0 for cell in chain.cells)
+    # In the first chain a cell has a constant force in a later event: a tie.
+    ties = {"cell 5 has a constant force"} if number == 38 else set()
+    assert {gap.cause for gap in proof.gaps} == ties
+    assert any(cell.friction > 0.0 for cell in chain.cells)
     race = Race([as_oracle(cell) for cell in chain.cells])
     flows = {one.event.drive: one for one in proof.events if one.theorem is Theorem.FLOW}
     for before, segment, landing in races(chain):

@@ -46,10 +46,10 @@ def follow(
         UndecidedError: its landing is not proved.
     """
     tube = (RubbedTube if any(cell.rubs for cell in walk.cells) else Tube)(walk, places)
-    if isinstance(tube, RubbedTube):
-        tube.begin(box, parts)
     if radius is not None:
-        tube.radius = high(tube.radius + radius)
+        before, tube.radius = tube.radius, high(tube.radius + radius)
+        if isinstance(tube, RubbedTube):
+            tube.begin(before, box, parts)
     for step in range(MOST_STEPS):
         alone = tube.is_alone() and tube.put_last()
         if alone or tube.all_rest() or (step % 8 == 7 and tube.lands()):
@@ -91,6 +91,8 @@ class RubbedTube(Tube):
         # The radius in parts, if they are known, and those after a step.
         self.parts: SplitRadius | None = None
         self.later: SplitRadius | None = None
+        # The radius whose parts these are; what is added to it counts in both.
+        self.split_at = self.radius
         # The least speeds of the cells of the middle that slide, in a step.
         self.speeds: dict[int, Ball] = {}
         # λ of the middle in a step, if the middle obeys friction in it exactly.
@@ -98,9 +100,15 @@ class RubbedTube(Tube):
         # Cells that have just come to rest.
         self.halted: set[int] = set()
 
-    def begin(self, box: dict[int, Ball] | None, parts: SplitRadius | None) -> None:
-        """Begin in a box within which each cell with friction slides on in its sense."""
-        self.parts = parts and parts.wider(self.radius)
+    def begin(self, before: Ball, box: dict[int, Ball] | None, parts: SplitRadius | None) -> None:
+        """Begin in a box within which each cell with friction slides on in its sense.
+
+        Args:
+            before: the radius by rounding alone.
+            box: the travels.
+            parts: the rest of the radius, in parts.
+        """
+        self.parts, self.split_at = parts and parts.wider(before), self.radius
         if box is None:
             return
         self.box = box
@@ -114,8 +122,8 @@ class RubbedTube(Tube):
         )
 
     def _pin(self, level: Ball, tube: dict[int, Ball], time: Ball) -> None:
-        # What rounding has added counts in both.
         self.parts = self.later and self.later.wider(high(self.radius - self.later.radius()))
+        self.split_at = self.radius
         super()._pin(level, tube, time)
         if not self._in_box(tube):
             self.box = None
@@ -582,7 +590,8 @@ class RubbedTube(Tube):
             return None
         try:
             slopes = [self.cells[i].law(tube[i])[1] for i in self.middle]
-            return self.parts.later(slopes, h, most)
+            parts = self.parts.wider(high(self.radius - self.split_at))
+            return parts.later(slopes, h, most)
         except UndecidedError:
             return None
 
