@@ -586,7 +586,7 @@ class RubbedTube(Tube):
         self, tube: dict[int, Ball], h: float, most: tuple[Ball, Ball]
     ) -> SplitRadius | None:
         """The parts of the radius after a step; None if they are not known."""
-        if self.parts is None or self.parts.cells != list(self.middle):
+        if self.parts is None or self.parts.cells != list(self.middle) or self.parts.has_fallen():
             return None
         try:
             slopes = [self.cells[i].law(tube[i])[1] for i in self.middle]

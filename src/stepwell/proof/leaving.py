@@ -181,6 +181,10 @@ class SplitRadius:
         parts = high(self.along + by), high(self.across + by)
         return SplitRadius(self.cells, self._root, self._w, parts)
 
+    def has_fallen(self) -> bool:
+        """Whether the part across w is no longer the larger one."""
+        return bool(self.across < self.along)
+
     def radius(self) -> Ball:
         """Of both parts together."""
         return _length([self.along, self.across])
