@@ -120,7 +120,7 @@ def _on_curve(walk: EnclosedWalk, moving: list[int], lead: tuple[int, int]) -> B
             break
     if best is None:
         raise UndecidedError(_CAUSE)
-    return Beginning(best.places, best.radius, None)
+    return Beginning(best.places, best.radius, None, None)
 
 
 def _at(walk: EnclosedWalk, cells: _Cells, lead: tuple[int, int], way: float) -> Beginning:
