@@ -103,6 +103,11 @@ def _roots(walk: EnclosedWalk, moving: list[int]) -> Floats:
     return np.sqrt([walk.mobility[i] for i in moving])
 
 
+def _enclosed(root: Floats) -> list[Ball]:
+    """Balls around doubles of roots, which are off by half their last digit."""
+    return [ball(r, 2.3e-16 * r) for r in root.tolist()]
+
+
 def _on_curve(walk: EnclosedWalk, moving: list[int], lead: tuple[int, int]) -> Beginning:
     """`leave` on a curve, at the end that is the farthest one with the flow near enough."""
     root = _roots(walk, moving)
@@ -199,7 +204,9 @@ def _nearer(
     little, and where the flow falls back across w, the places do too.
     """
     root, at = _roots(walk, moving), w * way
-    known = at * root, high((cone.width + cone.off) * way), high((cone.off + 1e-15) * way)
+    # A double of a way is off by its last digit.
+    off = cone.off + 1e-15
+    known = at * root, high((cone.width + off) * way), high(off * way)
     if len(moving) < 3 or not cone.fall < 0:
         return known
     across = np.linalg.svd(np.vstack([root / np.linalg.norm(root), w]))[2][2:].T
@@ -213,12 +220,11 @@ def _nearer(
             return known
         at = at + across @ np.linalg.solve(matrix, across.T @ rates)
     place = cone.at(at, way)
-    unit = [ball(r) for r in root.tolist()]
+    unit = _enclosed(root)
     ways = [s + r * x for s, r, x in zip(begin, unit, place, strict=True)]
     pulls = zip(unit, _pulls(walk, moving, ways), strict=True)
     radius = cone.distance(place, [r * x for r, x in pulls], way)
     off = _length([x - ball(y) for x, y in zip(place, at.tolist(), strict=True)])
-    # A double of a way is off by half its last digit.
     off = high(off + 1e-15 * way)
     radius = high(radius + off)
     return (at * root, radius, off) if radius < known[1] else known
@@ -310,9 +316,9 @@ def _bends_out(laws: list[tuple[Ball, ...]], root: Floats, w: Floats, width: Bal
     Then w v = -1/2 Σ w_i √m_i κ_i' δ_i², with δ_i = √m_i w_i p to a fraction 2 |q|/(p |w_i|).
     """
     total = ball(0.0)
-    for (_, _, bend), r, x in zip(laws, root.tolist(), w.tolist(), strict=True):
-        part = ball(x) * r * (1 + _UNIT * (2 * width / abs(x)))
-        total = total - ball(x) * r * (1 + _UNIT * (2 * width / abs(x))) * bend * part * part
+    for (_, _, bend), r, x in zip(laws, _enclosed(root), w.tolist(), strict=True):
+        part = x * r * (1 + _UNIT * (2 * width / abs(x)))
+        total = total - bend * part * part * part
     return bool(total > 0)
 
 
@@ -337,7 +343,7 @@ class Cone:
     def __init__(self, kappas: list[Ball], root: Floats, w: Floats):
         if not all(k.is_finite() for k in kappas):
             raise UndecidedError(_CAUSE)
-        unit = [ball(float(r)) for r in root]
+        unit = _enclosed(root)
         d = [x * x * k for x, k in zip(unit, kappas, strict=True)]
         normal = _scaled(unit)
         # w within Σ √m w = 0, of length 1.
@@ -359,7 +365,7 @@ class Cone:
 
     def is_only(self, kappas: list[Ball], root: Floats) -> bool:
         """Whether the flow falls back in all directions but w, with further cells too."""
-        more = [ball(float(r)) for r in root]
+        more = _enclosed(root)
         d = [*self._d, *(r * r * k for r, k in zip(more, kappas, strict=True))]
         normal, along = _scaled([*self._unit, *more]), [*self._along, *(ball(0.0) for _ in more)]
         return bool(largest_across(d, (normal, along), ball(0.0)) < 0)
