@@ -34,7 +34,8 @@ class Departure:
         # The walk goes on.
         still = copy(walk)
         still.stands = [replace(stand) for stand in walk.stands]
-        places, radius = leave(still, direction, leader)
+        begun = leave(still, direction, leader)
+        places, radius = begun.places, begun.radius
         self.end = np.array([number(places[i]) for i in self.moving])
         self.radius = number(radius)
         self.root = np.sqrt([walk.mobility[i] for i in self.moving])
