@@ -20,8 +20,6 @@ from stepwell.proof.walk import HELD, EnclosedWalk, Stand, windows_meet
 
 # A cell comes to rest, or lets go, for certain within a time of this many widths of the tube.
 _MARGIN = 8.0
-# Into how many parts a range of λ is divided.
-_PARTS = 16
 _CAUSE = "which cells friction holds in the flow of a snap"
 _UNIT = ball(0.0, 1.0)
 
@@ -97,8 +95,6 @@ class RubbedTube(Tube):
         self.speeds: dict[int, Ball] = {}
         # λ of the middle in a step, if the middle obeys friction in it exactly.
         self.known: Ball | None = None
-        # Cells that have just come to rest.
-        self.halted: set[int] = set()
 
     def begin(self, before: Ball, box: dict[int, Ball] | None, parts: SplitRadius | None) -> None:
         """Begin in a box within which each cell with friction slides on in its sense.
@@ -192,8 +188,7 @@ class RubbedTube(Tube):
             sense = 1 if gap > 0.0 else -1
             over = sense * gap - self._rub(i)
             # One that has just come to rest may be over by the width of a step, or of the tube.
-            least = math.inf if i in self.halted else 1e-9 * self._rub(i) + self._haze()
-            grows = sense * rate > 0.0 or over > least
+            grows = sense * rate > 0.0 or over > 1e-9 * self._rub(i) + self._haze()
             if over > 0.0 and grows and not self._stops(i, sense):
                 self.stuck.remove(i)
                 self.sense[i] = sense
@@ -246,7 +241,6 @@ class RubbedTube(Tube):
         else:
             del self.sense[i]
             self.stuck.add(i)
-            self.halted.add(i)
 
     def _landing_times(self, motion: FlowMotion) -> list[float]:
         """Times in which the tube is about as long at stops as it has to be."""
@@ -349,8 +343,6 @@ class RubbedTube(Tube):
         grown = super()._grow(spans, h, defect, ends, motion)
         # It holds in the tube of this step alone.
         self.known = None
-        if grown:
-            self.halted.clear()
         return grown
 
     def _may_free(self, loose: list[int], h: float) -> bool:
@@ -524,42 +516,19 @@ class RubbedTube(Tube):
         return low(least), high(most)
 
     def _level(self, tube: dict[int, Ball]) -> Ball:
-        """One λ of each flow in a tube, if there is one that holds all cells that were held."""
-        level = self.levels(tube)
-        if level is None:
-            raise UndecidedError(_CAUSE)
-        level, held = self._near_middle(level, tube), self._held()
-        if all(self.walk.stays(i, level) for i in held):
-            return level
-        # Where friction holds all cells there are many; the least, or the largest, will do.
-        ends = self._nearer_ends(tube, level)
-        for one in (hull(low(level), ends[1]), hull(ends[0], high(level))):
-            if all(self.walk.stays(i, one) for i in held):
-                return one
-        return level
-
-    def _near_middle(self, level: Ball, tube: dict[int, Ball]) -> Ball:
         """λ of all flows in a tube, by that of the middle too.
 
         Forces of a flow and of the middle differ by κ times the radius, and λ by no more.
         """
+        level = self.levels(tube)
+        if level is None:
+            raise UndecidedError(_CAUSE)
         if self.known is None or not self._clear(level, tube):
             return level
         slopes = {i: high(abs(self.cells[i].narrow(s)[1])) for i, s in tube.items()}
         off = max((k * ball(self.m[i]).sqrt() for i, k in slopes.items()), key=float) * self.reach
         near = self.known + high(off) * _UNIT
         return level.intersection(near) if near.is_finite() and near.overlaps(level) else level
-
-    def _nearer_ends(self, tube: dict[int, Ball], level: Ball) -> tuple[Ball, Ball]:
-        """A bound below which the largest λ of no flow is, and one above which no least one is."""
-        forces = {i: self.cells[i].narrow(s)[0] for i, s in tube.items()}
-        below, above = low(level), high(level)
-        for part in (k / _PARTS for k in range(1, _PARTS)):
-            at = balls.middle(low(level) + part * (high(level) - low(level)))
-            least, most = self._sum_of_rates(at, tube, forces)
-            below = at if most <= 0 else below
-            above = min(above, at) if least >= 0 else above
-        return below, above
 
     def _narrower(self, motion: FlowMotion, spans, h: float, defect: Ball, known):
         radius = high(4 * self.radius + 8 * ball(h) * defect)
