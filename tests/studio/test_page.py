@@ -10,6 +10,7 @@ from stepwell import files
 from studio.browser import (
     Opened,
     anchors,
+    begun,
     chain_shown,
     compare,
     drag,
@@ -202,6 +203,32 @@ def test_play_goes_through_the_cycle(page: Page):
         page.wait_for_timeout(20)
     page.get_by_role("button", name="Pause").click()
     assert float(slider.input_value()) > 5
+
+
+def test_handles_out_of_view_wait_while_it_plays_and_are_in_place_after_it(
+    blank: Opened, empty_address: str
+):
+    band = {"stiffness_N_per_m": 28.5, "rest_length_mm": 10}
+    cells = [{"p_mm": [-10, 0], "q_mm": [10 + k, 0]} for k in range(12)]
+    chain = {"lever_mm": 16, "limit_deg": 45, "band": band, "cell": cells}
+    page = begun(blank.page, empty_address, {"chain": chain})
+    places = "(dots) => dots.map((dot) => [dot.getAttribute('cx'), dot.getAttribute('cy')])"
+    dots = page.locator(".drawing .dot")
+    slider = page.get_by_role("slider", name="Stroke")
+    page.get_by_role("button", name="Play").click()
+    page.wait_for_timeout(100)
+    begin, seen = float(slider.input_value()), dots.evaluate_all(places)
+    page.wait_for_function(
+        "([slider, k]) => Number(slider.value) > k + 30", arg=[slider.element_handle(), begin]
+    )
+    later = dots.evaluate_all(places)
+    page.get_by_role("button", name="Pause").click()
+    still = dots.evaluate_all(places)
+    waiting = sum(a == b != c for a, b, c in zip(seen, later, still, strict=True))
+    assert 0 < waiting < len(still) and seen[1] != later[1]
+    # All of them are in view now: none may be where it was before.
+    page.get_by_role("button", name="Fit the whole mechanism").click()
+    assert dots.evaluate_all(places) == still
 
 
 def test_a_click_on_a_state_brings_the_mechanism_there(page: Page):
