@@ -189,6 +189,30 @@ def test_sorting_and_following_give_the_same_cycle(cells, monkeypatch):
     assert np.max(fast.path.residual) < 1e-12
 
 
+def test_cells_whose_curves_cross_that_of_the_leader_farther_than_in_a_snap_are_sorted(monkeypatch):
+    found = 0
+    for seed in range(examples(40)):
+        rng = np.random.default_rng([9, seed])
+        spread = rng.choice([2e-4, 1e-3, 3e-3])
+        x = rng.choice([12e-3, 20e-3], int(rng.integers(16, 24)))
+        bands = [
+            sw.Band((-0.010, 0), (a + rng.normal() * spread, rng.normal() * spread)) for a in x
+        ]
+        chain = sw.Chain([sw.Cell(band) for band in bands])
+        if sorted_cycle(packed(chain.cells)[0]) is None:
+            continue
+        found += 1
+        fast = chain.cycle().path.events
+        with monkeypatch.context() as patch:
+            patch.setattr(run.sorted_cycle, "WORTH_SORTING", 10**9)
+            slow = sw.Chain(chain.cells).cycle().path.events
+        for ours, theirs in zip(fast, slow, strict=True):
+            assert ours.kind == theirs.kind and abs(ours.stroke - theirs.stroke) < 1e-10
+            after = [dict(zip(one.cells, one.after, strict=True)) for one in (ours, theirs)]
+            assert after[0] == pytest.approx(after[1], abs=1e-9)
+    assert found >= 15
+
+
 def test_a_chain_whose_landings_are_contested_is_not_sorted_but_followed():
     chain = concave_chain(np.random.default_rng(1), 24)
     assert sorted_cycle(packed(chain.cells)[0]) is None

@@ -16,6 +16,8 @@ from stepwell.statics.following.log import add_mover, add_row
 
 # With fewer cells the follower is as fast, and its log is the reference.
 WORTH_SORTING = 16
+# Largest number of cells whose curve crosses that of the leader; each is looked at in each snap.
+_MOST_CLOSE = 64
 
 
 @leaf
@@ -55,6 +57,7 @@ def load_sorted(
     force, drive = start_force, 0.0
     top, top_force, second, second_force = -1, -np.inf, -1, -np.inf
     checked_top, checked = -1, 0
+    close, closer = np.empty(_MOST_CLOSE, np.int64), 0
     last = -np.inf
     for done in range(n):
         j = order[done]
@@ -83,12 +86,20 @@ def load_sorted(
         if lack > 0.5 * full:
             return False
         if checked_top != top:
-            checked_top, checked = top, 0
+            checked_top, checked, closer = top, 0, 0
         while checked < done:
             k = order[checked]
             if k != top and not _keeps_ahead(leader, concave.of_row(table[k]), full, 0.25 * full):
-                return False
+                # Its curve crosses that of the leader: farther than in this snap?
+                if closer == _MOST_CLOSE:
+                    return False
+                close[closer] = k
+                closer += 1
             checked += 1
+        for place in range(closer):
+            other = concave.of_row(table[close[place]])
+            if not _keeps_ahead(leader, other, full, 0.5 * lack):
+                return False
         back = full - lack
         add_row(log, logged.MOVE, 1, (drive, drive + at), (f0, top_force))
         add_mover(log, j, -1, 0.0, 0.0, at)
