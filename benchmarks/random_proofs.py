@@ -1,6 +1,6 @@
 """Proofs tried against random chains of all kinds, and against wrong answers; a run that resumes.
 
-`python benchmarks/random_proofs.py 1000 --seed 41 --record FILE` proves the cycles of 1000 random
+`python benchmarks/random_proofs.py 1100 --seed 41 --record FILE` proves the cycles of 1100 random
 chains of two to six cells, a third each of concave cells, of any cells without friction, and of any
 cells. The record has a line a chain; a run that is started again leaves out the chains of the
 record. `python tests/docs/proofs.py random` writes the table of the page from it.
