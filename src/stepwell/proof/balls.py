@@ -46,6 +46,10 @@ def ball(value: float, radius: float = 0.0) -> Ball:
     return arb(value, radius) if radius else arb(value)
 
 
+# All numbers from -1 to 1.
+UNIT = ball(0.0, 1.0)
+
+
 def hull(a: Ball, b: Ball) -> Ball:
     """The least ball around two."""
     return a.union(b)

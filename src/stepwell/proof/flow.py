@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from stepwell.proof import balls
-from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull, low
+from stepwell.proof.balls import UNIT, Ball, UndecidedError, ball, high, hull, low
 from stepwell.proof.leaving import Cone, SplitRadius, slowest
 from stepwell.proof.motion import FlowMotion, derivative, value, when
 from stepwell.proof.tube import MOST_STEPS, WIDE, Tube
@@ -21,7 +21,6 @@ from stepwell.proof.walk import HELD, EnclosedWalk, Stand, windows_meet
 # A cell comes to rest, or lets go, for certain within a time of this many widths of the tube.
 _MARGIN = 8.0
 _CAUSE = "which cells friction holds in the flow of a snap"
-_UNIT = ball(0.0, 1.0)
 
 
 def follow(
@@ -378,9 +377,9 @@ class RubbedTube(Tube):
 
     def _own_level(self, motion: FlowMotion, h: float, defect: Ball) -> Ball:
         """λ of the middle in a step in which it obeys friction."""
-        slope = self.cells[self.taker].law(motion.spans(h)[self.taker] + motion.off * _UNIT)[1]
+        slope = self.cells[self.taker].law(motion.spans(h)[self.taker] + motion.off * UNIT)[1]
         most = max(1 / ball(self.m[i]).sqrt() for i in self.middle)
-        return motion.level(h) + high(abs(slope) * motion.off + defect * most) * _UNIT
+        return motion.level(h) + high(abs(slope) * motion.off + defect * most) * UNIT
 
     def _over(self, motion: FlowMotion, h: float) -> Ball | None:
         """By how much the middle misses the law of friction; None if a cell slides back in it."""
@@ -527,7 +526,7 @@ class RubbedTube(Tube):
             return level
         slopes = {i: high(abs(self.cells[i].narrow(s)[1])) for i, s in tube.items()}
         off = max((k * ball(self.m[i]).sqrt() for i, k in slopes.items()), key=float) * self.reach
-        near = self.known + high(off) * _UNIT
+        near = self.known + high(off) * UNIT
         return level.intersection(near) if near.is_finite() and near.overlaps(level) else level
 
     def _narrower(self, motion: FlowMotion, spans, h: float, defect: Ball, known):

@@ -17,7 +17,7 @@ from flint import arb_poly  # pyright: ignore[reportMissingImports]
 
 from stepwell.base import Floats
 from stepwell.proof import balls
-from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull
+from stepwell.proof.balls import UNIT, Ball, UndecidedError, ball, high, hull
 from stepwell.proof.motion import largest_across, length_of
 from stepwell.proof.walk import FOLD, EnclosedWalk
 
@@ -31,7 +31,6 @@ _DEGREE, _ENOUGH = 12, 1e-11
 _ALONG = (0.2, 0.1, 5e-2, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6)
 # Largest distance of the flow to the curve, as a fraction of the way.
 _NEAR = 1e-3
-_UNIT = ball(0.0, 1.0)
 _CAUSE = "in which sense a snap begins"
 # Cells that move, and those whose friction holds them.
 _Cells = tuple[list[int], list[int]]
@@ -192,7 +191,7 @@ class SplitRadius:
 
     def radius(self) -> Ball:
         """Of both parts together."""
-        return _length([self.along, self.across])
+        return length_of([self.along, self.across])
 
 
 def _nearer(
@@ -224,7 +223,7 @@ def _nearer(
     ways = [s + r * x for s, r, x in zip(begin, unit, place, strict=True)]
     pulls = zip(unit, _pulls(walk, moving, ways), strict=True)
     radius = cone.distance(place, [r * x for r, x in pulls], way)
-    off = _length([x - ball(y) for x, y in zip(place, at.tolist(), strict=True)])
+    off = length_of([x - ball(y) for x, y in zip(place, at.tolist(), strict=True)])
     off = high(off + 1e-15 * way)
     radius = high(radius + off)
     return (at * root, radius, off) if radius < known[1] else known
@@ -317,7 +316,7 @@ def _bends_out(laws: list[tuple[Ball, ...]], root: Floats, w: Floats, width: Bal
     """
     total = ball(0.0)
     for (_, _, bend), r, x in zip(laws, _enclosed(root), w.tolist(), strict=True):
-        part = x * r * (1 + _UNIT * (2 * width / abs(x)))
+        part = x * r * (1 + UNIT * (2 * width / abs(x)))
         total = total - bend * part * part * part
     return bool(total > 0)
 
@@ -349,10 +348,10 @@ class Cone:
         # w within Σ √m w = 0, of length 1.
         given = [ball(float(x)) for x in w]
         along = _scaled(_without(given, normal))
-        self.off = _length([x - y for x, y in zip(given, along, strict=True)])
+        self.off = length_of([x - y for x, y in zip(given, along, strict=True)])
         turned = _without([-x * y for x, y in zip(d, along, strict=True)], normal)
         self.growth = _dot(turned, along)
-        self.across = _length(_without(turned, along))
+        self.across = length_of(_without(turned, along))
         self.fall = largest_across(d, (normal, along), ball(0.0))
         gap = self.growth - self.fall
         if not gap > 2 * self.across:
@@ -361,7 +360,7 @@ class Cone:
         self._along, self._normal, self._unit, self._d = along, normal, unit, d
         # The rate of λ along p, to a positive factor.
         rows = zip(d, unit, along, strict=True)
-        self.rise = sum((x * r * (y + self.width * _UNIT) for x, r, y in rows), ball(0.0))
+        self.rise = sum((x * r * (y + self.width * UNIT) for x, r, y in rows), ball(0.0))
 
     def is_only(self, kappas: list[Ball], root: Floats) -> bool:
         """Whether the flow falls back in all directions but w, with further cells too."""
@@ -383,10 +382,10 @@ class Cone:
             rates: the velocity there, to a part along the normal.
             p: the distance along w.
         """
-        if not _length(_without(place, self._along)) <= self.width * p:
+        if not length_of(_without(place, self._along)) <= self.width * p:
             return ball(math.inf)
         inside = _without(rates, self._normal)
-        along, across = _dot(inside, self._along), _length(_without(inside, self._along))
+        along, across = _dot(inside, self._along), length_of(_without(inside, self._along))
         rest = -self.fall - self.width * self.across
         return high((self.width * abs(along) + across) / rest) if rest > 0 else ball(math.inf)
 
@@ -396,7 +395,7 @@ class Cone:
         p = balls.low(abs(_dot(inside, self._along)))
         if not p > 0:
             return ball(math.inf)
-        return high(_length(_without(inside, self._along)) / p)
+        return high(length_of(_without(inside, self._along)) / p)
 
 
 def slowest(kappas: list[float], root: Floats) -> Floats:
@@ -407,10 +406,6 @@ def slowest(kappas: list[float], root: Floats) -> Floats:
 
 def _dot(a: list[Ball], b: list[Ball]) -> Ball:
     return sum((x * y for x, y in zip(a, b, strict=True)), ball(0.0))
-
-
-def _length(a: list[Ball]) -> Ball:
-    return high(high(_dot(a, a)).sqrt())
 
 
 def _scaled(a: list[Ball]) -> list[Ball]:
@@ -513,7 +508,7 @@ class _Curve:
         rows = [[ball(0.0), x, *bend] for x, *bend in zip(self.w, *self.phi, strict=True)]
         ways = [arb_poly([r * c for c in row]) for r, row in zip(self.root, rows, strict=True)]
         box = [
-            s + along(within) + near * r * _UNIT
+            s + along(within) + near * r * UNIT
             for s, along, r in zip(self.rest, ways, self.root, strict=True)
         ]
         fall, across = self._fall(rows, box, p)

@@ -12,7 +12,7 @@ import numpy as np
 from flint import arb_series  # pyright: ignore[reportMissingImports]
 
 from stepwell.proof import balls
-from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull, low
+from stepwell.proof.balls import UNIT, Ball, UndecidedError, ball, high, hull, low
 from stepwell.proof.laws import EnclosedCell
 
 # Degree of the polynomials.
@@ -72,7 +72,7 @@ class FlowMotion:
 
     def level(self, h: float) -> Ball:
         """λ during a time, of the last step that `defect` saw."""
-        return value(self.force, hull(ball(0.0), ball(h))) + self.missed * ball(0.0, 1.0)
+        return value(self.force, hull(ball(0.0), ball(h))) + self.missed * UNIT
 
     def line(self, h: float) -> dict[int, Ball]:
         """The travels after a time at the speed of the beginning, at most up to the stops."""
@@ -148,7 +148,7 @@ class FlowMotion:
             off, rate = off + total * power * h, rate + k * total * power
             power = power * h
         i, self.slip, self.off = next(iter(self.travel)), high(rate), high(off)
-        slope = self.cells[i].law(spans[i] + off * ball(0.0, 1.0))[1]
+        slope = self.cells[i].law(spans[i] + off * UNIT)[1]
         return high((rate + self.m[i] * abs(slope) * off) / ball(self.m[i]).sqrt())
 
     def across(self, tube: Mapping[int, Ball], h: float, now: Ball, most: tuple[Ball, Ball]):

@@ -30,7 +30,7 @@ def force_range(cell: Cell, sine: float, around: Around = (0.0, 0.0)) -> Critica
     centre = box.force([balls.middle((a + b) / 2) for a, b in box.spans], at).value
     mean = centre
     for (a, b), slope in zip(box.spans, value.slopes, strict=True):
-        mean = mean + slope * ((b - a) / 2) * ball(0.0, 1.0)
+        mean = mean + slope * ((b - a) / 2) * balls.UNIT
     plain = value.value
     return _outward(plain.intersection(mean) if mean.is_finite() and plain.is_finite() else plain)
 

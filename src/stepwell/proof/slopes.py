@@ -141,7 +141,7 @@ class _Search:
         top = balls.high(plain) if plain.is_finite() else ball(math.inf)
         if isinstance(value, Sloped):
             pieces = [
-                slope * ((b - a) / 2) * ball(0.0, 1.0)
+                slope * ((b - a) / 2) * balls.UNIT
                 for (a, b), slope in zip(box, value.slopes, strict=True)
             ]
             mean: Any = sum(pieces, inside)

@@ -9,7 +9,7 @@ from defect and μ follows the radius of a tube that holds the flow.
 import math
 
 from stepwell.proof import balls
-from stepwell.proof.balls import Ball, UndecidedError, ball, high, hull, low
+from stepwell.proof.balls import UNIT, Ball, UndecidedError, ball, high, hull, low
 from stepwell.proof.motion import DEGREE, FlowMotion, kernel, parting_rate, when
 from stepwell.proof.walk import FREE, HELD, SLIDES, EnclosedWalk, Stand
 
@@ -21,7 +21,7 @@ _LONGEST, MOST_STEPS = 0.8, 4000
 _CROSSED = 1e-13
 # Widest tube, as a fraction of the travel.
 WIDE = 0.1
-_UNIT, _ANY = ball(0.0, 1.0), ball(0.0, math.inf)
+_ANY = ball(0.0, math.inf)
 
 
 class Tube:
@@ -230,7 +230,7 @@ class Tube:
         # The cell that takes up the rest of the stroke moves at most as fast as all others.
         speed = high(square).sqrt() * (1 + len(spans)) + self._fastest(spans)
         ways = sum((high(abs(s - self.middle[k])) for k, s in spans.items()), self._drift())
-        spans[self.taker] = spans[self.taker] + high(ways) * _UNIT
+        spans[self.taker] = spans[self.taker] + high(ways) * UNIT
         grown = self._grow(spans, h, high(speed), ends, None)
         if grown is None:
             raise UndecidedError("a step of the flow is not enclosed")
@@ -331,7 +331,7 @@ class Tube:
         """Travels in the tube, within the stops."""
         out = {}
         for i, s in spans.items():
-            wide, cell = s + radius * ball(self.m[i]).sqrt() * _UNIT, self.cells[i]
+            wide, cell = s + radius * ball(self.m[i]).sqrt() * UNIT, self.cells[i]
             a, b = cell.low, cell.high
             if wide.is_finite():
                 a, b = min(max(low(wide), a), b), max(min(high(wide), b), a)

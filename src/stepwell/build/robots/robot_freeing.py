@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable
 from itertools import combinations
 
+from stepwell.base import Vec2
 from stepwell.build.build_file import mm
 from stepwell.build.limits import ExceededLimit, rounded_up
 from stepwell.build.robots.robot_layout import RobotBand, RobotLayout, robot_layout
@@ -116,25 +117,22 @@ class _Shifts:
 
     def _shortest(self, owners: frozenset[str]) -> str:
         layout = self.layout
-        ways: list[tuple[float, str, str, float]] = []
+        ways: list[tuple[float, str, str]] = []
         for band in layout.bands:
             if not {*band.bodies, _band_name(layout, band)} & owners:
                 continue
             leg = layout.robot.leg(band.leg)
             number = band.cell % 2
-            (px, py), (qx, qy) = (getattr(leg.chain.levers[number].bands[0], end) for end in "pq")
             for way in (-1.0, 1.0):
                 shifts = (way * steps * _STEP for steps in range(1, _MOST_STEPS + 1))
                 shift = next((x for x in shifts if self._frees(band, x, owners)), None)
                 if shift is not None:
                     name = f"{band.leg} {leg.chain.names[number]}"
-                    anchors = (
-                        f"p = ({mm(px + shift)}, {mm(py)}) and q = ({mm(qx + shift)}, {mm(qy)}) mm"
-                    )
-                    ways.append((abs(shift), name, anchors, shift))
+                    p, q = (f"({mm(x)}, {mm(y)})" for x, y in self._anchors(band, shift))
+                    ways.append((abs(shift), name, f"p = {p} and q = {q} mm"))
         if not ways:
             return "Use anchors of this band that are closer together, off the other part."
-        _, name, anchors, _ = min(ways)
+        _, name, anchors = min(ways)
         return (
             f"Use {anchors} for the bands of {name}: both are shifted, and the motion stays the "
             f"same."
@@ -150,15 +148,17 @@ class _Shifts:
         )
 
     def _shifted(self, band: RobotBand, shift: float) -> SweptRobot:
-        key, layout = (band.leg, band.cell % 2, shift), self.layout
+        key = band.leg, band.cell % 2, shift
         if key not in self._robots:
-            lever = layout.robot.leg(band.leg).chain.levers[key[1]]
-            (px, py), (qx, qy) = (getattr(lever.bands[0], end) for end in "pq")
-            moved = layout.robot.with_anchors(
-                band.leg, key[1], p=(px + shift, py), q=(qx + shift, qy)
-            )
-            self._robots[key] = SweptRobot(robot_layout(moved, layout.build_file))
+            p, q = self._anchors(band, shift)
+            moved = self.layout.robot.with_anchors(*key[:2], p=p, q=q)
+            self._robots[key] = SweptRobot(robot_layout(moved, self.layout.build_file))
         return self._robots[key]
+
+    def _anchors(self, band: RobotBand, shift: float) -> tuple[Vec2, Vec2]:
+        one = self.layout.robot.leg(band.leg).chain.levers[band.cell % 2].bands[0]
+        (px, py), (qx, qy) = one.p, one.q
+        return (px + shift, py), (qx + shift, qy)
 
 
 def _owner(layout: RobotLayout, name: str) -> str:
