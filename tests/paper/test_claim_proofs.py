@@ -74,7 +74,8 @@ def test_the_page_has_what_is_proved_of_a_preset(name):
 def test_every_table_of_the_page_has_rows():
     presets = {row.split("|")[1] for row in shown().splitlines()}
     for name in TABLES:
-        assert len(shown(name).splitlines()) > 20
+        # The random chains are summed up by their number of cells and by what is not proved.
+        assert len(shown(name).splitlines()) > (10 if name == "random chains" else 20)
         if name not in ("claims", "random chains"):
             assert {row.split("|")[1] for row in shown(name).splitlines()} == presets
 
