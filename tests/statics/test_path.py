@@ -189,7 +189,7 @@ def test_sorting_and_following_give_the_same_cycle(cells, monkeypatch):
     assert np.max(fast.path.residual) < 1e-12
 
 
-def test_cells_whose_curves_cross_that_of_the_leader_farther_than_in_a_snap_are_sorted(monkeypatch):
+def test_cells_whose_curves_cross_that_of_a_leader_with_a_head_start_are_sorted(monkeypatch):
     found = 0
     for seed in range(examples(40)):
         rng = np.random.default_rng([9, seed])
@@ -210,7 +210,8 @@ def test_cells_whose_curves_cross_that_of_the_leader_farther_than_in_a_snap_are_
             assert ours.kind == theirs.kind and abs(ours.stroke - theirs.stroke) < 1e-10
             after = [dict(zip(one.cells, one.after, strict=True)) for one in (ours, theirs)]
             assert after[0] == pytest.approx(after[1], abs=1e-9)
-    assert found >= 15
+    # Without the head start 29 of the first 40.
+    assert found >= 0.9 * examples(40)
 
 
 def test_a_chain_whose_landings_are_contested_is_not_sorted_but_followed():

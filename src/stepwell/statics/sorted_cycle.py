@@ -21,17 +21,26 @@ _MOST_CLOSE = 64
 
 
 @leaf
-def _keeps_ahead(leader: Simple, other: Simple, full: float, reach: float) -> bool:
-    """Proof that the leader, giving travel back up to `reach`, always has the larger force."""
+def _head_start(leader: Simple, runner: Simple, full: float, at: float, lead: float) -> float:
+    """Travel that the leader gives back before the runner's and its force fall by `lead` [N]."""
+    # λ is the mean of the two: its slope at the start, and a bound of the second derivative.
+    fall = concave.force_at(leader, full)[1] - concave.force_at(runner, at)[1]
+    bend = concave.most_bend(leader) + concave.most_bend(runner)
+    return 4.0 * lead / (fall + np.sqrt(fall * fall + 4.0 * bend * lead))
+
+
+@leaf
+def _keeps_ahead(leader: Simple, other: Simple, full: float, head: float, reach: float) -> bool:
+    """Proof that the leader, `head` ahead of the other's travel up to `reach`, has more force."""
     # On [a, b] its pull at a is above the other's at b, or their difference, whose second
     # derivative is bounded, cannot sag to zero.
     bend = concave.most_bend(leader) + concave.most_bend(other)
     a, width = 0.0, 0.25 * reach
-    strong, weak = concave.force_at(leader, full)[0], concave.force_at(other, full)[0]
+    strong, weak = concave.force_at(leader, full - head)[0], concave.force_at(other, full)[0]
     for _ in range(20_000):
         b = min(a + width, reach)
         strong_b, weak_b = (
-            concave.force_at(leader, full - b)[0],
+            concave.force_at(leader, full - head - b)[0],
             concave.force_at(other, full - b)[0],
         )
         sag = 0.125 * bend * (b - a) * (b - a)
@@ -82,23 +91,26 @@ def load_sorted(
         at = concave.travel_at(cell, top_force, f0, f1)
         lack = full - at
         # Other full cells may give travel back too while j runs. The leader had a head start
-        # and keeps it as long as no curve crosses its own within half of what j takes.
+        # and keeps it as long as no curve crosses its own, moved by the head start, within half
+        # of what is left of j's way.
         if lack > 0.5 * full:
             return False
         if checked_top != top:
             checked_top, checked, closer = top, 0, 0
         while checked < done:
             k = order[checked]
-            if k != top and not _keeps_ahead(leader, concave.of_row(table[k]), full, 0.25 * full):
+            other = concave.of_row(table[k])
+            if k != top and not _keeps_ahead(leader, other, full, 0.0, 0.25 * full):
                 # Its curve crosses that of the leader: farther than in this snap?
                 if closer == _MOST_CLOSE:
                     return False
                 close[closer] = k
                 closer += 1
             checked += 1
+        head = min(_head_start(leader, cell, full, at, top_force - second_force), lack)
         for place in range(closer):
             other = concave.of_row(table[close[place]])
-            if not _keeps_ahead(leader, other, full, 0.5 * lack):
+            if not _keeps_ahead(leader, other, full, head, 0.5 * (lack - head)):
                 return False
         back = full - lack
         add_row(log, logged.MOVE, 1, (drive, drive + at), (f0, top_force))
