@@ -40,7 +40,7 @@ if __name__ == "__main__":
 """
 # Painted: the frame after the answer has been drawn and handed on.
 WATCH = """
-window.moved = 0; window.taken = [];
+window.moved = 0; window.taken = []; window.bounded = [];
 window.released = 0; window.repainted = [];
 for (const kind of ["pointermove", "pointerrawupdate"])
   addEventListener(kind, (event) => { window.moved = event.timeStamp; }, true);
@@ -65,13 +65,15 @@ window.WebSocket = class extends Plain {
         painted(() => window.repainted.push(performance.now() - began));
       }
       const began = this.began.get(header.seq);
-      if (header.type !== "evaluate" || !began) return;
-      painted(() => window.taken.push(performance.now() - began));
+      if (!began) return;
+      const times = header.type === "evaluate" ? window.taken : window.bounded;
+      painted(() => times.push(performance.now() - began));
     });
   }
   send(text) {
     const { type, seq, ask } = JSON.parse(text);
-    if (type === "evaluate" && ask.moves && window.moved) this.began.set(seq, window.moved);
+    const moves = (type === "evaluate" && ask.moves) || type === "limits";
+    if (moves && window.moved) this.began.set(seq, window.moved);
     super.send(text);
   }
 };
@@ -244,7 +246,8 @@ def sized(chromium: str, sizes: Iterable[int] = SIZES) -> Iterator[tuple[str, st
                 page.get_by_role("tab", name=tab).click()
                 page.wait_for_timeout(1500)
                 taken = moved(page, page.evaluate(IN_VIEW), FEW_MOVES)
-                text = f"{told(taken[5:])}, {load()}"
+                limits = page.evaluate("window.bounded")
+                text = f"{told(taken[5:])}, with margins {told(limits[5:])}, {load()}"
                 what = f"studio: pointer move to painted frame, {cells} cells, panel {tab}"
                 yield what, text, "p95 40 ms"
             for tab in ("Graph", "Measured"):
@@ -278,7 +281,7 @@ def load() -> str:
 
 def moved(page: "Page", name: str, moves: int) -> list[float]:
     """Times of moves of an anchor one after another [ms]."""
-    page.evaluate("window.taken = []")
+    page.evaluate("window.taken = []; window.bounded = []")
     x, y = held(page, name)
     for k in range(moves):
         page.mouse.move(x + (k % 40) * 1.3 - 26, y + (k % 23) - 11)

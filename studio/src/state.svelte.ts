@@ -84,14 +84,14 @@ class Studio {
         }
       : this.views.evaluate,
   );
+  /** The margins of a design that moves under a hand, which come after its motion. */
+  private reach = $state.raw<View | null>(null);
   /** The margins of the present design; null while they are searched. */
-  limits = $derived<View | null>(
-    this.fresh.has("margin") && this.views.margin.ok
-      ? this.views.margin
-      : this.views.evaluate?.method !== "search"
-        ? (this.views.evaluate ?? null)
-        : null,
-  );
+  limits = $derived.by<View | null>(() => {
+    if (this.fresh.has("margin") && this.views.margin.ok) return this.views.margin;
+    const known = this.reach ?? this.views.evaluate;
+    return known?.margins && known.method !== "search" ? known : null;
+  });
   /** The design that was put beside the present one. */
   pinned = $state.raw<Pinned | null>(null);
   /** What follows the design: that of the panels in view. */
@@ -322,6 +322,7 @@ class Studio {
   private rest(): void {
     this.moving = false;
     if (this.brief) this.evaluate(this.design);
+    else this.calm();
   }
 
   /** Ends a drag; the design is the one before it. */
@@ -332,6 +333,7 @@ class Studio {
     const before = this.marked && this.history.cancel();
     this.marked = false;
     if (before) this.show(before.design);
+    else this.calm();
   }
 
   /** One edit that can be undone. */
@@ -537,6 +539,19 @@ class Studio {
     });
   }
 
+  /** Asks for the margins of a move once it has been painted, which they would delay. */
+  private bound(design: Design | null): void {
+    const { known, before } = this;
+    const late = (): boolean => !this.brief || before !== this.before;
+    const ask = (): void => {
+      if (late() || known !== this.known) return;
+      this.wire.ask("limits", design, this.leg, {}, (view) => {
+        if (view.ok && !late()) this.reach = view;
+      });
+    };
+    requestAnimationFrame(() => setTimeout(ask));
+  }
+
   /** The cells of a move that the view before the drag does not have; null if it is of no use. */
   private movedOf(cells?: CellTable[]): number[] | null {
     const { before } = this;
@@ -566,7 +581,10 @@ class Studio {
     }
     if (this.problems.length) this.problems = [];
     this.at = this.way ? this.at : carried(this.views.evaluate, view, this.at);
+    // Under a hand the last known margins stay until those of the move come.
+    this.reach = view.margins ? null : (this.reach ?? this.views.evaluate ?? null);
     this.views = { ...this.views, evaluate: view };
+    if (!view.margins) this.bound(design);
     // A design that was put beside itself while it moved.
     if (this.pinned?.design === design) this.pinned = { ...this.pinned!, view };
     window.clearTimeout(this.following);
@@ -608,7 +626,8 @@ class Studio {
   }
 
   private calm(): void {
-    if (!this.unsaved && !this.awaits && !this.described) this.busy = false;
+    // In a drag the answer to each move would change it twice.
+    if (!this.unsaved && !this.awaits && !this.moving && !this.described) this.busy = false;
   }
 }
 

@@ -241,9 +241,11 @@ def test_margins_are_pythons(name: str):
     least = min(margin.changes, key=lambda one: (one.parameter != "anchor", one.distance))
     assert header["margin"]["reach_mm"] == float(np.min(margin.anchors)) * 1e3
     assert header["margin"]["becomes"] == least.becomes
-    # Under a hand that drags, the page asks for that sequence afterwards.
-    moving = ask("evaluate", tables(name), moves=True).header
-    assert "becomes" not in moving["margin"]
+    # Under a hand that drags, the motion comes first, then the margins, and that sequence at rest.
+    assert "margin" not in ask("evaluate", tables(name), moves=True).header
+    moving = ask("limits", tables(name)).header
+    assert (moving["margins"], moving["method"]) == (header["margins"], "exact")
+    assert moving["margin"] == {k: v for k, v in header["margin"].items() if k != "becomes"}
     assert ask("margin", tables(name)).header["margin"] == header["margin"]
 
 
@@ -255,19 +257,21 @@ def test_the_answer_to_a_move_of_a_long_chain_is_short():
     answer = answered(Message("evaluate", 1, {"chain": chain}, moves))
     header, blocks = unpacked(answer)
     assert len(answer) < 80_000
-    assert len(answer) - sum(block.nbytes for block in blocks.values()) < 14_000
+    assert len(answer) - sum(block.nbytes for block in blocks.values()) < 6_000
     # The drawing and the curves have what they show.
     assert set(blocks) == {
         *("drive", "stroke", "force", "travel", "segment", "direction"),
         *("tension_now", "pull", "landscape_travel", "landscape_energy"),
     }
     assert len(header["cells"]) == 1
-    assert len(header["margins"]) == 64
+    limits, _ = unpacked(answered(Message("limits", 2, {"chain": chain})))
+    assert len(limits["margins"]) == 64
 
 
 @pytest.mark.slow
 def test_a_margin_that_has_to_be_searched_is_asked_for_aside():
     assert ask("evaluate", tables("slack")).header["margins"] == []
+    assert ask("limits", tables("slack")).header["method"] == "search"
     header = ask("margin", tables("slack")).header
     margin = sw.margin(sw.preset("slack"))
     assert header["method"] == "search"

@@ -23,7 +23,7 @@ FILES = {
     "atlas": ("atlas",),
     "designs": ("export", "gallery", "open", "replay", "text", "thumbnails"),
     "maps": ("border", "jump", "map", "map_followed", "parameters"),
-    "motion": ("cells", "evaluate", "graph", "margin", "program"),
+    "motion": ("cells", "evaluate", "graph", "limits", "margin", "program"),
     "parts": ("build", "parts", "parts_files"),
     "recordings": ("element", "measured"),
     "robots": ("arena", "arenas", "maze", "predict", "robot", "robot_numbers", "walk"),

@@ -154,11 +154,12 @@ def _cell(cell: Cell | Element) -> dict[str, Any]:
         display_unit(cell.measure.travel_unit)[1],
         display_unit(cell.measure.force_unit)[1],
     )
-    ends = cell.phases[0].force_high, cell.phases[-1].force_low
+    phases = cell.phases
+    ends = phases[0].force_high, phases[-1].force_low
     header: dict[str, Any] = {
         "kind": "lever" if isinstance(cell, Cell) else "element",
         "full_travel_mm": cell.full_travel * travel,
-        "stable": [k for k, p in enumerate(cell.phases) if p.force_low < 0.0 < p.force_high],
+        "stable": [k for k, p in enumerate(phases) if p.force_low < 0.0 < p.force_high],
     }
     if isinstance(cell, Cell):
         # A slack band exerts no force at a stop, but a barrier may exist between the stops.

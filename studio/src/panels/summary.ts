@@ -11,10 +11,10 @@ export default {
     type: "margin",
     long: true,
     ask: () => {
-      const { method, margin } = studio.views.evaluate;
-      return method === "search" || (margin && margin.becomes === undefined) ? {} : null;
+      const known = studio.limits;
+      return !known || (known.margin && known.margin.becomes === undefined) ? {} : null;
     },
   },
-  asks: ["evaluate"],
+  asks: ["evaluate", "limits"],
   view: Summary,
 };

@@ -20,7 +20,7 @@ def answer_evaluate(design: PageDesign, ask: Ask) -> View:
     """The cycle, and the margins that are known in closed form.
 
     Keys have the same names for chains of volumes or angles; `units` has their units. For a design
-    that `moves` under a hand, events and the sequence after the smallest change are left out.
+    that `moves` under a hand, events are left out, and margins, which panel `limits` has.
     """
     if ask.switch("moves", default=False):
         return _while_it_moves(design.chain, ask)
@@ -58,13 +58,18 @@ def _while_it_moves(chain: Chain, ask: Ask) -> View:
     header = {
         **motion.path_header(cycle.path, None, cells),
         **motion.cycle_header(cycle),
-        **motion.margins_of(proved_margin(chain), becomes=False),
         "full_stroke_mm": chain.full_stroke * display_unit(chain.measure.travel_unit)[1],
     }
     at = None if cursor is None else motion.sample_near(path, *cursor)
     blocks = motion.arrays_of(path, at) | motion.landscape(chain, cells)
     # Tables of all cells are most of the bytes, and are drawn.
     return View(header, {k: v.astype(np.float32) if v.ndim == 2 else v for k, v in blocks.items()})
+
+
+def answer_limits(design: PageDesign, ask: Ask) -> View:
+    """The margins in closed form, without the sequence after the smallest change."""
+    ask.close()
+    return View(motion.margins_of(proved_margin(design.chain), becomes=False))
 
 
 def answer_margin(design: PageDesign, ask: Ask) -> View:
