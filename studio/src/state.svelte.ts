@@ -58,12 +58,15 @@ class Studio {
   design = $state.raw<Design | null>(null);
   /** Of a robot, the leg whose chain is shown. */
   leg = $state(0);
-  robot = $derived(isRobot(this.design));
+  // Set with the design and not derived from it: all that reads them would be looked through on each move of a hand.
+  robot = $state(false);
+  /** The key of the shown chain as messages name it. */
+  chainKey = $state("chain");
+  /** The number of cells of the shown chain. */
+  count = $state(0);
   cells = $derived(cellsOf(this.design, this.leg));
   /** The table that holds the cells. */
   chain = $derived(chainOf(this.design, this.leg));
-  /** The key of the shown chain as messages name it. */
-  chainKey = $derived(chainKey(this.design, this.leg));
   /** The last good answer of each type. */
   views = $state.raw<Record<string, View>>({});
   /** The types whose answer is of the present design. */
@@ -276,10 +279,16 @@ class Studio {
     return { design: this.design!, leg: this.leg, opened: this.opened };
   }
 
+  private put(design: Design | null, leg = this.leg): void {
+    [this.design, this.leg] = [design, leg];
+    [this.robot, this.chainKey] = [isRobot(design), chainKey(design, leg)];
+    this.count = cellsOf(design, leg).length;
+  }
+
   /** Draws the design of the last move, whether its answer is there or not. */
   private catchUp(): void {
     window.clearTimeout(this.drawing);
-    if (this.ahead) this.design = this.ahead;
+    if (this.ahead) this.put(this.ahead);
     this.ahead = null;
     this.drawn = this.asked;
   }
@@ -360,7 +369,7 @@ class Studio {
   /** The design while it is dragged; what was marked before is what undo comes back to. */
   show(design: Design): void {
     this.catchUp();
-    this.design = design;
+    this.put(design);
     this.counted();
     this.changed();
     this.evaluate(design);
@@ -375,7 +384,7 @@ class Studio {
 
   /** Of a robot, another leg. */
   showLeg(leg: number): void {
-    this.leg = leg;
+    this.put(this.design, leg);
     this.at = 0;
     this.views = {};
     this.before = null;
@@ -571,7 +580,7 @@ class Studio {
     this.known = view.seq;
     // Each move is drawn with its own answer.
     if (view.seq === this.asked) this.catchUp();
-    else if (this.ahead && view.seq > this.drawn) this.design = design;
+    else if (this.ahead && view.seq > this.drawn) this.put(design);
     this.calm();
     window.clearTimeout(this.stopping);
     if (this.moving) this.stopping = window.setTimeout(() => this.rest(), STILL_MS);
