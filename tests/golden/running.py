@@ -7,7 +7,7 @@ import json
 import re
 import shlex
 from collections.abc import Iterator
-from contextlib import chdir, contextmanager
+from contextlib import chdir, contextmanager, nullcontext
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -19,7 +19,8 @@ from typer.testing import CliRunner, Result
 
 from golden import reducing
 from golden.cases import Case
-from golden.sketching import sketched
+from golden.sketching import filmed_blank, sketched
+from sizes import SIZE
 from stepwell.cli import app
 from stepwell.paper import Claim, ClaimVerdict, Judgement
 
@@ -69,7 +70,8 @@ def outcome(case: Case, folder: Path) -> Outcome:
         (folder / name).write_text(text, "utf-8")
     case.prepare(folder)
     found, seen, lines = Outcome(), _files(folder), []
-    with chdir(folder), sketched(words=case.shown), _quick_claims():
+    filmed = nullcontext() if SIZE == "full" else filmed_blank()
+    with chdir(folder), sketched(words=case.shown), filmed, _quick_claims():
         for command in case.commands:
             result = invoke(*shlex.split(command))
             now = _files(folder)

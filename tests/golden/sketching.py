@@ -1,20 +1,25 @@
 """Figures written at once, with their size and their words but without their lines.
 
 Drawing takes most of the time of a command that writes figures, and other tests look at what is
-drawn. Here only the size in pixels and the words count.
+drawn. Here only the size in pixels and the words count; of a film the size and number of frames.
 """
 
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from html import escape
 from typing import IO, Any
 from unittest.mock import patch
 from weakref import WeakKeyDictionary
 
+import numpy as np
 from matplotlib.backend_bases import RendererBase
 from matplotlib.figure import Figure
 from PIL import Image
+
+from stepwell.simulation import videos
+from stepwell.simulation.drawing import Camera, Frame
+from stepwell.simulation.hoppers import video as hopper_video
 
 
 class _Words(RendererBase):
@@ -73,4 +78,38 @@ def sketched(*, words: bool) -> Iterator[None]:
         file.write(text.encode() if isinstance(file, io.BytesIO) else text)
 
     with patch.object(Figure, "savefig", save):
+        yield
+
+
+class _Blank:
+    """In place of a process that draws: frames of one grey, each another than the one before.
+
+    Of frames that are alike a GIF keeps one.
+    """
+
+    def __init__(self, _model: object, cameras: Sequence[Camera], _goal: object = None):
+        self._sizes = [camera.size for camera in cameras]
+        self._count = 0
+
+    def frames(self, _position: object, _path: object = ()) -> list[Frame]:
+        self._count += 1
+        grey = 40 * (self._count % 6)
+        return [np.full((height, width, 3), grey, np.uint8) for width, height in self._sizes]
+
+    def __enter__(self) -> "_Blank":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+
+@contextmanager
+def filmed_blank() -> Iterator[None]:
+    """Videos and pictures of simulations have their size and their frames, in which nothing is.
+
+    tests/simulation/test_videos.py and test_jumps.py look at what is drawn, and
+    tests/cli/test_walk.py has commands write it.
+    """
+    of_walks = patch.object(videos, "DrawingProcess", _Blank)
+    with of_walks, patch.object(hopper_video, "DrawingProcess", _Blank):
         yield
