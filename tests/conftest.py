@@ -114,6 +114,28 @@ def swept_once(tmp_path_factory: pytest.TempPathFactory):
         yield
 
 
+@pytest.fixture(scope="session")
+def graphics(tmp_path_factory: pytest.TempPathFactory) -> str | None:
+    """By what frames are drawn off screen here; None where they cannot be.
+
+    Of all processes: each try starts MuJoCo in a process of its own.
+    """
+    from stepwell.simulation import drawing_system
+
+    def tried(folder: Path) -> None:
+        (folder / "system").write_text(drawing_system() or "", "utf-8")
+
+    folder = once(tmp_path_factory, "graphics", tried)
+    return (folder / "system").read_text("utf-8") or None
+
+
+@pytest.fixture(scope="session")
+def drawable(graphics: str | None) -> None:
+    """For tests of frames that are drawn off screen."""
+    if graphics is None:
+        pytest.skip("frames cannot be drawn off screen here")
+
+
 @pytest.fixture(autouse=True, scope="session")
 def put_together_once():
     """The commands are put together once a process, which takes as long as many of them run."""

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import stepwell as sw
-from stepwell.simulation import drawing_system
 
 gymnasium = pytest.importorskip("gymnasium", reason="environments need the extra env")
 checker = import_module("gymnasium.utils.env_checker")
@@ -30,8 +29,8 @@ def make():
 
 
 @pytest.mark.parametrize(("arena", "random_start"), [("three-walls", True), (None, False)])
-def test_gymnasiums_own_check_has_no_remark(make, arena, random_start):
-    drawn = drawing_system() is not None
+def test_gymnasiums_own_check_has_no_remark(make, graphics, arena, random_start):
+    drawn = graphics is not None
     env = make(arena=arena, random_start=random_start, render_mode="rgb_array" if drawn else None)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -120,7 +119,7 @@ def test_an_episode_is_truncated_at_its_limit(make):
     assert ends == [(False, False), (False, False), (False, True)]
 
 
-@pytest.mark.skipif(drawing_system() is None, reason="frames cannot be drawn off screen here")
+@pytest.mark.usefixtures("drawable")
 def test_a_rendered_picture_shows_the_robot_and_moves_with_it(make):
     env = make(arena=None, render_mode="rgb_array", size=(320, 180))
     env.reset()

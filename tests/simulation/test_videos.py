@@ -9,14 +9,12 @@ import stepwell as sw
 from facts import says
 from simulation.robots import explorer, robot
 from stepwell.simulation import maze, picture, spec, view_angles, walk
-from stepwell.simulation.drawing import VIEWS, Camera, DrawingProcess, drawing_system
+from stepwell.simulation.drawing import VIEWS, Camera, DrawingProcess
 from stepwell.simulation.parts import BANDS
 from stepwell.simulation.videos import Labels, _free_corner, _Shots
 
 Image = pytest.importorskip("PIL.Image", reason="pictures are written with Pillow")
-needs_graphics = pytest.mark.skipif(
-    drawing_system() is None, reason="frames cannot be drawn off screen here"
-)
+needs_graphics = pytest.mark.usefixtures("drawable")
 
 
 def test_a_view_is_a_name_or_two_angles():
