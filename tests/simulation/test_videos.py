@@ -46,15 +46,24 @@ def test_a_camera_has_all_points_in_its_picture_and_they_fill_it(angles):
     assert (np.ptp(pixels, axis=0) / camera.size).max() > 0.7
 
 
-@needs_graphics
-@pytest.mark.parametrize("view", VIEWS)
-def test_a_point_is_drawn_at_the_pixel_that_is_computed(view):
+@pytest.fixture(scope="module")
+def looked_at(drawable):
+    """A camera of each view, and what one process draws for all of them."""
     model = spec(robot()).compile()
-    camera = Camera((320, 240), view_angles(view), (0.4, 0.1, 0.0), 1.2, follows=False)
-    at = np.array([[0.45, 0.05, 0.0]])
-    with DrawingProcess(model, [camera], goal=(0.45, 0.05, 0.03)) as drawing:
+    cameras = {
+        view: Camera((320, 240), view_angles(view), (0.4, 0.1, 0.0), 1.2, follows=False)
+        for view in VIEWS
+    }
+    with DrawingProcess(model, [*cameras.values()], goal=(0.45, 0.05, 0.03)) as drawing:
         # The robot has green bands, too.
-        [frame] = drawing.frames(model.key_qpos[0] - np.r_[9.0, 9.0, np.zeros(model.nq - 2)])
+        frames = drawing.frames(model.key_qpos[0] - np.r_[9.0, 9.0, np.zeros(model.nq - 2)])
+    return {view: (cameras[view], frame) for view, frame in zip(VIEWS, frames, strict=True)}
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_a_point_is_drawn_at_the_pixel_that_is_computed(looked_at, view):
+    camera, frame = looked_at[view]
+    at = np.array([[0.45, 0.05, 0.0]])
     x, y = camera.pixels(at, np.zeros(3))[0]
     green = np.argwhere(frame[..., 1].astype(int) - frame[..., 0] > 25)
     assert len(green) > 20
