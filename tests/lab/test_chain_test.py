@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from facts import refuses, says
 from lab.machine import recording, saved, there
-from lab.values import of_recordings
+from lab.values import calibration
 from stepwell import elements, lab
 from stepwell.accounts import account, page, terminal
 from stepwell.cli import app
@@ -134,9 +134,8 @@ def test_names_of_the_authors_do_not_change_a_design_of_elements():
 
 
 def test_bands_are_not_calibrated_on_elements():
-    calibration = of_recordings()["Calibration"]
     with refuses(lab.LabError, "clip 1", "is an element"):
-        calibration.applied(clips())
+        calibration().applied(clips())
 
 
 def test_a_recording_of_force_is_no_observation_of_a_pressure(tmp_path):

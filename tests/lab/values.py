@@ -12,20 +12,28 @@ from stepwell import lab
 
 
 @cache
+def calibration() -> lab.Calibration:
+    """Bands whose law is a line."""
+    with TemporaryDirectory() as folder:
+        rubber(Path(folder))
+        rubbers = lab.read_all([Path(folder) / "rubber"]).recordings
+    sorted_ = lab.sort_series(rubbers)
+    return lab.calibrate(lab.prepare(sorted_.series, notes=sorted_.notes), "linear")
+
+
+@cache
 def of_recordings() -> dict[str, Any]:
     """Of recordings and what they show."""
     with TemporaryDirectory() as folder:
-        for prepare in (bands, cells, clip, rubber):
+        for prepare in (bands, cells, clip):
             prepare(Path(folder))
         batch = lab.read_all([Path(folder) / "data"])
         pulled = lab.read_all([Path(folder) / "bands"]).recordings
-        rubbers = lab.read_all([Path(folder) / "rubber"]).recordings
         clipped = lab.read(Path(folder) / "clip.csv")
     element = lab.measure_element(clipped)
     compared = lab.compare(batch.recordings)
     built = sw.preset("paper-forward")
     test = lab.band_test(pulled)
-    sorted_ = lab.sort_series(rubbers)
     values = (
         lab.copy_test(built, recorded(built)),
         lab.as_built(built, lab.Observed("00>10>11>01>00"), samples=100),
@@ -38,6 +46,6 @@ def of_recordings() -> dict[str, Any]:
         compared.pairs[0],
         lab.compare([clipped], [element.chain]).chains[0],
         element,
-        lab.calibrate(lab.prepare(sorted_.series, notes=sorted_.notes), "linear"),
+        calibration(),
     )
     return {type(value).__name__: value for value in values}
