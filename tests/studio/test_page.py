@@ -55,6 +55,41 @@ def test_an_anchor_on_the_moving_block_follows_the_pointer(page: Page):
     page.mouse.up()
 
 
+# Moves of a hand: number of margins shown meanwhile, and how often the page says that it is done.
+FOLLOWED = """
+async ([x, y, moves]) => {
+  const [margins, main] = [[], document.querySelector("main")];
+  const shown = document.querySelector("output[aria-label=margin]");
+  let done = 0;
+  const read = new MutationObserver(() => margins.push(shown.textContent));
+  read.observe(shown, { childList: true, characterData: true, subtree: true });
+  const look = new MutationObserver(() => (done += main.getAttribute("aria-busy") === "false"));
+  look.observe(main, { attributeFilter: ["aria-busy"] });
+  const dot = document.elementFromPoint(x, y).closest("[role=button]");
+  for (let k = 1; k <= moves; k += 1) {
+    const to = { clientX: x - 1.5 * k, clientY: y + (k % 9), bubbles: true };
+    dot.dispatchEvent(new PointerEvent("pointermove", { ...to, pointerId: 1, buttons: 1 }));
+    await new Promise(requestAnimationFrame);
+    await new Promise(requestAnimationFrame);
+  }
+  return [new Set(margins).size, done];
+}
+"""
+
+
+def test_margins_follow_a_hand_and_the_page_is_busy_until_it_rests(page: Page):
+    x, y = middle(handle(page, "q", "outer").locator(".dot"))
+    page.mouse.move(x, y)
+    page.mouse.down()
+    margins, done = page.evaluate(FOLLOWED, [x, y, 40])
+    assert margins > 3
+    # On a busy machine the hand may seem to rest once.
+    assert done <= 2
+    page.mouse.up()
+    settled(page)
+    compare(page)
+
+
 def test_one_drag_is_one_undo(page: Page):
     before = anchors(page, "outer")
     drag(page, "q", "outer", -40, 20)
