@@ -331,7 +331,6 @@ class Studio {
   private rest(): void {
     this.moving = false;
     if (this.brief) this.evaluate(this.design);
-    else this.calm();
   }
 
   /** Ends a drag; the design is the one before it. */
@@ -342,7 +341,6 @@ class Studio {
     const before = this.marked && this.history.cancel();
     this.marked = false;
     if (before) this.show(before.design);
-    else this.calm();
   }
 
   /** One edit that can be undone. */
@@ -550,10 +548,10 @@ class Studio {
 
   /** Asks for the margins of a move once it has been painted, which they would delay. */
   private bound(design: Design | null): void {
-    const { known, before } = this;
+    const { before } = this;
     const late = (): boolean => !this.brief || before !== this.before;
     const ask = (): void => {
-      if (late() || known !== this.known) return;
+      if (late()) return;
       this.wire.ask("limits", design, this.leg, {}, (view) => {
         if (view.ok && !late()) this.reach = view;
       });
@@ -635,8 +633,7 @@ class Studio {
   }
 
   private calm(): void {
-    // In a drag the answer to each move would change it twice.
-    if (!this.unsaved && !this.awaits && !this.moving && !this.described) this.busy = false;
+    if (!this.unsaved && !this.awaits && !this.described) this.busy = false;
   }
 }
 
