@@ -270,6 +270,7 @@ class Studio {
     this.way = null;
     this.playing = false;
     this.views = {};
+    this.reach = null;
     this.before = null;
     this.plan = null;
     this.problems = [];
@@ -385,6 +386,7 @@ class Studio {
     this.put(this.design, leg);
     this.at = 0;
     this.views = {};
+    this.reach = null;
     this.before = null;
     this.plan = null;
     this.evaluate(this.design);
