@@ -81,9 +81,9 @@ window.WebSocket = class extends Plain {
 };
 """
 # The page's own rules forbid what Playwright would wait with.
-ANSWERED = """
-([k, name]) => new Promise((done) => {
-  const look = () => (window[name].length > k ? done() : setTimeout(look, 3));
+REPAINTED = """
+(k) => new Promise((done) => {
+  const look = () => (window.repainted.length > k ? done() : setTimeout(look, 3));
   look();
 })
 """
@@ -305,7 +305,7 @@ def repainted(chromium: str) -> list[float]:
             page.mouse.move(x + (3 if k % 2 else -3), y, steps=3)
             page.wait_for_timeout(60)
             page.mouse.up()
-            page.evaluate(ANSWERED, [k, "repainted"])
+            page.evaluate(REPAINTED, k)
             page.wait_for_timeout(50)
         return page.evaluate("window.repainted")[4:]
 

@@ -8,3 +8,26 @@ export function steady<T extends object>(): (now: T[]) => T[] {
     a !== undefined && (Object.keys(b) as (keyof T)[]).every((key) => a[key] === b[key]);
   return (now) => (before = now.map((one, k) => (same(before[k], one) ? before[k] : one)));
 }
+
+/** A path of all pieces of one fill and one opacity. */
+export interface Joined {
+  look: string;
+  fill: string;
+  opacity: number;
+  d: string;
+}
+
+export type Piece = [fill: string, opacity: number, d: string];
+
+/** Joins pieces of one look to one path, since each element takes as long as a long path; what stays is the old object. */
+export function joining(): (pieces: Piece[]) => Joined[] {
+  const kept = steady<Joined>();
+  return (pieces) => {
+    const paths = new Map<string, Joined>();
+    for (const [fill, opacity, d] of pieces) {
+      const look = `${fill} ${opacity}`;
+      paths.set(look, { look, fill, opacity, d: (paths.get(look)?.d ?? "") + d });
+    }
+    return kept([...paths.values()]);
+  };
+}

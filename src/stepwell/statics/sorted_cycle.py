@@ -92,7 +92,7 @@ def load_sorted(
         lack = full - at
         # Other full cells may give travel back too while j runs. The leader had a head start
         # and keeps it as long as no curve crosses its own, moved by the head start, within half
-        # of what is left of j's way.
+        # of the travel that j has left then.
         if lack > 0.5 * full:
             return False
         if checked_top != top:
@@ -107,7 +107,9 @@ def load_sorted(
                 close[closer] = k
                 closer += 1
             checked += 1
-        head = min(_head_start(leader, cell, full, at, top_force - second_force), lack)
+        head = 0.0
+        if closer > 0:
+            head = min(_head_start(leader, cell, full, at, top_force - second_force), lack)
         for place in range(closer):
             other = concave.of_row(table[close[place]])
             if not _keeps_ahead(leader, other, full, head, 0.5 * (lack - head)):
