@@ -46,7 +46,7 @@ export const tooLarge = (name: string, bytes: number): string =>
   `${name}: has ${(bytes / 1e6).toFixed(1)} MB; the studio takes at most ${(LONGEST / 1e6).toFixed(1)} MB. ` +
   "The command line takes larger files.";
 
-const KINDS = { f8: Float64Array, f4: Float32Array, i4: Int32Array, u1: Uint8Array };
+const KINDS = { f8: Float64Array, f4: Float32Array, i4: Int32Array, u2: Uint16Array, u1: Uint8Array };
 
 /** The header and the arrays of a binary message. */
 export function unpack(message: ArrayBuffer): View {
@@ -57,10 +57,18 @@ export function unpack(message: ArrayBuffer): View {
   for (const { name, dtype, shape } of header.blocks) {
     const size = shape.reduce((all: number, one: number) => all * one, 1);
     const kind = KINDS[dtype as keyof typeof KINDS];
-    blocks[name] = new kind(message, at, size);
+    const block = new kind(message, at, size);
+    blocks[name] = block instanceof Uint16Array ? stepped(block, header.steps[name]) : block;
     at = padded(at + size * kind.BYTES_PER_ELEMENT);
   }
   return { ...header, blocks };
+}
+
+/** Numbers that came as steps. */
+function stepped(steps: Uint16Array, [first, step]: [number, number]): Float32Array {
+  const values = new Float32Array(steps.length);
+  for (let k = 0; k < values.length; k += 1) values[k] = first + step * steps[k];
+  return values;
 }
 
 function padded(length: number): number {

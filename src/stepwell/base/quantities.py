@@ -265,8 +265,8 @@ def plain(value: Any, factor: float = 1.0) -> Any:
     if type(value) is float:
         scaled = value * factor
         return scaled if math.isfinite(scaled) else None
-    if type(value).__module__ == "numpy" and not is_array(value):
-        value = value.item()
+    if type(value).__module__ == "numpy":
+        return plain(value.tolist(), factor)
     if value is None or isinstance(value, str | bool):
         return value
     if isinstance(value, Mapping):

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -143,9 +142,12 @@ class ChainLayout:
         self.reach = 0.52 * lever
         self.half_block = 0.26 * min([lever, *(c.lever * math.cos(c.limit) * 1.4 for c in cells)])
         room = 2 * self.reach + 0.25 * lever
-        # Length of the block after each cell, between its joint midpoints.
-        self.spans = [*(_clearance(*both, room) for both in pairwise(chain.cells)), 0.0]
         levers = np.array([isinstance(cell, Cell) for cell in chain.cells])
+        halves = np.where(levers, chain.full_travels, 0.0) / 2
+        # Length of the block after each cell, between its joint midpoints; beside an element it
+        # needs no room.
+        spans = halves[:-1] + halves[1:] + room * (levers[:-1] & levers[1:])
+        self.spans = [*spans.tolist(), 0.0]
         # Direction of x of each cell's anchors across the stroke: 1 up, -1 down.
         self.sides = np.where((levers.cumsum() - levers) % 2, -1.0, 1.0)
         bands = [len(cell.bands) if isinstance(cell, Cell) else 0 for cell in chain.cells]
@@ -248,12 +250,6 @@ def greatest_tension(cell: Cell | Element) -> float:
     theta = np.linspace(-cell.limit, cell.limit, 65)
     tensions = [band.tension(band.length(theta, cell.lever)) for band in cell.bands]
     return float(np.max(np.abs(tensions)))
-
-
-def _clearance(inner: Cell | Element, outer: Cell | Element, room: float) -> float:
-    """Length of the block between two cells [m]; next to an element it needs no `room`."""
-    halves = [one.full_travel / 2 for one in (inner, outer) if isinstance(one, Cell)]
-    return sum(halves) + room * (len(halves) == 2)
 
 
 def corners(boxes: Floats) -> Floats:

@@ -4,7 +4,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence as Sized
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
-from itertools import pairwise
+from itertools import groupby, pairwise
+from operator import itemgetter
 
 import numpy as np
 
@@ -156,8 +157,8 @@ def sequence_of(path: statics.Path) -> Sequence:
     vertex, first = at.copy(), None if between else at.copy()
     steps: list[tuple[tuple[int, int], ...]] = []
     touched: set[int] = set()
-    for change in changes.values():
-        for cell, phase in change:
+    for _, together in groupby(changes, itemgetter(0)):
+        for _, cell, phase in together:
             between += (phase < 0) - (at[cell] < 0)
             at[cell] = phase
             touched.add(cell)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepwell.base import ByValue, Measure, display_unit, grouped, number, to_unit
-from stepwell.mechanism import Chain, Stretch, phase_at
+from stepwell.mechanism import Chain, Stretch
 from stepwell.statics.following import log as logged, state
 
 
@@ -222,8 +222,8 @@ TRANSIT = -1
 _NOWHERE: Stretch = -1, math.inf, -math.inf
 
 
-# (cell, phase) of cells that change, TRANSIT between two, by number of the segment.
-Changes = dict[int, list[tuple[int, int]]]
+# (segment, cell, phase) of every cell that changes in a segment, TRANSIT between two phases.
+Changes = list[tuple[int, int, int]]
 
 
 def phase_changes(
@@ -233,30 +233,23 @@ def phase_changes(
     stretches: tuple[tuple[Stretch, ...], ...],
 ) -> tuple[list[int], Changes]:
     """(N,) phases at the start, TRANSIT between two, and all changes in order."""
-    begin = [
-        _phase(own, *at) for own, at in zip(stretches, zip(sheets, start, strict=True), strict=True)
-    ]
-    movers = log.movers
-    cells = movers[:, logged.CELL].astype(int)
-    travel, sheet = movers[:, logged.TRAVEL_1], movers[:, logged.SHEET_1]
+    movers, n = log.movers, len(start)
+    cells = np.concatenate([np.arange(n), movers[:, logged.CELL].astype(int)])
+    travel = np.concatenate([start, movers[:, logged.TRAVEL_1]])
+    sheet = np.concatenate([sheets, movers[:, logged.SHEET_1]])
     phases = np.full(len(cells), TRANSIT)
     for phase, of_all in enumerate(zip_longest(*stretches, fillvalue=_NOWHERE)):
         on, low, high = np.array(of_all)[cells].T
         within = (sheet == on) & (low <= travel) & (travel <= high)
         phases[(phases == TRANSIT) & within] = phase
+    # The phase that each cell had before: at the start, or after its last move.
     order = np.argsort(cells, kind="stable")
-    first = np.diff(cells[order], prepend=-1) > 0
-    before = np.empty(len(cells), int)
-    before[order] = np.where(first, np.array(begin)[cells[order]], np.roll(phases[order], 1))
-    changed = np.flatnonzero(phases != before)
+    before = np.empty_like(phases)
+    before[order] = np.roll(phases[order], 1)
+    changed = n + np.flatnonzero(phases[n:] != before[n:])
     segment = np.repeat(np.arange(int(log.used[0])), np.diff(log.first))
-    columns = [values[changed].tolist() for values in (segment, cells, phases)]
-    return begin, grouped((k, (cell, phase)) for k, cell, phase in zip(*columns, strict=True))
-
-
-def _phase(stretches: tuple[Stretch, ...], sheet: int, travel: float) -> int:
-    digit = phase_at(stretches, sheet, travel)
-    return TRANSIT if digit == "-" else int(digit)
+    columns = segment[changed - n], cells[changed], phases[changed]
+    return phases[:n].tolist(), list(zip(*(one.tolist() for one in columns), strict=True))
 
 
 def events_of(
@@ -268,9 +261,10 @@ def events_of(
 ) -> Iterator[Event]:
     """Switches and snaps of a log; `problem` is called where cells follow without a row."""
     stretches, travels = chain.stretches, np.array(start)
+    of = grouped((segment, (cell, phase)) for segment, cell, phase in changes)
     moves = zip(log.segments.tolist(), _moved(log, start, problem), strict=True)
     for k, (row, moved) in enumerate(moves):
-        arrived = [change for change in changes.get(k, ()) if change[1] != TRANSIT]
+        arrived = [change for change in of.get(k, ()) if change[1] != TRANSIT]
         snaps = int(row[logged.KIND]) == logged.SNAP
         if snaps:
             yield _snap(row, moved, float(travels.sum()), tuple(arrived), chain.measure)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, Ints, check
+from stepwell.base import ByValue, Floats, Ints, check, grouped
 from stepwell.mechanism import Chain
 from stepwell.statics import integrate, outcome
 from stepwell.statics.events import Event, EventKind
@@ -137,6 +137,7 @@ def inertial_path(path: Path, problem: DrivenChain, rate: float, inertia: Inerti
     drive, travels = rows[:, 1], rows[:, 2 : n + 2]
     changes = tuple(arrivals(phases_of(chain, travels, rows[:, 2 * n + 2 :])))
     begun, expected = path.phase_changes
+    groups = list(grouped((segment, (cell, phase)) for segment, cell, phase in expected).values())
     snaps = [event for event in path.events if event.kind is EventKind.SNAP]
     return InertialPath(
         rate,
@@ -145,8 +146,7 @@ def inertial_path(path: Path, problem: DrivenChain, rate: float, inertia: Inerti
         body[-1],
         changes,
         any(
-            keeps_order(begun, list(expected.values()), one)
-            for one in (changes, without_excursions(begun, changes))
+            keeps_order(begun, groups, one) for one in (changes, without_excursions(begun, changes))
         ),
         tuple(snap_drives(snaps, drive, travels)),
         drive,

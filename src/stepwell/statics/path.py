@@ -183,7 +183,7 @@ class Path(base.ByValue, base.Drawn):
 
     @cached_property
     def phase_changes(self) -> tuple[list[int], Changes]:
-        """(N,) phases at the start, and (cell, phase) of changes by segment; -1 in transit."""
+        """(N,) phases at the start, and (segment, cell, phase) of changes; -1 in transit."""
         return phase_changes(self._log, self.start, self.start_sheet, self.chain.stretches)
 
     @cached_property

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stepwell.base import InputError, StepwellError, nearest_word, printable
+from stepwell.base import Floats, InputError, StepwellError, nearest_word, printable
 from stepwell.files import DesignError, slips_text
 from stepwell.mechanism import SlipError
 from stepwell.studio.ask import View
@@ -51,6 +51,7 @@ VERSION = 1
 LONGEST_MESSAGE = 1 << 20  # bytes
 _KEYS = ("v", "type", "seq", "design", "leg", "ask")
 _MOST = 2**53 - 1  # largest exact integer in JavaScript
+_STEPS = 2**16 - 1  # largest number of u2
 _DTYPES = {"f": ("f8", "<f8"), "i": ("i4", "<i4"), "u": ("i4", "<i4"), "b": ("i4", "<i4")}
 
 
@@ -159,6 +160,12 @@ def progress_message(kind: str, seq: int, done: float, total: float) -> bytes:
     )
 
 
+def in_steps(values: Floats) -> tuple[np.ndarray[Any, Any], list[float]]:
+    """Finite values as u2, which is a quarter of their bytes, and their first number and step."""
+    first, step = float(np.min(values)), float(np.ptp(values)) / _STEPS
+    return np.rint((values - first) / (step or 1.0)).astype(np.uint16), [first, step]
+
+
 def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray[Any, Any]]]:
     """Header and arrays of an answer, as the page reads them."""
     (length,) = struct.unpack_from("<I", data)
@@ -168,8 +175,11 @@ def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray[Any, Any
     for block in header["blocks"]:
         count = int(np.prod(block["shape"]))
         array = np.frombuffer(data, f"<{block['dtype']}", count, at)
-        blocks[block["name"]] = array.reshape(block["shape"])
         at += array.nbytes + -array.nbytes % 8
+        if block["dtype"] == "u2":
+            first, step = header["steps"][block["name"]]
+            array = first + step * array
+        blocks[block["name"]] = array.reshape(block["shape"])
     return header, blocks
 
 
@@ -185,8 +195,9 @@ def _header_bytes(header: Mapping[str, Any]) -> bytes:
 def _stored_block(block: np.ndarray[Any, Any]) -> tuple[str, np.ndarray[Any, Any]]:
     if block.dtype == np.uint8:  # a file
         return "u1", np.ascontiguousarray(block)
-    if block.dtype == np.float32:  # drawn and not printed
-        return "f4", np.ascontiguousarray(block, "<f4")
+    for drawn, dtype in (np.float32, "f4"), (np.uint16, "u2"):  # and not printed
+        if block.dtype == drawn:
+            return dtype, np.ascontiguousarray(block, f"<{dtype}")
     dtype, stored = _DTYPES[block.dtype.kind]
     return dtype, np.ascontiguousarray(block, stored)
 

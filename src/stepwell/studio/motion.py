@@ -138,7 +138,7 @@ def _stills_of(chain: Chain) -> list[_Still]:
     cells, stills = _last
     if cells is not chain.cells:
         kept = zip_longest(cells[: len(chain)], stills[: len(chain)], chain.cells)
-        stills = [still if old == cell else _Still.of(cell) for old, still, cell in kept]
+        stills = [still if old is cell else _Still.of(cell) for old, still, cell in kept]
         _last = chain.cells, stills
     return stills
 
@@ -155,11 +155,14 @@ def _cell(cell: Cell | Element) -> dict[str, Any]:
         display_unit(cell.measure.force_unit)[1],
     )
     phases = cell.phases
-    ends = phases[0].force_high, phases[-1].force_low
+    first, last = (plain(end, force) for end in (phases[0].force_high, phases[-1].force_low))
     header: dict[str, Any] = {
         "kind": "lever" if isinstance(cell, Cell) else "element",
         "full_travel_mm": cell.full_travel * travel,
         "stable": [k for k, p in enumerate(phases) if p.force_low < 0.0 < p.force_high],
+        "force_0_N": first,
+        "force_1_N": last,
+        "bands": [],
     }
     if isinstance(cell, Cell):
         # A slack band exerts no force at a stop, but a barrier may exist between the stops.
@@ -169,12 +172,7 @@ def _cell(cell: Cell | Element) -> dict[str, Any]:
             "lever_mm": cell.lever * MM,
             "limit_deg": float(np.degrees(cell.limit)),
             "bands": [{"p_mm": plain(b.p, MM), "q_mm": plain(b.q, MM)} for b in cell.bands],
-            "force_0_N": cell.force_0,
-            "force_1_N": cell.force_1,
         }
-    else:
-        first, last = (plain(end, force) for end in ends)
-        header |= {"force_0_N": first, "force_1_N": last, "bands": []}
     return header
 
 

@@ -14,6 +14,7 @@ from stepwell.mechanism import Chain, Element
 from stepwell.sequences import Program, to_dot
 from stepwell.studio import motion
 from stepwell.studio.ask import Ask, PageDesign, View
+from stepwell.studio.message import in_steps
 
 
 def answer_evaluate(design: PageDesign, ask: Ask) -> View:
@@ -55,15 +56,17 @@ def _while_it_moves(chain: Chain, ask: Ask) -> View:
     ask.close()
     cycle = chain.cycle()
     path = motion.drawn(cycle.path, every=2)
+    at = None if cursor is None else motion.sample_near(path, *cursor)
+    arrays = motion.arrays_of(path, at)
+    # The travels of all cells are most of the bytes, and are drawn.
+    travel, steps = in_steps(arrays["travel"])
     header = {
         **motion.path_header(cycle.path, None, cells),
         **motion.cycle_header(cycle),
         "full_stroke_mm": chain.full_stroke * display_unit(chain.measure.travel_unit)[1],
+        "steps": {"travel": steps},
     }
-    at = None if cursor is None else motion.sample_near(path, *cursor)
-    blocks = motion.arrays_of(path, at) | motion.landscape(chain, cells)
-    # Tables of all cells are most of the bytes, and are drawn.
-    return View(header, {k: v.astype(np.float32) if v.ndim == 2 else v for k, v in blocks.items()})
+    return View(header, arrays | {"travel": travel} | motion.landscape(chain, cells))
 
 
 def answer_limits(design: PageDesign, ask: Ask) -> View:
