@@ -74,8 +74,18 @@ export const anglesAt = (view: View, at: number): number[] =>
     return (Math.atan2(y, x) * 180) / Math.PI;
   });
 
-/** All parts but the bands at a sample, or between two samples. */
+const poses = new WeakMap<View, { at: number; pose: Pose }>();
+
+/** All parts but the bands at a sample, or between two samples; the last of a view is kept. */
 export function poseOf(view: View, at: number): Pose {
+  const last = poses.get(view);
+  if (last?.at === at) return last.pose;
+  const pose = posed(view, at);
+  poses.set(view, { at, pose });
+  return pose;
+}
+
+function posed(view: View, at: number): Pose {
   const layout = layoutOf(view);
   const { reach, half_pair: pair, half_block: half, box, rod } = layout;
   const [travel, pull] = ["travel", "pull"].map((name) => row(view, name, at));

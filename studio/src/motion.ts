@@ -38,9 +38,16 @@ export const snaps = ({ blocks: { segment } }: View, k: number): boolean =>
 // Smaller changes of a travel are rounding [mm].
 const MOVES = 1e-9;
 
+const read = new WeakMap<View, Event[]>();
+
 /** Switches and snaps; while a hand moves the design the snaps alone, which are read off the samples. */
 export function eventsOf(view: View): Event[] {
-  if (view.events) return view.events;
+  const events = view.events ?? read.get(view) ?? snapsOf(view);
+  read.set(view, events);
+  return events;
+}
+
+function snapsOf(view: View): Event[] {
   const { drive, stroke, direction, travel } = view.blocks;
   const width = view.cells.length;
   const events: Event[] = [];
