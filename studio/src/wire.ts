@@ -64,10 +64,12 @@ export function unpack(message: ArrayBuffer): View {
   return { ...header, blocks };
 }
 
-/** Numbers that came as steps. */
-function stepped(steps: Uint16Array, [first, step]: [number, number]): Float32Array {
+/** A table whose numbers came as steps: the number that 0 stands for, and the step, of each column. */
+function stepped(steps: Uint16Array, [first, step]: [number[], number[]]): Float32Array {
   const values = new Float32Array(steps.length);
-  for (let k = 0; k < values.length; k += 1) values[k] = first + step * steps[k];
+  for (let k = 0; k < values.length; ) {
+    for (let i = 0; i < first.length; i += 1, k += 1) values[k] = first[i] + step[i] * steps[k];
+  }
   return values;
 }
 

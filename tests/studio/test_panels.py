@@ -185,6 +185,9 @@ def every_second_sample(
     for name_of, block in moving.items():
         whole = blocks[name_of]
         wanted = whole if name_of.startswith("landscape") else whole[rows]
+        if name_of == "travel":  # each cell's in 2^16 - 1 steps
+            assert (np.abs(block - wanted) <= 0.51 * np.ptp(wanted, axis=0) / (2**16 - 1)).all()
+            continue
         np.testing.assert_allclose(block, wanted, rtol=1e-6, atol=1e-7, err_msg=name_of)
 
 

@@ -15,7 +15,7 @@ from stepwell.crash import report
 from stepwell.studio import aside, panels, session
 from stepwell.studio.aside import answered, types
 from stepwell.studio.ask import View
-from stepwell.studio.message import Message, WireError, message_of, packed, unpacked
+from stepwell.studio.message import Message, WireError, in_steps, message_of, packed, unpacked
 from studio.pages import FORWARD
 
 JSON = st.recursive(
@@ -134,6 +134,18 @@ def test_blocks_come_back_as_they_were():
     for name, block in blocks.items():
         np.testing.assert_array_equal(arrays[name], block)
     assert [b["dtype"] for b in header["blocks"]] == ["f8", "i4", "f8", "f8", "i4", "f4"]
+
+
+@pytest.mark.parametrize("rows", [1, 2, 400])
+def test_a_drawn_table_comes_back_within_half_a_step_of_each_column(rows: int):
+    # Columns from far apart to equal: a small cell beside a large one, and one that stays.
+    table = np.random.default_rng(7).normal(size=(rows, 5)) * [1e-9, 1.0, 1e6, 0.0, 1.0]
+    table[:, 4] += 1e12
+    steps, entry = in_steps(table)
+    header, arrays = unpacked(packed("x", 1, View({"steps": {"t": entry}}, {"t": steps})))
+    assert [block["dtype"] for block in header["blocks"]] == ["u2"]
+    half = 0.5 * np.ptp(table, axis=0) / (2**16 - 1) + np.spacing(np.abs(table).max(axis=0))
+    assert (np.abs(arrays["t"] - table) <= half).all()
 
 
 def test_an_unexpected_error_is_a_line_on_the_page_and_a_report_in_the_terminal(

@@ -160,10 +160,11 @@ def progress_message(kind: str, seq: int, done: float, total: float) -> bytes:
     )
 
 
-def in_steps(values: Floats) -> tuple[np.ndarray[Any, Any], list[float]]:
-    """Finite values as u2, which is a quarter of their bytes, and their first number and step."""
-    first, step = float(np.min(values)), float(np.ptp(values)) / _STEPS
-    return np.rint((values - first) / (step or 1.0)).astype(np.uint16), [first, step]
+def in_steps(table: Floats) -> tuple[np.ndarray[Any, Any], list[list[float]]]:
+    """A table of finite numbers as u2, a quarter of its bytes, and its entry in `steps`."""
+    first, step = table.min(axis=0), np.ptp(table, axis=0) / _STEPS
+    steps = np.rint((table - first) / np.where(step > 0.0, step, 1.0))
+    return steps.astype(np.uint16), [first.tolist(), step.tolist()]
 
 
 def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray[Any, Any]]]:
@@ -176,10 +177,10 @@ def unpacked(data: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray[Any, Any
         count = int(np.prod(block["shape"]))
         array = np.frombuffer(data, f"<{block['dtype']}", count, at)
         at += array.nbytes + -array.nbytes % 8
-        if block["dtype"] == "u2":
-            first, step = header["steps"][block["name"]]
-            array = first + step * array
         blocks[block["name"]] = array.reshape(block["shape"])
+        if block["dtype"] == "u2":
+            first, step = np.array(header["steps"][block["name"]])
+            blocks[block["name"]] = first + step * blocks[block["name"]]
     return header, blocks
 
 
