@@ -196,8 +196,9 @@ def _header_bytes(header: Mapping[str, Any]) -> bytes:
 def _stored_block(block: np.ndarray[Any, Any]) -> tuple[str, np.ndarray[Any, Any]]:
     if block.dtype == np.uint8:  # a file
         return "u1", np.ascontiguousarray(block)
-    for drawn, dtype in (np.float32, "f4"), (np.uint16, "u2"):  # and not printed
-        if block.dtype == drawn:
+    # What is drawn and not printed.
+    for kind, dtype in (np.float32, "f4"), (np.uint16, "u2"):
+        if block.dtype == kind:
             return dtype, np.ascontiguousarray(block, f"<{dtype}")
     dtype, stored = _DTYPES[block.dtype.kind]
     return dtype, np.ascontiguousarray(block, stored)
