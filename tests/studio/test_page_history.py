@@ -36,7 +36,9 @@ def card(page: Page, name: str):
 
 def zoom(page: Page) -> float:
     """Pixels in a millimetre of the drawing."""
-    return page.locator(".drawing svg").first.evaluate("(svg) => svg.getScreenCTM().a")
+    drawing = page.locator(".drawing svg").first
+    drawing.wait_for()  # before it is laid out, it has no size
+    return drawing.evaluate("(svg) => svg.getScreenCTM().a")
 
 
 def test_undo_comes_back_from_a_card_of_the_gallery(page: Page):
