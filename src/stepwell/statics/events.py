@@ -252,6 +252,11 @@ def phase_changes(
     return phases[:n].tolist(), list(zip(*(one.tolist() for one in columns), strict=True))
 
 
+def by_segment(changes: Changes) -> dict[int, list[tuple[int, int]]]:
+    """The (cell, phase) of the changes of each segment that has any, in order."""
+    return grouped((segment, (cell, phase)) for segment, cell, phase in changes)
+
+
 def events_of(
     log: logged.Log,
     start: tuple[float, ...],
@@ -261,7 +266,7 @@ def events_of(
 ) -> Iterator[Event]:
     """Switches and snaps of a log; `problem` is called where cells follow without a row."""
     stretches, travels = chain.stretches, np.array(start)
-    of = grouped((segment, (cell, phase)) for segment, cell, phase in changes)
+    of = by_segment(changes)
     moves = zip(log.segments.tolist(), _moved(log, start, problem), strict=True)
     for k, (row, moved) in enumerate(moves):
         arrived = [change for change in of.get(k, ()) if change[1] != TRANSIT]

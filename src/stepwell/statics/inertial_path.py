@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepwell.base import ByValue, Floats, Ints, check, grouped
+from stepwell.base import ByValue, Floats, Ints, check
 from stepwell.mechanism import Chain
 from stepwell.statics import integrate, outcome
-from stepwell.statics.events import Event, EventKind
+from stepwell.statics.events import Event, EventKind, by_segment
 from stepwell.statics.following.pieces import stand_all_on
 from stepwell.statics.following.state import DrivenChain
 from stepwell.statics.inertia import STILL, Crank
@@ -137,7 +137,7 @@ def inertial_path(path: Path, problem: DrivenChain, rate: float, inertia: Inerti
     drive, travels = rows[:, 1], rows[:, 2 : n + 2]
     changes = tuple(arrivals(phases_of(chain, travels, rows[:, 2 * n + 2 :])))
     begun, expected = path.phase_changes
-    groups = list(grouped((segment, (cell, phase)) for segment, cell, phase in expected).values())
+    groups = list(by_segment(expected).values())
     snaps = [event for event in path.events if event.kind is EventKind.SNAP]
     return InertialPath(
         rate,

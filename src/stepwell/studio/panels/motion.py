@@ -66,7 +66,8 @@ def _while_it_moves(chain: Chain, ask: Ask) -> View:
         "full_stroke_mm": chain.full_stroke * display_unit(chain.measure.travel_unit)[1],
         "steps": {"travel": steps},
     }
-    return View(header, arrays | {"travel": travel} | motion.landscape(chain, cells))
+    drawn = {k: v.astype(np.float32) for k, v in motion.landscape(chain, cells).items()}
+    return View(header, arrays | {"travel": travel} | drawn)
 
 
 def answer_limits(design: PageDesign, ask: Ask) -> View:
