@@ -17,3 +17,11 @@ export const atOnce =
     node.addEventListener("pointerrawupdate", call);
     return () => node.removeEventListener("pointerrawupdate", call);
   };
+
+/**
+ * Over what is dragged: Chromium reports the moves of a mouse pressed on a canvas of this kind without
+ * a picture for each. That picture would take the time of the one that shows the answer. Nothing is drawn.
+ */
+export function unbuffered(canvas: HTMLCanvasElement): void {
+  canvas.getContext("2d", { desynchronized: true });
+}
