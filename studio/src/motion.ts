@@ -78,7 +78,7 @@ export function completed(before: View, now: View, moved: number[]): View {
       moved.forEach((i, j) => (all[k * cells.length + i] = own[k * moved.length + j]));
     blocks[name] = all;
   }
-  return { ...now, cells, blocks };
+  return { layout: before.layout, ...now, cells, blocks };
 }
 
 /** The tension of each band; in the answer to a move the server has those at the cursor alone. */

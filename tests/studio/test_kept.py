@@ -90,7 +90,7 @@ def test_a_move_of_some_cells_completes_the_view_before_to_the_answer_for_all_ce
     designs = [tables_in(preset_text(name), name) for name in ("finger-selector", "three-wave")]
     for design in (*designs, long_chain(20)):
         begin = design["chain"]["cell"]
-        cells = evaluated(design)[0]["cells"]
+        cells, layout = (evaluated(design)[0][key] for key in ("cells", "layout"))
         for _ in range(8):
             design = edited(design, source, ["move"])
             both = enumerate(zip(begin, design["chain"]["cell"], strict=True))
@@ -101,7 +101,7 @@ def test_a_move_of_some_cells_completes_the_view_before_to_the_answer_for_all_ce
             part, blocks = evaluated(design, moves=True, cells=moved, **cursor)
             for i, cell in zip(moved, part["cells"], strict=True):
                 cells[i] = cell
-            assert {**part, "cells": cells} == whole
+            assert {"layout": layout, **part, "cells": cells} == whole
             for key in ("landscape_travel", "landscape_energy"):
                 np.testing.assert_array_equal(blocks.pop(key), wanted.pop(key)[:, moved])
             # The first sample at this drive, as the page chooses it.

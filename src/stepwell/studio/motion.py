@@ -228,19 +228,22 @@ def events_of(events: Iterable[Event], path: Path) -> list[dict[str, Any]]:
     ]
 
 
-def path_header(path: Path, few: Path | None, cells: Iterable[int] | None = None) -> dict[str, Any]:
+def path_header(path: Path, few: Path | None, moved: Iterable[int] | None = None) -> dict[str, Any]:
     """Cells, events, forces and dissipated energy of a path; events refer to samples of `few`.
 
-    Without `few` there are no events: the page reads the snaps off the samples.
+    Without `few` there are no events: the page reads the snaps off the samples. Of a path before
+    which only anchors and curves of the cells `moved` were others, what they leave is left out.
     """
     chain = path.chain
     listed = {"events": events_of(path.events, few)} if few is not None else {}
+    # The drawing of lever cells has room for their stops, and that of an element for its path.
+    if moved is None or chain.elements:
+        listed["layout"] = layout_of(path)
     return {
         "title": chain.title,
         "units": units_of(chain),
         "words": words_of(chain),
-        "cells": cells_of(chain, range(len(chain)) if cells is None else cells),
-        "layout": layout_of(path),
+        "cells": cells_of(chain, range(len(chain)) if moved is None else moved),
         **listed,
         "peak_force_N": path.peak_force * display_unit(chain.measure.force_unit)[1],
         "dissipated_mJ": path.dissipated * MJ,

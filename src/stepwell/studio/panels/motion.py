@@ -44,12 +44,13 @@ def answer_evaluate(design: PageDesign, ask: Ask) -> View:
 def _while_it_moves(chain: Chain, ask: Ask) -> View:
     """The same for a chain under a hand that drags, with every second sample.
 
-    If `cells` are given, the others are as before. With `drive` and `direction` of the cursor, the
+    If `cells` are given, anchors and curves of these were moved, and what that does not change is
+    left out. With `drive` and `direction` of the cursor, the
     tensions are those at the cursor alone.
     """
-    cells = range(len(chain))
+    moved = None
     if ask.has("cells"):
-        cells = ask.wholes("cells", len(chain), 0, len(chain) - 1)
+        moved = ask.wholes("cells", len(chain), 0, len(chain) - 1)
     cursor = None
     if ask.has("drive"):
         cursor = ask.number("drive", -_FARTHEST, _FARTHEST), ask.whole("direction", -1, 1)
@@ -61,12 +62,13 @@ def _while_it_moves(chain: Chain, ask: Ask) -> View:
     # The travels of all cells are most of the bytes, and are drawn.
     travel, steps = in_steps(arrays["travel"])
     header = {
-        **motion.path_header(cycle.path, None, cells),
+        **motion.path_header(cycle.path, None, moved),
         **motion.cycle_header(cycle),
         "full_stroke_mm": chain.full_stroke * display_unit(chain.measure.travel_unit)[1],
         "steps": {"travel": steps},
     }
-    drawn = {k: v.astype(np.float32) for k, v in motion.landscape(chain, cells).items()}
+    landscape = motion.landscape(chain, range(len(chain)) if moved is None else moved)
+    drawn = {k: v.astype(np.float32) for k, v in landscape.items()}
     return View(header, arrays | {"travel": travel} | drawn)
 
 
