@@ -53,6 +53,12 @@ export interface Plan {
   ends?: string;
 }
 
+/** A stroke of the actuator, in the unit of the drive, on the way there, 1, or back, -1; as messages name it. */
+interface Place {
+  drive: number;
+  direction: number;
+}
+
 /** The shared state of all panels. */
 class Studio {
   design = $state.raw<Design | null>(null);
@@ -102,8 +108,9 @@ class Studio {
   problems = $state.raw<Problem[]>([]);
   /** null until the first connection stands or fails. */
   alive = $state<boolean | null>(null);
-  /** Where the cursor is in the cycle: a sample, and between two of them while playing. */
-  at = $state(0);
+  private sample = $state(0);
+  /** Where the cursor was put; answers to changes of the design show the sample nearest to it. */
+  private place: Place | null = null;
   playing = $state(false);
   dragging = $state<string | null>(null);
   /** Whether a drag moves the design at this moment; panels ask and paint once the hand is still. */
@@ -569,11 +576,18 @@ class Studio {
     return moved?.length ? moved : null;
   }
 
-  /** The place of the cursor, as messages name it. */
-  private get cursor(): { drive: number; direction: number } {
-    const { drive, direction } = this.views.evaluate.blocks;
-    const k = Math.floor(this.at);
-    return { drive: drive[k], direction: direction[k] };
+  /** Where the cursor is in the cycle: a sample, and between two of them while playing. */
+  get at(): number {
+    return this.sample;
+  }
+
+  set at(at: number) {
+    this.sample = at;
+    this.place = null;
+  }
+
+  private get cursor(): Place {
+    return (this.place ??= placeAt(this.views.evaluate, this.at));
   }
 
   private answered(view: View, design: Design | null): void {
@@ -589,7 +603,7 @@ class Studio {
       return;
     }
     if (this.problems.length) this.problems = [];
-    this.at = this.way ? this.at : carried(this.views.evaluate, view, this.at);
+    if (this.views.evaluate && !this.way) this.sample = nearestTo(view, this.cursor);
     // Under a hand the last known margins stay until those of the move come.
     this.reach = view.margins ? null : (this.reach ?? this.views.evaluate ?? null);
     this.views = { ...this.views, evaluate: view };
@@ -643,17 +657,19 @@ class Studio {
 export const refusal = (view: View): string => view.problems?.map((one) => one.text).join(" ") ?? "";
 
 /** The sample of another view at the same stroke of the actuator and on the same way. */
-export function carried(before: View | undefined, now: View, at: number): number {
-  const drive = now.blocks.drive;
-  if (!before) return Math.min(at, drive.length - 1);
+export const carried = (before: View, now: View, at: number): number => nearestTo(now, placeAt(before, at));
+
+function placeAt({ blocks: { drive, direction } }: View, at: number): Place {
   const k = Math.floor(at);
-  const way = before.blocks.direction[k];
-  const wanted = before.blocks.drive[k];
+  return { drive: drive[k], direction: direction[k] };
+}
+
+function nearestTo({ blocks: { drive, direction } }: View, place: Place): number {
   let best = 0;
   let least = Infinity;
   for (let i = 0; i < drive.length; i += 1) {
-    if (now.blocks.direction[i] !== way) continue;
-    const far = Math.abs(drive[i] - wanted);
+    if (direction[i] !== place.direction) continue;
+    const far = Math.abs(drive[i] - place.drive);
     if (far < least) [best, least] = [i, far];
   }
   return best;

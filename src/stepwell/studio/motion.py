@@ -19,8 +19,9 @@ from stepwell.studio.ask import View
 
 MM, MJ = display_unit("m")[1], display_unit("J")[1]
 # Most samples of a picture on all smooth segments together, on one of them, fewest on one, and
-# samples of a segment over the whole range of the drive.
+# samples of a segment over the whole range of the drive; most while a hand moves the chain.
 _ALL, _MOST, _LEAST, _WHOLE = 600, 33, 3, 26
+_MOVING = 360
 _LANDSCAPE = 65
 
 
@@ -42,14 +43,21 @@ def _units_of(chain: Chain) -> list[tuple[str, float]]:
     return [display_unit(unit) for unit in units]
 
 
-def drawn(path: Path, *, every: int = 1) -> Path:
-    """The path, resampled for a picture; with `every` = 2 every second of its samples."""
+def drawn(path: Path, *, moves: bool = False) -> Path:
+    """The path, resampled for a picture; of a chain that `moves` under a hand, fewer samples.
+
+    These are some of the others: every second one, or of many segments every fourth or sixth.
+    """
     spans = path.move_spans
     longest = np.max(spans, initial=0.0) / (np.ptp(path.turning_points) or 1.0)
     least = max(_LEAST, math.ceil(_WHOLE * longest))
     # An even number of steps on each segment.
     steps = min(_MOST, max(least, _ALL // max(1, len(spans)))) // 2 * 2
-    return path.resampled(steps // every + 1)
+    if moves:
+        fewest = max(1, min(math.ceil(_WHOLE / 2 * longest), steps // 2))
+        parts = [n for n in range(fewest, steps // 2 + 1) if steps % n == 0]
+        steps = max((n for n in parts if (n + 1) * len(spans) <= _MOVING), default=parts[0])
+    return path.resampled(steps + 1)
 
 
 def sample_near(path: Path, drive: float, direction: int) -> int:

@@ -42,7 +42,7 @@ def answer_evaluate(design: PageDesign, ask: Ask) -> View:
 
 
 def _while_it_moves(chain: Chain, ask: Ask) -> View:
-    """The same for a chain under a hand that drags, with every second sample.
+    """The same for a chain under a hand that drags, with fewer samples.
 
     If `cells` are given, anchors and curves of these were moved, and what that does not change is
     left out. With `drive` and `direction` of the cursor, the
@@ -56,7 +56,7 @@ def _while_it_moves(chain: Chain, ask: Ask) -> View:
         cursor = ask.number("drive", -_FARTHEST, _FARTHEST), ask.whole("direction", -1, 1)
     ask.close()
     cycle = chain.cycle()
-    path = motion.drawn(cycle.path, every=2)
+    path = motion.drawn(cycle.path, moves=True)
     at = None if cursor is None else motion.sample_near(path, *cursor)
     arrays = motion.arrays_of(path, at)
     # The travels of all cells are most of the bytes, and are drawn.
