@@ -7,6 +7,7 @@ from contextlib import redirect_stdout
 import pytest
 
 from stepwell import files
+from stepwell.studio.motion import drawn, sample_near
 from studio.browser import (
     Opened,
     anchors,
@@ -93,6 +94,18 @@ def test_one_drag_is_one_undo(page: Page):
     expect(page.get_by_role("button", name="Undo")).to_be_disabled()
     page.get_by_role("button", name="Redo").click()
     assert anchors(page, "outer") == after
+
+
+@pytest.mark.parametrize("sample", [20, 123, 200, 290])
+def test_the_cursor_keeps_its_stroke_through_a_drag(page: Page, sample: int):
+    slider = page.get_by_role("slider", name="Stroke")
+    before = drawn(chain_shown(page).cycle().path)
+    slider.fill(str(sample))
+    for dx, dy in ((-40, 20), (25, -15), (-10, 5)):
+        drag(page, "q", "outer", dx, dy)
+    after = drawn(chain_shown(page).cycle().path)
+    wanted = sample_near(after, before.drive[sample] * 1e3, int(before.direction[sample]))
+    assert int(slider.input_value()) == wanted
 
 
 def test_an_anchor_moves_by_arrow_keys(page: Page):
