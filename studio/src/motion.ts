@@ -48,22 +48,56 @@ export function eventsOf(view: View): Event[] {
 }
 
 function snapsOf(view: View): Event[] {
-  const { drive, stroke, direction, travel } = view.blocks;
-  const width = view.cells.length;
   const events: Event[] = [];
-  for (let sample = 0; sample < drive.length; sample += 1) {
-    if (!snaps(view, sample)) continue;
-    const [cells, before_mm, after_mm]: number[][] = [[], [], []];
-    for (let i = 0, a = sample * width, b = a + width; i < width; i += 1, a += 1, b += 1) {
-      if (Math.abs(travel[b] - travel[a]) <= MOVES) continue;
-      cells.push(i);
-      before_mm.push(travel[a]);
-      after_mm.push(travel[b]);
-    }
-    const [stroke_mm, way] = [stroke[sample], direction[sample]];
-    events.push({ kind: "snap", sample, stroke_mm, direction: way, cells, before_mm, after_mm });
-  }
+  for (let k = 0; k + 1 < view.blocks.drive.length; k += 1) if (snaps(view, k)) events.push(new Snap(view, k));
   return events;
+}
+
+/** A snap between two samples; which cells move, and how far, is read off them when it is asked for. */
+class Snap implements Event {
+  readonly kind = "snap";
+
+  constructor(
+    private readonly view: View,
+    readonly sample: number,
+  ) {}
+
+  get stroke_mm(): number {
+    return this.view.blocks.stroke[this.sample];
+  }
+
+  get direction(): number {
+    return this.view.blocks.direction[this.sample];
+  }
+
+  get cells(): number[] {
+    return [...this.view.cells.keys()].filter((i) => Math.abs(this.travel(i, 1) - this.travel(i, 0)) > MOVES);
+  }
+
+  get before_mm(): number[] {
+    return this.cells.map((i) => this.travel(i, 0));
+  }
+
+  get after_mm(): number[] {
+    return this.cells.map((i) => this.travel(i, 1));
+  }
+
+  private travel(cell: number, later: number): number {
+    return this.view.blocks.travel[(this.sample + later) * this.view.cells.length + cell];
+  }
+}
+
+/** The cell that a snap moves most; of equal ones the last, which it brings to its stop. */
+export function moverOf({ cells, blocks: { travel } }: View, { sample }: Event): number {
+  const [width, at] = [cells.length, sample * cells.length];
+  let [mover, most] = [0, 0];
+  for (let i = 0; i < width; i += 1) {
+    const moved = Math.abs(travel[at + width + i] - travel[at + i]);
+    if (moved < most - MOVES) continue;
+    mover = i;
+    most = Math.max(most, moved);
+  }
+  return mover;
 }
 
 /** The answer to a move of some cells; what it leaves out of the others is as in the view before. */
