@@ -23,7 +23,7 @@ const THEME = "stepwell.theme";
 const FOLLOW_MS = 120;
 const REST_MS = 400;
 // After the answer to a move, when the hand counts as still: panels wait for it.
-const STILL_MS = 150;
+const STILL_MS = 300;
 // So long a move waits to be drawn together with its answer, which most often is there before.
 const TOGETHER_MS = 50;
 

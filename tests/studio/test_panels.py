@@ -21,6 +21,7 @@ from stepwell.statics import EventKind
 from stepwell.studio.aside import answered
 from stepwell.studio.ask import PageDesign
 from stepwell.studio.message import Message, unpacked
+from stepwell.studio.motion import drawn
 from studio.pages import FORWARD, Answer
 
 CHAINS = [name for name in presets() if not name.startswith("robot-")]
@@ -259,8 +260,7 @@ def test_the_answer_to_a_move_of_a_long_chain_is_short():
     moves = {"moves": True, "cells": [5], "drive": 200.0, "direction": 1}
     answer = answered(Message("evaluate", 1, {"chain": chain}, moves))
     header, blocks = unpacked(answer)
-    assert len(answer) < 80_000
-    assert len(answer) - sum(block.nbytes for block in blocks.values()) < 6_000
+    assert len(answer) < 32_000
     # The drawing and the curves have what they show.
     assert set(blocks) == {
         *("drive", "stroke", "force", "travel", "segment", "direction"),
@@ -269,6 +269,24 @@ def test_the_answer_to_a_move_of_a_long_chain_is_short():
     assert len(header["cells"]) == 1
     limits, _ = unpacked(answered(Message("limits", 2, {"chain": chain})))
     assert len(limits["margins"]) == 64
+
+
+@pytest.mark.parametrize("cells", [1, 2, 8, 12, 24, 32, 64])
+def test_a_move_of_a_long_chain_has_few_samples_and_all_ends_of_segments(cells: int):
+    band = {"stiffness_N_per_m": 28.5, "rest_length_mm": 10}
+    listed = [{"p_mm": [-10, 0], "q_mm": [10 + 10 * k / cells, 0]} for k in range(cells)]
+    chain = {"lever_mm": 16, "limit_deg": 45, "band": band, "cell": listed}
+    path = loads_tables({"chain": chain}).subject.cycle().path
+    full, few = drawn(path), drawn(path, moves=True)
+    fewest = 2 * len(path.move_spans) + 1
+    assert len(few.drive) <= max(361, fewest)
+    assert len(few.drive) <= max(0.56 * len(full.drive), fewest)
+    places = [np.stack([one.drive, one.branch], axis=1).round(9) for one in (full, few)]
+    have, want = ({*map(tuple, rows.tolist())} for rows in places)
+    assert want <= have
+    for branch in np.unique(full.branch):
+        ends = [one.drive[one.branch == branch][[0, -1]] for one in (full, few)]
+        np.testing.assert_allclose(*ends, rtol=0, atol=1e-12)
 
 
 @pytest.mark.slow
