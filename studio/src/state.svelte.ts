@@ -24,6 +24,8 @@ const FOLLOW_MS = 120;
 const REST_MS = 400;
 // After the answer to a move, when the hand counts as still: panels wait for it.
 const STILL_MS = 300;
+// Under a hand that does not pause, the time from one request for margins to the next.
+const BOUND_MS = 100;
 // So long a move waits to be drawn together with its answer, which most often is there before.
 const TOGETHER_MS = 50;
 
@@ -157,6 +159,7 @@ class Studio {
   private drawing = 0;
   /** Number of the last request whose design is drawn. */
   private drawn = 0;
+  private boundAt = 0;
   /** Whether the last request was of a move, whose answer leaves out what a hand at rest may ask. */
   private brief = false;
   /** The cells of a drag before it, of which the view was then; null where it was not. */
@@ -555,12 +558,13 @@ class Studio {
     });
   }
 
-  /** Asks for the margins of a move once it has been painted, which they would delay. */
+  /** Asks for the margins of a move once it has been painted, which they would delay, as they would the next move. */
   private bound(design: Design | null): void {
     const { before } = this;
     const late = (): boolean => !this.brief || before !== this.before;
     const ask = (): void => {
-      if (late()) return;
+      if (late() || (this.awaits && performance.now() - this.boundAt < BOUND_MS)) return;
+      this.boundAt = performance.now();
       this.wire.ask("limits", design, this.leg, {}, (view) => {
         if (view.ok && !late()) this.reach = view;
       });
