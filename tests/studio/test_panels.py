@@ -276,7 +276,7 @@ def test_a_move_of_a_long_chain_has_few_samples_and_all_ends_of_segments(cells: 
     band = {"stiffness_N_per_m": 28.5, "rest_length_mm": 10}
     listed = [{"p_mm": [-10, 0], "q_mm": [10 + 10 * k / cells, 0]} for k in range(cells)]
     chain = {"lever_mm": 16, "limit_deg": 45, "band": band, "cell": listed}
-    path = loads_tables({"chain": chain}).subject.cycle().path
+    path = PageDesign({"chain": chain}).chain.cycle().path
     full, few = drawn(path), drawn(path, moves=True)
     fewest = 2 * len(path.move_spans) + 1
     assert len(few.drive) <= max(361, fewest)
