@@ -90,7 +90,8 @@ def test_a_move_of_some_cells_completes_the_view_before_to_the_answer_for_all_ce
     designs = [tables_in(preset_text(name), name) for name in ("finger-selector", "three-wave")]
     for design in (*designs, long_chain(20)):
         begin = design["chain"]["cell"]
-        cells, layout = (evaluated(design)[0][key] for key in ("cells", "layout"))
+        header, _ = evaluated(design)
+        cells, layout = header["cells"], header["layout"]
         for _ in range(8):
             design = edited(design, source, ["move"])
             both = enumerate(zip(begin, design["chain"]["cell"], strict=True))
