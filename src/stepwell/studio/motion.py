@@ -239,11 +239,13 @@ def events_of(events: Iterable[Event], path: Path) -> list[dict[str, Any]]:
 def path_header(path: Path, few: Path | None, moved: Iterable[int] | None = None) -> dict[str, Any]:
     """Cells, events, forces and dissipated energy of a path; events refer to samples of `few`.
 
-    Without `few` there are no events: the page reads the snaps off the samples. Of a path before
-    which only anchors and curves of the cells `moved` were others, what they leave is left out.
+    Without `few` there are no events: the page reads the snaps off the samples. If only anchors and
+    curves of the cells `moved` are not as in the path before, what is as before is left out.
     """
     chain = path.chain
-    listed = {"events": events_of(path.events, few)} if few is not None else {}
+    listed: dict[str, Any] = {}
+    if few is not None:
+        listed["events"] = events_of(path.events, few)
     # The drawing of lever cells has room for their stops, and that of an element for its path.
     if moved is None or chain.elements:
         listed["layout"] = layout_of(path)

@@ -44,8 +44,8 @@ def answer_evaluate(design: PageDesign, ask: Ask) -> View:
 def _while_it_moves(chain: Chain, ask: Ask) -> View:
     """The same for a chain under a hand that drags, with fewer samples.
 
-    If `cells` are given, anchors and curves of these were moved, and what that does not change is
-    left out. With `drive` and `direction` of the cursor, the tensions are those at the cursor alone.
+    If `cells` are given, only their anchors and curves have changed, and what is as before is
+    left out. With `drive` and `direction` of the cursor, tensions are those at the cursor alone.
     """
     moved = None
     if ask.has("cells"):
