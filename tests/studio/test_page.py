@@ -96,6 +96,25 @@ def test_one_drag_is_one_undo(page: Page):
     assert anchors(page, "outer") == after
 
 
+PRESSED = """
+() => new Promise((done) => addEventListener("pointerdown", ({ target }) => {
+  const options = target.getContext?.("2d").getContextAttributes();
+  done([target.nodeName, options?.desynchronized, target.closest("[role=button]").ariaLabel]);
+}, { once: true }))
+"""
+
+
+def test_a_mouse_presses_an_anchor_where_its_moves_are_reported_at_once(page: Page):
+    x, y = middle(handle(page, "q", "outer").locator(".dot"))
+    page.evaluate(f"() => {{ window.pressed = ({PRESSED})(); }}")
+    page.mouse.move(x, y)
+    page.mouse.down()
+    assert page.evaluate("window.pressed") == ["CANVAS", True, "q of outer"]
+    # While it is held, nothing lies over the drawing.
+    expect(page.locator(".press")).to_be_hidden()
+    page.mouse.up()
+
+
 @pytest.mark.parametrize("sample", [20, 123, 200, 290])
 def test_the_cursor_keeps_its_stroke_through_a_drag(page: Page, sample: int):
     slider = page.get_by_role("slider", name="Stroke")
