@@ -90,3 +90,10 @@ def opened(studio: Studio, *, origin: str | None = "", token: str = "") -> Itera
     address = f"ws://{studio.host}/socket?token={token or studio.token}"
     with connect(address, origin=header or None, max_size=None, proxy=None) as socket:
         yield Page(socket)
+
+
+def long_chain(cells: int) -> dict[str, Any]:
+    """Tables of lever cells that switch one after another, enough for a sorted cycle."""
+    listed = [{"p_mm": [-10, 0], "q_mm": [10 + 10 * k / cells, 0]} for k in range(cells)]
+    band = {"stiffness_N_per_m": 28.5, "rest_length_mm": 10}
+    return {"chain": {"lever_mm": 16, "limit_deg": 45, "band": band, "cell": listed}}

@@ -17,6 +17,7 @@ from stepwell.files import preset_text, tables_in
 from stepwell.mechanism.levers import Levers
 from stepwell.studio.aside import answered
 from stepwell.studio.message import Message, unpacked
+from studio.pages import long_chain
 
 # Answers every design of its input in a process that has answered nothing before.
 FRESH = """
@@ -76,13 +77,6 @@ def evaluated(design: dict[str, Any], **ask: Any) -> tuple[dict[str, Any], dict[
     header, blocks = unpacked(answered(Message("evaluate", 1, design, ask)))
     assert header["ok"], header
     return {key: value for key, value in header.items() if key != "blocks"}, blocks
-
-
-def long_chain(cells: int) -> dict[str, Any]:
-    """Tables of lever cells that switch one after another, enough for a sorted cycle."""
-    listed = [{"p_mm": [-10, 0], "q_mm": [10 + 10 * k / cells, 0]} for k in range(cells)]
-    band = {"stiffness_N_per_m": 28.5, "rest_length_mm": 10}
-    return {"chain": {"lever_mm": 16, "limit_deg": 45, "band": band, "cell": listed}}
 
 
 def test_a_move_of_some_cells_completes_the_view_before_to_the_answer_for_all_cells():

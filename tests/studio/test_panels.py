@@ -22,7 +22,7 @@ from stepwell.studio.aside import answered
 from stepwell.studio.ask import PageDesign
 from stepwell.studio.message import Message, unpacked
 from stepwell.studio.motion import drawn
-from studio.pages import FORWARD, Answer
+from studio.pages import FORWARD, Answer, long_chain
 
 CHAINS = [name for name in presets() if not name.startswith("robot-")]
 
@@ -254,29 +254,25 @@ def test_margins_are_pythons(name: str):
 
 
 def test_the_answer_to_a_move_of_a_long_chain_is_short():
-    cells = [{"p_mm": [-10, 0], "q_mm": [10 + 10 * k / 32, 0]} for k in range(32)]
-    band = {"stiffness_N_per_m": 28.5, "rest_length_mm": 10}
-    chain = {"lever_mm": 16, "limit_deg": 45, "band": band, "cell": cells}
+    chain = long_chain(32)
     moves = {"moves": True, "cells": [5], "drive": 200.0, "direction": 1}
-    answer = answered(Message("evaluate", 1, {"chain": chain}, moves))
+    answer = answered(Message("evaluate", 1, chain, moves))
     header, blocks = unpacked(answer)
     assert len(answer) < 32_000
+    assert len(answer) - sum(block.nbytes for block in blocks.values()) < 6_000
     # The drawing and the curves have what they show.
     assert set(blocks) == {
         *("drive", "stroke", "force", "travel", "segment", "direction"),
         *("tension_now", "pull", "landscape_travel", "landscape_energy"),
     }
     assert len(header["cells"]) == 1
-    limits, _ = unpacked(answered(Message("limits", 2, {"chain": chain})))
+    limits, _ = unpacked(answered(Message("limits", 2, chain)))
     assert len(limits["margins"]) == 64
 
 
 @pytest.mark.parametrize("cells", [1, 2, 8, 12, 24, 32, 64])
 def test_a_move_of_a_long_chain_has_few_samples_and_all_ends_of_segments(cells: int):
-    band = {"stiffness_N_per_m": 28.5, "rest_length_mm": 10}
-    listed = [{"p_mm": [-10, 0], "q_mm": [10 + 10 * k / cells, 0]} for k in range(cells)]
-    chain = {"lever_mm": 16, "limit_deg": 45, "band": band, "cell": listed}
-    path = PageDesign({"chain": chain}).chain.cycle().path
+    path = PageDesign(long_chain(cells)).chain.cycle().path
     full, few = drawn(path), drawn(path, moves=True)
     fewest = 2 * len(path.move_spans) + 1
     assert len(few.drive) <= max(361, fewest)
